@@ -1,5 +1,6 @@
-//! A pass of 1000 stations (beam, force law and error copying) and the choice of cutting data: genetic algorithm with
-//! 10 000 evaluations, and the deterministic method that proves its optimum. Limits: 2 ms a pass, 0.1 s the algorithm.
+//! A pass of 1000 stations (beam, force law and error copying) and the choice of cutting data:
+//! genetic algorithm with 10 000 evaluations, and the deterministic method that proves its optimum.
+//! Limits: 2 ms per pass, 0.1 s for the algorithm.
 #![allow(missing_docs, reason = "Criterion's macros write functions without documentation")]
 
 use std::hint::black_box;

@@ -1,6 +1,7 @@
-//! Each kernel of the renderer by itself, on the CPU: the device's times are `render --setup`'s.
+//! Each kernel of the renderer by itself, on the CPU; `render --bench` times a device.
 //!
-//! 2048 x 2048 pixels, 12 bit; `job` is what the host prepares for a frame, `frame` the twin's kernels.
+//! 2048 x 2048 pixels, 12 bit; `job` is the host's preparation of a frame, `frame` the twin's
+//! kernels.
 
 use std::hint::black_box;
 

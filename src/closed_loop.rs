@@ -6,8 +6,8 @@
 //!
 //! `instrument` (camera or probe) is calibrated on `masters`; a pass is cut, then scanned (`scan`;
 //! `touches` by a probe), or measured while it is cut (`in_process`); `pass_before` compares it
-//! with the last one, `evidence` is what a decision was made by besides the profile. A new way to
-//! measure a pass is a method of [`ClosedLoop`] in a file of its own that gives a `Scanned`.
+//! with the last one, `evidence` is the input of a decision besides the profile. A new way to
+//! measure a pass is a method of [`ClosedLoop`] in a file of its own that returns a `Scanned`.
 
 mod error;
 mod evidence;
@@ -42,29 +42,29 @@ use scan::{Measured, Scanned};
 /// One finished pass.
 #[derive(Clone, Debug)]
 pub struct PassResult {
-    /// What was commanded.
+    /// The commanded pass.
     pub plan: PassPlan,
     /// Measured diameters.
     pub profile: DiameterProfile,
     /// Diameters of each frame.
     pub readings: Vec<FrameReading>,
-    /// What control decided; `None` after the last pass.
+    /// The controller's decision; `None` after the last pass.
     pub decision: Option<Decision>,
-    /// What the decision was made by besides the profile.
+    /// Input of the decision besides the profile.
     pub evidence: Evidence,
-    /// Control's remarks, and what rounding for the machine left of the offsets.
+    /// Remarks of the controller, and on the rounding of the offsets for the machine.
     pub notes: Vec<String>,
-    /// Why the next pass should not be cut until someone has looked.
+    /// Why the next pass should not be cut before an inspection.
     pub alarm: Option<String>,
     /// True station diameters, mm, for comparison only.
     pub truth_mm: Option<Vec<f64>>,
     /// Forces and deflections while it was cut, where the cell has them.
     pub cut: Option<CutSummary>,
-    /// The part's axis as it was looked at, for comparison only.
+    /// The part's axis in the frames, for comparison only.
     pub true_axis: Option<TrueAxis>,
     /// Form and sizes of the sections over the angles scanned.
     pub form: PartForm,
-    /// Axis of the part along z: what stands still of it in the image plane, and what turns.
+    /// Axis of the part along z in the image plane: its line at rest and the one that turns.
     pub axis: AxisLine,
     /// The middle field at the first angle.
     pub sample: Option<Sample>,
@@ -84,11 +84,12 @@ pub struct ClosedLoop<'a> {
     cell: Box<dyn TurningCell + 'a>,
     gauge: Gauge,
     calibration: Calibrated,
-    /// The same under the part's conditions.
+    /// The calibration under the part's conditions.
     of_part: Calibrated,
     controller: Box<dyn Controller + Send>,
     offset: DiameterOffset,
-    /// What the controller asked for; `offset` is what the machine's program made of it.
+    /// Offsets as the controller decided them; `offset` has them as the machine's program rounds
+    /// them.
     asked: DiameterOffset,
     held: Option<HeldReason>,
     notes: Vec<String>,
@@ -96,13 +97,13 @@ pub struct ClosedLoop<'a> {
     part: PartState,
 }
 
-/// How far the part under way is.
+/// Progress of the current part.
 struct PartState {
     next_pass: u32,
-    /// What changed since the last part; taken when the part begins.
+    /// What changed since the last part; consumed when the part begins.
     event: Option<PartEvent>,
     stock: Option<DiameterProfile>,
-    /// The last pass: what was commanded and what was measured.
+    /// The last pass: its plan and its measured profile.
     before: Option<(PassPlan, DiameterProfile)>,
 }
 
@@ -153,8 +154,8 @@ impl<'a> ClosedLoop<'a> {
         })
     }
 
-    /// Clamps the next blank of a batch: edge, machine, calibration and what the controller has
-    /// learnt stay. `part` counts from 0, the part the cell began with.
+    /// Clamps the next blank of a batch: edge, machine, calibration and the state of the controller
+    /// stay. `part` counts from 0, the part the cell began with.
     ///
     /// # Errors
     /// Where the cell has no other blank.
@@ -170,12 +171,12 @@ impl<'a> ClosedLoop<'a> {
         self.part.stock.as_ref()
     }
 
-    /// Takes up the stock as it was scanned before, so that no frame is taken of it.
+    /// Resumes with the recorded scan of the stock, so that no frame is taken of it.
     pub fn resume_stock(&mut self, stock: Option<DiameterProfile>) {
         self.begin_part(stock);
     }
 
-    /// Why the next pass should not be cut until someone has looked.
+    /// Why the next pass should not be cut before an inspection.
     pub fn alarm(&self) -> Option<&str> {
         self.alarm.as_deref()
     }
@@ -227,8 +228,8 @@ impl<'a> ClosedLoop<'a> {
         self.held.as_ref()
     }
 
-    /// Takes up a pass that was finished before: cuts it again (no frame is taken) and gives the
-    /// controller what was measured.
+    /// Replays a pass that was finished before: cuts it again (no frame is taken) and passes its
+    /// recorded profile to the controller.
     ///
     /// # Errors
     /// Where the record does not fit the job, or the cut fails.
@@ -338,7 +339,7 @@ impl<'a> ClosedLoop<'a> {
         let mean =
             |edges: &FrameEdges| camera.diameters(edges).mean(0..edges.columns()).value().map(|d| d.d_mm);
         let diameters: Vec<f64> = seen.iter().filter_map(mean).collect();
-        // a pin that cannot be measured reads nothing, which is as far off as can be
+        // a pin that cannot be measured reads 0 mm, a deviation beyond every limit
         Ok(Some(diameters.iter().sum::<f64>() / diameters.len().max(1) as f64 - pin.diameter_mm))
     }
 
@@ -372,7 +373,7 @@ impl<'a> ClosedLoop<'a> {
         self.part.before = Some((plan.clone(), measured.clone()));
         self.part.next_pass += 1;
         (self.notes, self.alarm) = (Vec::new(), None);
-        // after the last pass nothing is decided, but the next part is learnt for
+        // after the last pass there is no decision, but the controller is updated for the next part
         let decision = self.controller.decide_in(plan, measured, &context);
         if self.next_pass().is_none() {
             self.alarm = self.remeasured(plan, measured);
@@ -394,7 +395,7 @@ impl<'a> ClosedLoop<'a> {
         Some(decision)
     }
 
-    /// Alarm of the re-measurement after the finishing pass: a station that is not proven to lie
+    /// Alarm of the re-measurement after the finishing pass, where a station is not proven to lie
     /// within the tolerance (ISO 14253-1).
     fn remeasured(&self, plan: &PassPlan, measured: &DiameterProfile) -> Option<String> {
         let finished = plan.pass as usize == self.job.part.passes();
@@ -404,7 +405,7 @@ impl<'a> ClosedLoop<'a> {
 
     /// Puts offsets in force as the machine's program makes them: knots along z, rounded to the
     /// control's increments. The controller gets these in the next plan. Offsets that no program
-    /// can carry are not put in force.
+    /// can apply are not put in force.
     fn put_in_force(&mut self, asked: DiameterOffset) -> Result<(), HeldReason> {
         let Some(machine) = &self.job.nc else {
             self.offset = asked.clone();
@@ -424,7 +425,7 @@ impl<'a> ClosedLoop<'a> {
         Ok(())
     }
 
-    /// Offsets of the next pass as the controller asked for them, before the machine's program
+    /// Offsets of the next pass as the controller decided them, before the machine's program
     /// rounded them.
     pub fn asked(&self) -> &DiameterOffset {
         &self.asked

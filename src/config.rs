@@ -1,4 +1,4 @@
-//! Reads the TOML a user writes, points at the key that is wrong, hashes it, publishes the JSON
+//! Reads a user's TOML file, points errors at the key, hashes the config, publishes the JSON
 //! Schema.
 
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::render::form::read_contour;
 use crate::render::settings::Esf;
 use crate::setting::SettingError;
 
-/// The preset of the main job, carried in the binary; the same file as
+/// The preset of the main job, built into the binary; the same file as
 /// `configs/slender_shaft.toml`.
 pub const SLENDER_SHAFT: &str = include_str!("../configs/slender_shaft.toml");
 
@@ -26,18 +26,18 @@ pub enum ConfigError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The cause underneath.
+        /// The underlying cause.
         #[source]
         cause: std::io::Error,
     },
-    /// The text is no TOML, has an unknown key, or a value of the wrong type.
+    /// The text is not TOML, has an unknown key, or a value of the wrong type.
     #[error("{file}: {message}")]
     Parse {
         /// The file's name.
         file: String,
         /// What is wrong.
         message: String,
-        /// What would be right, where that can be guessed.
+        /// A suggestion, where one can be derived.
         #[help]
         help: Option<String>,
         /// The text, to point into.
@@ -47,14 +47,14 @@ pub enum ConfigError {
         #[label("here")]
         span: Option<SourceSpan>,
     },
-    /// A value is of the right type but cannot be right.
+    /// A value has the right type but is out of range.
     #[error("{file}: {key}: {problem}")]
     Value {
         /// The file's name.
         file: String,
         /// Dotted key.
         key: String,
-        /// What is wrong and what would be right.
+        /// What is wrong, and the valid values.
         problem: String,
         /// The text, to point into.
         #[source_code]
@@ -68,7 +68,7 @@ pub enum ConfigError {
 /// Reads and checks a config file.
 ///
 /// # Errors
-/// The first thing that is wrong, with the file, the key and what would be right.
+/// The first error, with the file, the key and the valid values.
 pub fn load(path: &Path) -> Result<Job, ConfigError> {
     let text =
         std::fs::read_to_string(path).map_err(|cause| ConfigError::Read { path: path.to_owned(), cause })?;
@@ -80,7 +80,7 @@ pub fn load(path: &Path) -> Result<Job, ConfigError> {
     Ok(job)
 }
 
-/// Reads the files that a config names, beside it; what they hold takes the place of their names.
+/// Reads the files that a config names, beside it; their contents replace their names.
 fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
     let open = |key: &str, name: &str| {
         let path = folder.join(name);
@@ -101,11 +101,11 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
     Ok(())
 }
 
-/// Reads the file of a measured edge, beside the config that names it; its samples take the name's
-/// place.
+/// Reads the file of a measured edge, beside the config that names it; its samples replace the
+/// name.
 ///
 /// # Errors
-/// A file that cannot be read or holds no edge.
+/// A file that cannot be read or does not contain an edge.
 pub fn read_measured_edge(esf: &mut Esf, folder: &Path) -> Result<(), SettingError> {
     const KEY: &str = "optics.esf.measured.file";
     let Esf::Measured(measured) = esf else { return Ok(()) };
@@ -130,13 +130,13 @@ pub fn parse(text: &str, file: &str) -> Result<Job, ConfigError> {
 /// it in errors.
 ///
 /// # Errors
-/// Text that is no TOML, an unknown key, a wrong type.
+/// Text that is not TOML, an unknown key, a wrong type.
 pub fn parse_as<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Result<T, ConfigError> {
     toml::from_str(text).map_err(|e| parse_error(text, file, &e))
 }
 
-/// Turns a check that failed later (an override on the command line, the coverage of a scan) into a
-/// config error.
+/// Turns the error of a later check (an override on the command line, the coverage of a scan) into
+/// a config error.
 pub fn value_error(text: &str, file: &str, error: SettingError) -> ConfigError {
     ConfigError::Value {
         file: file.to_owned(),
@@ -151,7 +151,7 @@ pub fn value_error(text: &str, file: &str, error: SettingError) -> ConfigError {
 /// the CPU path.
 ///
 /// # Errors
-/// Never for a job that was parsed; a job with values TOML cannot carry.
+/// Never for a parsed job; for others, values that TOML cannot represent.
 pub fn hash(job: &Job) -> Result<String, toml::ser::Error> {
     let digest = Sha256::digest(resolved(job)?.as_bytes());
     Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
@@ -188,8 +188,8 @@ fn line_of(text: &str, offset: usize) -> usize {
     text.bytes().take(offset).filter(|&b| b == b'\n').count() + 1
 }
 
-/// For "unknown field `length_cm`, expected one of `length_mm`, …": the key whose words are the
-/// same but for the unit.
+/// For "unknown field `length_cm`, expected one of `length_mm`, …": the key that differs only in
+/// the unit.
 fn unit_help(message: &str) -> Option<String> {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let unknown = quoted.next().filter(|_| message.starts_with("unknown field"))?;
@@ -219,8 +219,8 @@ fn edit_distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// Where the file sets a dotted key (`a.b[2].c`); the nearest parent that it does set, else
-/// nothing.
+/// Where the file sets a dotted key (`a.b[2].c`), otherwise its nearest parent that the file sets,
+/// otherwise nothing.
 fn key_span(text: &str, dotted: &str) -> Option<SourceSpan> {
     use toml::de::{DeTable, DeValue};
     let root = DeTable::parse(text).ok()?;

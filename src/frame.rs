@@ -1,4 +1,4 @@
-//! Frames: what a camera delivers and a gauge reads.
+//! Frames: the output of a camera and the input of a gauge.
 //!
 //! Images have `row` (down) and `column` (right), pixel centres at integers. With p mm per pixel
 //! and the machine's axes (z along the spindle, x up in the image, y towards the camera):
@@ -38,7 +38,7 @@ impl Pixels<'_> {
     }
 }
 
-/// Bits of a grey value: what full scale means.
+/// Format of a grey value, which defines full scale.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
 )]
@@ -59,7 +59,7 @@ pub enum PixelFormat {
 }
 
 impl PixelFormat {
-    /// Largest count the format can carry; `None` for unquantised frames.
+    /// Largest count of the format; `None` for unquantised frames.
     pub fn full_scale(self) -> Option<u16> {
         match self {
             Self::Mono8 => Some(255),
@@ -91,9 +91,9 @@ pub enum FrameError {
     /// A frame without rows or columns.
     #[error("a frame of {rows} rows x {columns} columns has no pixel; both must be at least 1")]
     Empty {
-        /// Rows asked for.
+        /// Rows requested.
         rows: usize,
-        /// Columns asked for.
+        /// Columns requested.
         columns: usize,
     },
     /// The buffer ends before the last pixel.
@@ -105,9 +105,9 @@ pub enum FrameError {
         found: usize,
         /// Pixels needed.
         needed: usize,
-        /// Rows asked for.
+        /// Rows requested.
         rows: usize,
-        /// Columns asked for.
+        /// Columns requested.
         columns: usize,
         /// Pixels from one row to the next.
         stride: usize,
@@ -117,22 +117,22 @@ pub enum FrameError {
     StrideTooShort {
         /// Pixels from one row to the next.
         stride: usize,
-        /// Columns asked for.
+        /// Columns requested.
         columns: usize,
     },
     /// The container does not fit the format.
     #[error("{format:?} does not fit a container of {container} pixels")]
     Container {
-        /// Format asked for.
+        /// Format requested.
         format: PixelFormat,
         /// The buffer's element type.
         container: &'static str,
     },
 }
 
-/// A borrowed, possibly strided or transposed look at a frame's pixels: all that the gauge needs.
+/// A borrowed, possibly strided or transposed view of a frame's pixels: the input of the gauge.
 ///
-/// Pixel (row, column) stands at `row * row_stride + column * column_stride`.
+/// Pixel (row, column) is at index `row * row_stride + column * column_stride`.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameView<'a> {
     pixels: Pixels<'a>,
@@ -149,7 +149,7 @@ impl<'a> FrameView<'a> {
     ///
     /// # Errors
     /// Refuses empty frames, buffers that are too short, strides below the row length, and
-    /// containers that do not carry the format.
+    /// containers that cannot hold the format.
     pub fn new(
         pixels: Pixels<'a>,
         format: PixelFormat,
@@ -202,8 +202,8 @@ impl<'a> FrameView<'a> {
         self.format
     }
 
-    /// Largest count that the frame can carry: what its file states (a PGM's `maxval`, `sBIT`),
-    /// else its format's; `None` where neither is known.
+    /// Full scale, counts: as stated by the file (a PGM's `maxval`, `sBIT`), otherwise the
+    /// format's; `None` where neither is given.
     pub fn full_scale(&self) -> Option<f32> {
         self.stated_full_scale.or_else(|| self.format.full_scale().map(f32::from))
     }
@@ -278,7 +278,7 @@ pub enum PixelsMut<'a> {
     F32(&'a mut [f32]),
 }
 
-/// Where on the sensor a frame's first pixel lies.
+/// The window of the sensor that a frame was read out from.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
 )]
@@ -294,7 +294,7 @@ pub struct Roi {
     pub columns: u32,
 }
 
-/// What is known about a frame beside its pixels.
+/// Metadata of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameMeta {
     /// Sequence number, unwrapped to 64 bits.
@@ -309,7 +309,7 @@ pub struct FrameMeta {
     pub z_mm: f64,
     /// The window of the sensor this frame shows; `None` for a full frame.
     pub roi: Option<Roi>,
-    /// How its file had encoded light; the frame's own grey values are linear.
+    /// Encoding of light in its file; the frame's own grey values are linear.
     pub encoding: Encoding,
 }
 
@@ -321,7 +321,7 @@ pub struct Frame {
     rows: usize,
     columns: usize,
     stated_full_scale: Option<f32>,
-    /// What is known beside the pixels.
+    /// Metadata.
     pub meta: FrameMeta,
 }
 
@@ -356,14 +356,14 @@ impl Frame {
         Self { buffer, format: PixelFormat::F32, rows, columns, stated_full_scale: full_scale, meta }
     }
 
-    /// States the largest count that the frame can carry, where it is not its format's own (10-bit
-    /// values up to 1000, floats with a known full scale). What is not above 0 states nothing.
+    /// Sets the full scale, counts, where it is not its format's own (10-bit values up to 1000,
+    /// floats with a known full scale). A value that is not above 0 is ignored.
     #[must_use]
     pub fn with_full_scale(self, counts: f32) -> Self {
         Self { stated_full_scale: (counts > 0.0).then_some(counts), ..self }
     }
 
-    /// The pixels as the gauge reads them.
+    /// A view of the pixels for the gauge.
     pub fn view(&self) -> FrameView<'_> {
         FrameView {
             pixels: self.buffer.as_pixels(),
@@ -385,7 +385,7 @@ impl Frame {
         }
     }
 
-    /// Gives the pixels back, so that a source can reuse the allocation.
+    /// Returns the pixels, so that a source can reuse the allocation.
     pub fn into_buffer(self) -> Buffer {
         self.buffer
     }
@@ -402,27 +402,27 @@ impl Buffer {
     }
 }
 
-/// A source that failed to deliver the next frame.
+/// Why a source failed to deliver the next frame.
 #[derive(Debug, Error)]
 #[error("{what}")]
 pub struct SourceError {
-    /// What failed, naming the file or device and what would be right.
+    /// What failed, with the file or device and a remedy.
     pub what: String,
-    /// The cause underneath, where there is one.
+    /// The underlying cause, where there is one.
     #[source]
     pub cause: Option<Box<dyn std::error::Error + Send + Sync>>,
 }
 
-/// Where frames come from: a simulator, a recording or a camera. Everything after it is the same
-/// for all three.
+/// A source of frames: a simulator, a recording or a camera. Everything after it is the same for
+/// all three.
 pub trait FrameSource {
     /// The next frame, or `None` at the end of the stream.
     ///
     /// # Errors
-    /// When the next frame cannot be delivered; the stream may go on after it.
+    /// When the next frame cannot be delivered; the stream may continue after it.
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError>;
 
-    /// Frames still to come, where that is known.
+    /// Number of remaining frames, where it is known.
     fn remaining(&self) -> Option<usize> {
         None
     }

@@ -1,8 +1,8 @@
 //! A job: the part, the scan, the masters and the settings of every stage, checked as a whole.
 //!
-//! Each stage owns its settings; the job composes them and checks what only shows when they meet (a
-//! shaft larger than the field, masters outside it, passes that do not remove material). Errors
-//! name the key and what would be right.
+//! Each stage owns its settings; the job composes them and checks conditions across stages (a shaft
+//! larger than the field, masters outside it, passes that do not remove material). Errors name the
+//! key and the valid range.
 //!
 //! `part`, `scan`, `probe` and `follow` are tables of the job itself; `stations` and `workpiece`
 //! are functions of their values; `edge` and `gauge_settings` give the gauge the edge of the job's
@@ -94,8 +94,8 @@ pub struct Job {
     pub probe: Option<ProbeSettings>,
     /// The controller.
     pub control: ControlSettings,
-    /// The control that the offsets go to: what its rounding leaves of them is what the controller is told. Without one
-    /// offsets are commanded as they are.
+    /// The control that the offsets go to: what its rounding leaves of them is what the controller
+    /// is told. Without one offsets are commanded as they are.
     pub nc: Option<NcJob>,
 }
 
@@ -196,9 +196,9 @@ impl Job {
         control
     }
 
-    /// Length along z that one frame shows, mm, by the nominal magnification; a little less than
-    /// the whole field, so that fields overlap whatever the true magnification. A line camera shows
-    /// one z a reading: it is to read every station.
+    /// Length along z in one frame, mm, at the nominal magnification; slightly less than the whole
+    /// field, so that fields overlap whatever the true magnification is. A frame of a line camera
+    /// shows a single z: one reading per station.
     pub fn field_length_mm(&self) -> f64 {
         if self.camera.line.is_some() {
             return self.part.station_mm;
@@ -223,8 +223,7 @@ impl Job {
         self.control.validate()
     }
 
-    /// A path of the first pass must be possible: its lead-out clear of the chuck, its settings in
-    /// range.
+    /// Checks that a path of the first pass is possible, and that the settings are in range.
     fn check_nc(&self) -> Result<(), SettingError> {
         let Some(nc) = &self.nc else { return Ok(()) };
         let stations = self.part.station_z_mm().len();
@@ -241,8 +240,7 @@ impl Job {
         crate::control::build(&self.run_control(), &self.part.station_z_mm()).map(drop).map_err(from_control)
     }
 
-    /// What a run should be warned of: a force that does not follow the material, an aim on a limit
-    /// of size.
+    /// Warnings for a run: a force law for another material, an aim at a limit of size.
     pub fn cautions(&self) -> Vec<String> {
         let model =
             self.control.controller == ControllerName::Model && self.control.model.coefficient_n.is_none();
@@ -251,10 +249,10 @@ impl Job {
         force.into_iter().chain(self.part.aims_at_a_limit()).collect()
     }
 
-    /// Checks every stage's settings and how they fit together.
+    /// Checks every stage's settings and the conditions across stages.
     ///
     /// # Errors
-    /// The first setting that cannot be right.
+    /// The first setting that is refused.
     pub fn check(&self) -> Result<(), SettingError> {
         self.part.check()?;
         if self.passes.is_some_and(|n| n == 0 || n > self.part.passes()) {
@@ -297,8 +295,7 @@ impl Job {
     }
 
     /// Whether the fields cover the part, the angles determine its uncertainty, the last pass aims
-    /// at the tolerance, and the shaft is one that
-    /// can be turned: needed by a run, not by `render`.
+    /// at the tolerance, and the shaft is one that can be turned: needed by a run, not by `render`.
     ///
     /// # Errors
     /// Names the key and what would be enough.

@@ -3,7 +3,8 @@
 //! Data flows one way, once per pass:
 //!
 //! ```text
-//! PassPlan -> process -> Shaft -> render -> frames -> gauge -> DiameterProfile -> control -> DiameterOffset -> next PassPlan
+//! PassPlan -> process -> Shaft -> render -> frames -> gauge -> DiameterProfile
+//!          -> control -> DiameterOffset -> next PassPlan
 //! ```
 //!
 //! Frames come from a simulator, a recording or a camera; everything after [`frame::Frame`] is the

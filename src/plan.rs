@@ -1,4 +1,4 @@
-//! What to cut and what to scan: the orders that flow from control to the machine.
+//! Plans of passes and scans: the commands from control to the machine.
 
 use std::fmt;
 
@@ -31,7 +31,7 @@ impl DiameterOffset {
 pub struct PassPlan {
     /// Number of the pass, from 1.
     pub pass: u32,
-    /// Nominal diameter r of the pass, mm: what the pass aims at.
+    /// Nominal diameter r of the pass, mm: its target.
     pub nominal_mm: f64,
     /// Cutting data.
     pub cutting: CuttingData,
@@ -48,7 +48,7 @@ impl PassPlan {
     }
 }
 
-/// Why the last offsets hold.
+/// Why the last offsets are held.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -62,12 +62,12 @@ pub enum HeldReason {
     },
     /// An offset step is larger than the limit.
     StepLimit {
-        /// Largest step asked for, mm of diameter.
+        /// Largest step requested, mm of diameter.
         step_mm: f64,
         /// The limit, mm of diameter.
         limit_mm: f64,
     },
-    /// A guard refused; the text names it, its limit and what was seen.
+    /// A guard refused; the text names it, its limit and the value found.
     Guard(String),
 }
 
@@ -83,16 +83,16 @@ impl fmt::Display for HeldReason {
     }
 }
 
-/// What control decided after a pass.
+/// Decision of the controller after a pass.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decision {
     /// New offsets for the next pass.
     Offset(DiameterOffset),
-    /// The last offsets hold.
+    /// The last offsets are held.
     Held(HeldReason),
 }
 
-/// Where the carriage stops and at which spindle angles frames are taken.
+/// Positions of the carriage and spindle angles at which frames are taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanPlan {
     /// Machine z of the field centres, mm, ascending.
@@ -128,11 +128,11 @@ pub struct FollowPlan {
     pub spindle_rpm: f64,
     /// Feed of the carriage along z, mm/s; below 0 towards the chuck.
     pub carriage_mm_s: f64,
-    /// Frames in the order they are taken, a burst of `burst` a field.
+    /// Frames in the order in which they are taken, one burst of `burst` frames per field.
     pub frames: Vec<FollowFrame>,
     /// Frames of a burst.
     pub burst: usize,
-    /// What the tool's last place leaves unseen, scanned after the pass with the tool clear.
+    /// Fields that the tool's end position hides, scanned after the pass with the tool clear.
     pub rest: ScanPlan,
 }
 

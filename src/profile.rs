@@ -1,5 +1,5 @@
-//! What the instrument measured: diameters along z, each with its uncertainty, or a gap with its
-//! reason.
+//! The measurement of the instrument: diameters along z, each with its uncertainty, or a gap with
+//! its reason.
 
 use std::fmt;
 
@@ -99,7 +99,7 @@ impl Diameter {
 pub enum Reading {
     /// A usable value.
     Value(Diameter),
-    /// Refused.
+    /// No usable value.
     Gap(Reason),
 }
 
@@ -120,8 +120,8 @@ pub struct Station {
     pub z_mm: f64,
     /// Mean caliper diameter of the station over its columns and the angles scanned.
     pub reading: Reading,
-    /// Effective degrees of freedom of the reading's u; none where it does not rest on scatter, or
-    /// on that of very many values.
+    /// Effective degrees of freedom of the reading's u; none where u is not estimated from scatter,
+    /// or from that of very many values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub freedom: Option<f64>,
 }

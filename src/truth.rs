@@ -1,5 +1,5 @@
-//! The truth: exact edges and diameters of a scene, from the same geometry that was drawn and from
-//! nothing measured.
+//! The truth: exact edges and diameters of a scene, from the rendered geometry alone, without any
+//! measurement.
 
 use rayon::prelude::*;
 
@@ -22,7 +22,7 @@ pub struct TrueEdges {
     pub bottom_px: f64,
 }
 
-/// True edges of every column of the frame asked for, in rows of that frame (a window's rows start
+/// True edges of every column of the requested frame, in rows of that frame (a window's rows start
 /// at its own 0).
 ///
 /// # Errors

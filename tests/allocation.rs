@@ -1,5 +1,6 @@
-//! Memory: a frame is decoded and measured within twice its own size beside the gauge's tables, whatever it shows. Hostile input: the
-//! bodies of the fuzz targets over their seeds and damaged copies of them.
+//! Memory: a frame is decoded and measured within twice its own size in addition to the gauge's
+//! tables, whatever its contents. Hostile input: the bodies of the fuzz targets over their seeds
+//! and damaged copies of them.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::io::Cursor;
@@ -44,12 +45,12 @@ fn shaft(rng: &mut Pcg64, rows: usize, columns: usize) -> Vec<u8> {
     pixels
 }
 
-/// One test, so that no other one allocates meanwhile.
+/// A single test, so that no other one allocates at the same time.
 #[test]
 fn no_allocation_beyond_twice_the_frame() {
     let mut rng = Pcg64::seed_from_u64(21);
     let gauge = Gauge::new(GaugeSettings::default()).unwrap();
-    // Threads and their stacks are not the frame's.
+    // Threads and their stacks do not count for the frame.
     let warm = shaft(&mut rng, 128, 256);
     let view = FrameView::new(Pixels::U8(&warm), PixelFormat::Mono8, 128, 256, 256).unwrap();
     gauge.edges(&view).unwrap();
@@ -121,7 +122,7 @@ fn measured(gauge: &Gauge, rng: &mut Pcg64) {
     }
 }
 
-/// In a stream nothing is held any more once tables and buffers are there.
+/// A stream retains no more memory once tables and buffers are allocated.
 fn followed(gauge: &Gauge, rng: &mut Pcg64) {
     let frames: Vec<Vec<u8>> = (0..4).map(|_| shaft(rng, 600, 1024)).collect();
     let (mut stream, mut edges) = (gauge.stream(), FrameEdges::default());
@@ -147,7 +148,7 @@ fn decoded(rng: &mut Pcg64) {
     let pictures = [
         (image::DynamicImage::ImageLuma8(grey), 1, 1),
         (image::DynamicImage::ImageLuma16(deep), 2, 1),
-        // Three channels, unpacked before one frame is made of them.
+        // Three channels, unpacked before they are combined into one frame.
         (image::DynamicImage::ImageRgb16(colour), 2, 3),
     ];
     use image::ImageFormat::{Bmp, Jpeg, Png, Pnm, Tiff};

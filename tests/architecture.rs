@@ -1,5 +1,6 @@
-//! The direction of imports is itself a test: every path of every source file is parsed (not only `use` lines), the order
-//! of the rooms is held, no files import each other, and planted violations must be found.
+//! The direction of imports is itself a test: every path of every source file is parsed (not only
+//! `use` lines), the order of the rooms is checked, no files import each other, and planted
+//! violations must be found.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::collections::BTreeMap;
@@ -12,18 +13,19 @@ mod constants;
 #[path = "architecture/imports.rs"]
 mod imports;
 
-/// Rooms by layer, bottom to top; a file imports its own room and rooms before it, of the stages only the vocabulary.
+/// Rooms by layer, bottom to top; a file imports its own room and earlier ones; the stages import
+/// only the vocabulary.
 const VOCABULARY: [&str; 7] = ["numerics", "setting", "frame", "shaft", "profile", "plan", "conformity"];
 const STAGES: [&str; 9] =
     ["process", "render", "gauge", "probe", "control", "source", "nc", "tool", "machine"];
 const COMPOSITION: [&str; 5] = ["truth", "job", "cell", "closed_loop", "studies"];
 const SURFACE: [&str; 6] = ["files", "config", "run_folder", "report", "cli", "main"];
-/// The instrument must not see what only the simulation knows.
+/// The instrument must not import the simulation or the truth.
 const INSTRUMENT: [&str; 5] = ["gauge", "probe", "control", "nc", "source"];
 const FILE_SYSTEM_ROOMS: [&str; 5] = ["source", "files", "run_folder", "config", "cli"];
 
-/// What stands in a room, bottom to top: a file imports its own folder and what is listed before it, and nothing inside
-/// a room imports the room's `mod.rs`.
+/// The contents of a room, bottom to top: a file imports its own folder and entries listed before
+/// it, and nothing inside a room imports the room's `mod.rs`.
 const ROOMS: [(&str, &str); 3] = [
     (
         "gauge",
@@ -37,7 +39,7 @@ const ROOMS: [(&str, &str); 3] = [
     ),
 ];
 
-/// Most entries directly in a room; in `cli`, beside one a subcommand.
+/// Most entries directly in a room; in `cli`, besides one per subcommand.
 const MOST_ENTRIES: [(&str, usize); 3] = [("gauge", 16), ("render", 16), ("cli", 6)];
 
 fn layers() -> [&'static [&'static str]; 4] {
@@ -60,7 +62,7 @@ fn may_import(from: &str, to: &str) -> bool {
     b < a && (a != 1 || b == 0) || b == a && a != 1 && place(to) < place(from)
 }
 
-/// Why a path inside a room runs against the room's order.
+/// Why a path inside a room violates the room's order.
 fn against_the_room(source: &Source, path: &[String]) -> Option<String> {
     let room = source.module.first()?;
     let (_, order) = ROOMS.iter().find(|(name, _)| name == room)?;
@@ -156,7 +158,8 @@ fn imports_flow_one_way() {
     assert!(bad.is_empty() && refused.is_empty(), "{}\n{}", bad.join("\n"), refused.join("\n"));
 }
 
-/// Subcommands of `cli/mod.rs`, as their files are named: `Name(Arguments) => run` in its call of `commands!`.
+/// Subcommands of `cli/mod.rs`, as their files are named: `Name(Arguments) => run` in its call of
+/// `commands!`.
 fn subcommands() -> Vec<String> {
     let text = std::fs::read_to_string(root().join("src/cli/mod.rs")).unwrap();
     let parsed = syn::parse_file(&text).unwrap();
@@ -188,7 +191,7 @@ fn rooms_stay_small() {
     assert!(bad.is_empty(), "{}", bad.join("\n"));
 }
 
-/// What is wrong with the planted files, which stand in a crate of their own.
+/// The violations of planted files, which form a crate of their own.
 fn findings(files: &[(&str, &str)]) -> Vec<String> {
     let sources: Vec<Source> =
         files.iter().map(|(file, text)| Source::parse(Path::new(file), text)).collect();
@@ -196,7 +199,7 @@ fn findings(files: &[(&str, &str)]) -> Vec<String> {
     sources.iter().flat_map(violations).chain(loops).collect()
 }
 
-/// One file, and what in it must be found.
+/// A planted file, and the violation that must be found.
 const PLANTED: [(&str, &str); 24] = [
     ("src/gauge/edges.rs", "use crate::render::Renderer;"),
     ("src/gauge/edges.rs", "fn f() { let x = crate::truth::station(); }"),
@@ -242,7 +245,7 @@ const LOOPS: [&[(&str, &str)]; 8] = [
         ("src/source/b.rs", "use super::c::C; pub struct B;"),
         ("src/source/c.rs", "use super::a::A; pub struct C;"),
     ],
-    // through what the room's mod.rs re-exports
+    // through a re-export of the room's mod.rs
     &[
         ("src/source/mod.rs", "mod a; pub use a::A; pub struct B;"),
         ("src/source/a.rs", "use super::B; pub struct A;"),
@@ -278,7 +281,7 @@ fn planted_violations_are_found() {
     }
     for files in LOOPS {
         assert!(!findings(files).is_empty(), "not found: {files:?}");
-        // Not for another reason than the loop: without its last file nothing is wrong.
+        // Only because of the loop: without its last file there is no violation.
         let first: Vec<_> = files[..files.len() - 1].to_vec();
         assert_eq!(findings(&first), Vec::<String>::new(), "{first:?}");
     }

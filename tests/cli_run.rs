@@ -42,7 +42,7 @@ fn stderr(output: &Output) -> String {
     text(&output.stderr)
 }
 
-/// (what is changed, the change, exit code, words the error must have)
+/// (changed key, new value, exit code, words in the error)
 #[test]
 fn a_wrong_config_is_one_clear_error_and_leaves_nothing_behind() {
     let cases: [(&str, String, i32, &[&str]); 11] = [
@@ -141,7 +141,7 @@ fn a_run_leaves_the_files_of_the_contract_and_the_json_of_the_contract() {
     ] {
         assert!(folder.path().join("out").join(name).is_file(), "{name} is missing");
     }
-    // Four angles over half a turn tell two and three lobes, not four and five.
+    // Four angles over half a turn determine two and three lobes, not four and five.
     let mut form = csv::Reader::from_path(folder.path().join("out/form.csv")).unwrap();
     let header = form.headers().unwrap().clone();
     let row = form.records().next().unwrap().unwrap();
@@ -205,7 +205,8 @@ fn a_killed_run_is_resumed_to_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let whole = run_small(folder.path(), "whole", &["--no-reference"]);
     assert!(matches!(whole.status.code(), Some(0 | 1)), "{}", stderr(&whole));
-    // What a kill after the first pass leaves: all files of that pass, half of the second, no report.
+    // The folder after a kill in the second pass: all files of the first pass, half of the second,
+    // no report.
     let source = folder.path().join("whole");
     let killed = folder.path().join("killed");
     std::fs::create_dir(&killed).unwrap();
@@ -224,17 +225,18 @@ fn a_killed_run_is_resumed_to_the_same_bytes() {
         let read = |f: &Path| std::fs::read(f.join(name)).unwrap();
         assert_eq!(read(&source), read(&killed), "{name} differs after a resume");
     }
-    // Another config must not take the folder up.
+    // Another config must not resume the folder.
     std::fs::remove_file(killed.join("report.html")).unwrap();
     let other = run_small(folder.path(), "killed", &["--no-reference", "--seed", "9"]);
     assert_eq!(other.status.code(), Some(2), "{}", stderr(&other));
 }
 
-/// A part within U of a limit is not proven good: exit 1, and table, JSON, report and alarm say the same.
+/// A part within U of a limit is not proven good: exit 1, and table, JSON, report and alarm agree.
 #[test]
 fn a_part_within_u_of_its_limit_is_not_proven_good() {
     let folder = tempfile::tempdir().unwrap();
-    // What the last pass measures at its smallest and with which u, from a run without a tolerance; no guard stands in its way.
+    // The smallest diameter of the last pass and its u, from a run without a tolerance, in which no
+    // guard intervenes.
     let tolerance = "[part.tolerance]\nnominal_mm = 11.0\nupper_mm = 0.01\nlower_mm = -0.01\n";
     let guards = "[control.guards]\nlower_limit_mm = 9.0\n";
     let free = SMALL.replace(tolerance, guards);
@@ -280,7 +282,7 @@ fn a_part_within_u_of_its_limit_is_not_proven_good() {
     }
 }
 
-/// A full or closed stdout ends a command by the contract, never with a panic.
+/// A full or closed stdout ends a command with the documented exit code, never with a panic.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_or_closed_stdout_is_no_panic() {
@@ -306,7 +308,7 @@ fn a_full_or_closed_stdout_is_no_panic() {
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
         assert!(stderr(&output).is_empty(), "{}", stderr(&output));
-        // Nothing to say anything on: the exit code is left.
+        // No stream can be written: only the exit code remains.
         let status = command().stdout(full()).stderr(full()).status().unwrap();
         assert_eq!(status.code(), Some(3), "{arguments:?}");
     }

@@ -1,4 +1,4 @@
-//! Contamination against closed forms, conserved light and the statistics asked for.
+//! Contamination against closed forms, conservation of light and the configured statistics.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use shadowgauge::frame::{PixelFormat, Pixels};
@@ -61,7 +61,7 @@ fn a_disc_out_of_focus_is_the_folding_of_two_discs() {
             let wanted = f64::from(inside) / f64::from(all);
             close(disc(r, radius, blur), wanted, 2e-3, &format!("radius {radius}, blur {blur}, r {r}"));
         }
-        // Light is neither made nor lost: ∫ shade = area of the disc.
+        // Conservation of light: ∫ shade = area of the disc.
         let h = 1e-3;
         let steps = ((radius + blur) / h) as i32 + 1;
         let lost: f64 = (0..steps)
@@ -116,7 +116,7 @@ fn droplets_pass_the_rays_they_hardly_turn() {
 
 #[test]
 fn counts_and_sizes_follow_the_settings() {
-    // Specks alike and in focus: light lost = number × area × opacity; Poisson over seeds.
+    // Identical specks in focus: light lost = number × area × opacity; Poisson over seeds.
     let settings = Contamination {
         window_distance_mm: 0.0,
         dirt: Dirt { per_cm2: 30.0, radius_um: alike(60.0), opacity: 0.5 },
@@ -233,7 +233,8 @@ fn defocus_spreads_the_shade_and_keeps_its_light() {
     };
     let mean = |distance| (0..6).map(|s| lost(distance, s).0).sum::<f64>() / 6.0;
     let (near, far) = (mean(0.0), mean(60.0));
-    // Fields widened by the blur hold more specks: compare by what one speck takes from the mean number.
+    // Fields widened by the blur contain more specks: the comparison is by the loss of one speck
+    // times their mean number.
     let number = 3.0 * (1500.0f64 * 15e-4).powi(2);
     let one = 0.3 * std::f64::consts::PI * (200.0f64 / 15.0).powi(2);
     close(near / one, number, 0.35 * number, "near");
@@ -248,7 +249,7 @@ fn a_film_raises_the_edge_when_it_faces_it() {
     let film =
         Film { z_mm: 40.0, theta_deg: 30.0, half_length_mm: 2.0, half_width_deg: 10.0, thickness_mm: 0.02 };
     let films = AdheringFilms::new(vec![film]);
-    // A body point θ stands at θ + φ: up at φ = -30°.
+    // A body point θ is at θ + φ: up at φ = -30°.
     close(films.rise_mm(12.5, 40.0, -30.0), 0.02, 1e-9, "at the top");
     close(films.rise_mm(12.5, 41.0, -30.0), 0.01, 1e-9, "half way along z");
     assert_eq!(films.rise_mm(12.5, 40.0, 150.0), 0.0, "below");
@@ -264,7 +265,8 @@ fn a_film_raises_the_edge_when_it_faces_it() {
     }
 }
 
-/// Films cover corners of the outline as they cover its straight edges: no step where profiles of their own begin.
+/// Films rise at corners of the outline as at its straight edges: no step where columns with their
+/// own profiles begin.
 #[test]
 fn films_adhere_beside_a_shoulder_as_elsewhere() {
     let mut settings = SetupSettings { departures: SetupDeviations::none(), ..Default::default() };
@@ -289,7 +291,8 @@ fn films_adhere_beside_a_shoulder_as_elsewhere() {
     let (filmed, wiped) = (dark(&scene), dark(&scene.clone().wiped()));
     let lift: Vec<f64> = filmed.iter().zip(&wiped).map(|(a, b)| a - b).collect();
     println!("lift of the upper edge about the shoulder: {:.3?}", &lift[140..160]);
-    // The shoulder stands at column 149.5, profiles of their own have the columns up to some 9 px to either side.
+    // The shoulder is at column 149.5; columns up to about 9 px on either side have their own
+    // profiles.
     assert!(lift[130..170].iter().all(|l| *l > 0.1), "no film where it is looked for: {lift:.3?}");
     assert!(lift.windows(3).all(|w| (w[0] - 2.0 * w[1] + w[2]).abs() < 0.03), "{lift:.3?}");
 }

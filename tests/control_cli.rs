@@ -99,9 +99,10 @@ fn reproduction_of_000_is_computed_when_asked() {
     ] {
         assert_eq!(find(&plain, id)["verdict"], verdict, "{id}");
     }
-    // Newton's second divided difference through x = 1/6, 1/2, 1 of 4.4, 4.8, 5.4: both slopes are 1.2.
+    // Newton's second divided difference through x = 1/6, 1/2, 1 of 4.4, 4.8, 5.4: both slopes
+    // are 1.2.
     assert!(ours("eq4.quadratic").abs() < 1e-12);
-    // Errors that do not give the printed line are a miss.
+    // Errors that do not yield the printed line are a miss.
     let changed = rows(&["--errors", "4.4,4.6,4.8,5.0,5.1,6.4"], 1);
     assert_eq!(find(&changed, "eq5.b")["verdict"], "not_reproduced");
     assert!((find(&changed, "eq5.b")["ours"].as_f64().expect("b") - ours("eq5.b")).abs() > 0.5);
@@ -127,7 +128,7 @@ fn run_folder(folder: &Path, offset_mm: impl Fn(f64) -> f64) -> String {
     run.to_string_lossy().into_owned()
 }
 
-/// What a Fanuc or a GSK leaves open.
+/// The machine data that a Fanuc or a GSK requires.
 fn stated_machine(folder: &std::path::Path) -> String {
     let file = folder.join("stated.toml");
     let text = "wear_x = \"diameter\"\ngeometry_offset = \"by_tool\"\nspindle = \"M03\"\n";

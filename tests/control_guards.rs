@@ -1,4 +1,4 @@
-//! Every guard is tripped once, and a machine with faults is driven for 10⁵ cycles.
+//! Every guard is tripped once, and a machine with faults runs for 10⁵ cycles.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/faulty_cell.rs"]
@@ -172,7 +172,7 @@ fn small_changes_are_not_made() {
 
 #[test]
 fn an_unexpected_response_stops_the_cell() {
-    // what the second pass shows if the offset acted by this factor of what was commanded
+    // the second pass if the offset acted with this factor
     let respond = |factor: f64| {
         let mut c = controller(|_| {});
         let Decision::Offset(o) = first(c.as_mut(), &barrel(0.045), &PassContext::default()) else {
@@ -206,11 +206,11 @@ fn depth_cutting_data_and_the_lower_limit_are_guarded() {
     let faster = CuttingData { speed_m_per_min: 90.0, ..CUTTING };
     assert_held(decide(NextPass { cutting: faster, ..next(26.0, false) }, None, 0.04).0, "cutting data");
     assert!(matches!(decide(next(26.0, true), Some(25.98), 0.04).0, Decision::Offset(_)));
-    // Kp + Ki = 1.25 takes 10 µm more off than is known to be needed
+    // Kp + Ki = 1.25 removes 10 µm more than needed
     let (decision, alarm) = decide(next(26.0, true), Some(25.993), 0.04);
     assert_held(decision, "undersize");
     assert!(alarm.is_some(), "the finishing pass must not go unchecked");
-    // the offsets in force undercut by themselves
+    // the offsets in force alone cut undersize
     let mut c = controller(|s| s.guards.lower_limit_mm = Some(25.99));
     let context = PassContext { next: Some(next(26.0, false)), ..PassContext::default() };
     let p = plan(1, 26.5, vec![0.05; STATIONS]);

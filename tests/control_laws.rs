@@ -263,7 +263,7 @@ fn settings_are_refused_by_key() {
     assert!("pdi".parse::<ControllerName>().is_err_and(|e| e.to_string().contains("none, pid, lsq")));
 }
 
-/// A barrel with one wild station, measured after the pass before the last but one and after the last but one.
+/// A barrel with one outlier, measured after the third-last and after the second-last pass.
 fn lsq_offsets(change: impl FnOnce(&mut ControlSettings), finishing: bool) -> (Vec<f64>, Vec<String>) {
     let mut s = settings(ControllerName::Lsq);
     s.lsq.shapes = toml::from_str::<LsqShapes>("shapes = \"quadratic\"").expect("a shape").shapes;

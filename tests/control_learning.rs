@@ -43,8 +43,8 @@ fn run_part(controller: &mut dyn Controller, plant: &mut Plant, start: &PartStar
     passes
 }
 
-/// The disturbances: wear 1.5 µm radial a pass growing to the chuck, drift 1 µm a pass, repeatability .5 µm,
-/// stock form 50 µm, C ± 10 %.
+/// The disturbances: wear 1.5 µm radial per pass growing towards the chuck, drift 1 µm per
+/// pass, repeatability 0.5 µm, stock form 50 µm, C ± 10 %.
 fn disturbed(seed: u64, random: bool) -> Plant {
     let mut rng = Pcg64::seed_from_u64(seed);
     let mut plant = Plant::new(100);
@@ -129,7 +129,8 @@ fn the_other_controllers_under_the_same_disturbances_are_reported() {
     }
 }
 
-/// One station (two for shapes) with a linear plant of error copying, tiny errors, guards wide open.
+/// One station (two for shapes) with a linear plant of error copying, tiny errors, guards wide
+/// open.
 fn linear_loop(settings: &ControlSettings, gain: f64, passes: usize) -> Vec<f64> {
     let scale = 1e-3;
     let mut plant = Plant::new(3);
@@ -160,7 +161,8 @@ fn built_controllers_behave_as_their_transfer_functions() {
         s.guards.response_from_mm = 1.0;
         s.ilc.q_cutoff_mm = 0.0;
         (s.ewma.mean_start, s.dewma.mean_start) = (false, false);
-        // the transfer function's derivative sees the step of the first pass, the law's begins at zero
+        // the derivative of the transfer function acts on the step of the first pass, that of the
+        // law begins at zero
         s.pid.kd = 0.0;
         let expected = transfer(&s).expect("feedback").response(stability::Plant::Copying, 0.9, 30);
         let found = linear_loop(&s, 0.9, 30);
@@ -172,7 +174,8 @@ fn built_controllers_behave_as_their_transfer_functions() {
 
 #[test]
 fn run_to_run_estimates_follow_their_recurrences_and_track_a_ramp() {
-    // a disturbance that grows by .001 a pass: EWMA lags by about ramp/λ, double EWMA ends without error
+    // a disturbance that grows by 0.001 per pass: EWMA lags by about ramp/λ, double EWMA ends
+    // without error
     let ramp = |s: &ControlSettings| {
         let mut plant = Plant::new(3);
         let mut controller = build(s, &plant.z_mm).expect("a controller");
@@ -216,7 +219,7 @@ fn the_q_filter_is_zero_phase_and_halves_its_cutoff() {
 fn iterative_learning_converges_as_its_norm_says() {
     let z: Vec<f64> = (0..40).map(|i| 2.5 + 5.0 * f64::from(i)).collect();
     let q = stability::whittaker(30.0, &z);
-    // a plant that couples neighbours: what is commanded at one station is cut in part at the next
+    // a plant that couples neighbours: a command at one station is cut in part at the next
     let plant = nalgebra::DMatrix::from_fn(40, 40, |i, j| match i.abs_diff(j) {
         0 => 0.8,
         1 => 0.08,
@@ -241,7 +244,8 @@ fn iterative_learning_converges_as_its_norm_says() {
 
 #[test]
 fn learning_from_part_to_part_follows_wear_and_starts_again_with_a_new_insert() {
-    // a part of four passes; the tool wears by 1 µm of radius a part and is changed every 10 parts
+    // a part of four passes; the tool wears by 1 µm of radius per part and is changed every 10
+    // parts
     let first_pass = |enabled: bool, parts: usize| {
         let mut s = settings(ControllerName::Pid);
         s.parts.enabled = enabled;
@@ -280,7 +284,7 @@ fn learning_from_part_to_part_follows_wear_and_starts_again_with_a_new_insert() 
     assert!(worst_of(&learning[10..], 3) < worst_of(&alone[10..], 3) + 0.5);
 }
 
-/// The turning process itself as plant, its mean diameters read without a gauge.
+/// The turning process itself as plant, with its true mean diameters in place of a gauge.
 fn turn_on_process(settings: &ControlSettings, disturbance: DisturbanceSettings, seed: u64) -> Vec<Vec<f64>> {
     let mut process_settings = ProcessSettings { disturbance, ..ProcessSettings::default() };
     process_settings.texture.rms_um = 0.0;

@@ -1,4 +1,4 @@
-//! Guards, second scans, stock scans, rounding and batches as a run drives them: through frames, on a small part.
+//! Guards, second scans, stock scans, rounding and batches in runs through frames, on a small part.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/program.rs"]
@@ -17,7 +17,8 @@ use shadowgauge::profile::{Reading, Reason};
 use shadowgauge::render::{BackendChoice, Renderer};
 use shadowgauge::studies::parts::{self, Batch};
 
-/// A short shaft, three passes, a small camera; the tailstock is soft, so that there is something to correct.
+/// A short shaft, three passes, a small camera; the tailstock is soft, so that there is something
+/// to correct.
 const SMALL: &str = concat!(
     r#"
 name = "small"
@@ -50,13 +51,13 @@ fn job(change: impl FnOnce(&mut Job)) -> Job {
     job
 }
 
-/// What goes wrong between cell and controller, from the second pass on.
+/// A fault between cell and controller, from the second pass on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     None,
     /// Another part is in the machine when the offsets are decided.
     PartChanged,
-    /// Another insert is.
+    /// Another insert is in the machine.
     InsertChanged,
     /// The frames were taken before the pass was cut.
     BeforeCut,
@@ -64,9 +65,10 @@ enum Fault {
     Old,
     /// The frames' numbers were used before.
     UsedBefore,
-    /// The master that is read again is another pin: the gauge is off.
+    /// The master that is checked is another pin, as if the gauge had drifted.
     MasterOff,
-    /// In the middle field both edges of a station stand two pixels farther out: a collar that was not commanded.
+    /// In the middle field both edges of a station are two pixels farther out: a collar that was
+    /// not commanded.
     Collar,
 }
 
@@ -132,7 +134,7 @@ impl FrameSource for MeddledFrames<'_> {
         let Some(mut frame) = self.source.next_frame()? else { return Ok(None) };
         match self.fault {
             Fault::BeforeCut => frame.meta.t_ns -= 1_000_000_000,
-            // young enough for "before the cut" not to be what trips
+            // young enough not to trip the guard "before the cut"
             Fault::UsedBefore => frame.meta.frame_id %= 1 << 32,
             Fault::Collar if (frame.meta.z_mm - 30.0).abs() < 1.0 => frame = with_collar(frame),
             _ => {}
@@ -194,7 +196,8 @@ fn a_sound_run_is_released_and_says_what_it_was_judged_by() {
         assert!(master.abs() < 0.0005, "{master}");
     }
     assert!(passes[2].decision.is_none() && passes.iter().all(|p| p.alarm.is_none()));
-    // re-measured after the finishing pass: a tolerance that the part cannot be proven to lie in raises an alarm
+    // re-measured after the finishing pass: a tolerance that the part cannot be proven to lie in
+    // raises an alarm
     let tight = job(|j| {
         if let Some(tolerance) = &mut j.part.tolerance {
             (tolerance.lower_mm, tolerance.upper_mm) = (-0.0002, 0.0002);
@@ -205,8 +208,8 @@ fn a_sound_run_is_released_and_says_what_it_was_judged_by() {
     assert!(alarm.starts_with("finished part: "), "{alarm}");
 }
 
-/// A collar of 0.12 mm that nobody commanded: a gap with its reason, wherever the pass before was sound; where the limit is
-/// wider than the collar it is believed.
+/// A collar of 0.12 mm that was not commanded: a gap with its reason, wherever the pass before was
+/// sound; where the limit is wider than the collar it is accepted.
 #[test]
 fn a_station_that_did_not_change_as_commanded_is_a_gap() {
     let implausible = |passes: &[PassResult], pass: usize| -> Vec<f64> {
@@ -250,12 +253,13 @@ fn measurements_that_do_not_belong_here_are_held() {
         println!("{fault:?}: {text}");
         assert!(text.starts_with(guard), "{fault:?}: {text:?}");
         if fault == Fault::MasterOff {
-            // The other master, 2.5 mm apart; the reading itself is known to less than half a micrometre.
+            // The other master, 2.5 mm apart; the uncertainty of the reading itself is below half a
+            // micrometre.
             let read: f64 = text[guard.len()..].split(' ').next().unwrap().parse().unwrap();
             assert!((read - 2500.0).abs() < 0.5, "{text}");
         }
         assert_eq!(passes[2].plan.offset, passes[1].plan.offset, "the last offsets hold");
-        // the pass before the finishing pass was refused: nobody has checked what is cut next
+        // the pass before the finishing pass was refused: the next cut is unchecked
         assert!(passes[1].alarm.is_some(), "{fault:?}");
     }
 }
@@ -365,7 +369,7 @@ fn rounded_offsets_go_back_to_the_controller() {
         let next = turning.run_pass(&mut |_, _| {}).unwrap();
         assert_eq!(next.plan.offset, path.in_force);
     }
-    // a path that cannot be: refused before anything is cut
+    // an impossible path: refused before anything is cut
     let close = job(|j| {
         let machine = shadowgauge::nc::NcSettings { least_z_mm: 3.0, ..Default::default() };
         j.nc = Some(shadowgauge::job::NcJob { dialect: Dialect::Fanuc, machine });
@@ -388,7 +392,7 @@ fn a_batch_learns_from_part_to_part() {
     let (alone, learning) = (&study.summaries[0], &study.summaries[1]);
     println!("{alone:?}\n{learning:?}");
     assert!(learning.first_pass_mm < 0.5 * alone.first_pass_mm);
-    // the first part is the same, part by part the blanks are not
+    // the first part is the same, the blanks differ from part to part
     let of = |learning: bool, part: u32| -> Vec<f64> {
         let chosen = study.passes.iter().filter(|p| p.learning == learning && p.part == part);
         chosen.map(|p| p.true_worst_mm).collect()
@@ -481,7 +485,7 @@ fn a_killed_run_with_stock_second_scans_and_rounding_is_resumed_to_the_same_byte
         let read = |f: &std::path::Path| std::fs::read(f.join(name)).unwrap();
         assert!(read(&whole) == read(&killed), "{name} differs after a resume");
     }
-    // the program of the run's own control departs from the offsets in force by nothing: the loop ran on what it cuts
+    // the program for the run's own control agrees with the offsets in force exactly
     let listed = shadowgauge(["nc", &whole.to_string_lossy(), "--dialect", "linuxcnc", "--dry-run"]);
     let text = String::from_utf8_lossy(&listed.stdout).into_owned();
     let rows = std::fs::read_to_string(whole.join("offsets.csv")).unwrap();

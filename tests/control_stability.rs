@@ -76,7 +76,8 @@ fn jury_and_eigenvalues_agree() {
 
 #[test]
 fn the_poles_are_the_simulated_loops_rates() {
-    // the linear loop written out as a state recursion; its growth over many passes is the spectral radius
+    // the linear loop written out as a state recursion; its growth over many passes is the spectral
+    // radius
     for (form, gain) in
         [(OffsetForm::Absolute, 0.95), (OffsetForm::Absolute, 0.8), (OffsetForm::Accumulated, 0.95)]
     {
@@ -85,7 +86,7 @@ fn the_poles_are_the_simulated_loops_rates() {
         let (mut peak, mut at_100, mut at_200) = (0.0_f64, 0.0_f64, 0.0_f64);
         for k in 1..=240 {
             sum += e;
-            // a controller at rest has seen no error before: its first difference is e(1) itself
+            // a controller at rest starts from zero error: its first difference is e(1) itself
             let u = 1.2 * e + 0.05 * sum + 0.05 * (e - if k == 1 { 0.0 } else { last });
             o = if form == OffsetForm::Absolute { u } else { o + u };
             (last, e) = (e, (1.0 - gain) * e - gain * o + gain);

@@ -1,5 +1,6 @@
-//! Golden frames of shafts that are bent and turn: one with noise, judged by ± 1 count and by the gauge's reading; one of 2448 columns
-//! whose truth is diameters rather than pixels. The third, without noise, is `golden/bent_turning`.
+//! Golden frames of bent, turning shafts: one with noise, compared to ± 1 count and by the gauge's
+//! reading; one of 2448 columns whose truth is diameters rather than pixels. The third, without
+//! noise, is `golden/bent_turning`.
 //!
 //! `BLESS=<case>|all` writes them anew and ends red; it is refused where `CI` is set.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
@@ -11,7 +12,7 @@ use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings};
 use shadowgauge::render::{BackendChoice, FrameRequest, Renderer, Scene};
 use shadowgauge::studies::golden_cases::GoldenCase;
 
-/// Columns whose mean diameter makes an entry of the truth.
+/// Columns per mean diameter in the truth.
 const STEP: usize = 16;
 
 #[derive(Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -52,7 +53,7 @@ impl Case {
         serde_json::from_str(&text).unwrap()
     }
 
-    /// Writes what `BLESS` names.
+    /// Writes the cases named by `BLESS`.
     fn bless(&self, frame: Option<&[u8]>, size: (usize, usize)) {
         let Ok(wanted) = std::env::var("BLESS") else { return };
         assert!(std::env::var_os("CI").is_none(), "BLESS is refused where CI is set");
@@ -80,7 +81,7 @@ impl Case {
     }
 }
 
-/// Means of 16 columns each; NaN where none is known.
+/// Means of 16 columns each; NaN where no width is available.
 fn means(widths: &[Option<f64>]) -> Vec<f64> {
     let mean = |group: &[Option<f64>]| {
         let known: Vec<f64> = group.iter().flatten().copied().collect();
@@ -105,7 +106,8 @@ fn a_noisy_frame_of_a_bent_turning_shaft() {
     let worst = pixels.iter().zip(golden.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
     assert!(worst.is_some_and(|w| w <= 1) && pixels.len() == golden.as_raw().len(), "{worst:?} counts");
     assert!(largest_apart(&case.widths_px(), &case.truth().width_px) < 1e-6);
-    // Noise of 8 bit and about .75 counts over a contrast of about 190: one edge .006 px, a mean of 16 columns and two edges .002.
+    // 8-bit noise of about 0.75 counts with a contrast of about 190: 0.006 px for one edge, 0.002
+    // px for a mean of 16 columns and two edges.
     let (read, edges) = case.read(&frame);
     let u_px =
         edges.top.iter().filter(|e| e.is_usable()).map(shadowgauge::gauge::Edge::u_px).fold(0.0, f64::max);
@@ -123,7 +125,7 @@ fn diameters_of_a_whole_line_of_a_bent_turning_shaft() {
     let truth = case.truth();
     assert_eq!(truth.width_px.len(), 153);
     assert!(largest_apart(&case.widths_px(), &truth.width_px) < 1e-6);
-    // Even lobes and the bow's slope are in it: it is no constant.
+    // The width varies by even lobes and the slope of the bow.
     let (low, high) = truth.width_px.iter().fold((f64::MAX, 0.0_f64), |(l, h), w| (l.min(*w), h.max(*w)));
     assert!(high > low, "{low} {high}");
     let (read, _) = case.read(&case.draw());

@@ -1,5 +1,5 @@
-//! Reference circles, lines and cylinders on constructed cases whose answer is known, to 1 nm, and certificates that
-//! refuse what is not the best.
+//! Reference circles, lines and cylinders on constructed cases whose answer is known, to 1 nm, and
+//! certificates that refuse a solution that is not optimal.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::f64::consts::TAU;
@@ -22,7 +22,7 @@ fn at(centre: DVec2, polar: impl IntoIterator<Item = (f64, f64)>) -> Vec<DVec2> 
     polar.into_iter().map(|(angle, r)| centre + DVec2::from_angle(angle) * r).collect()
 }
 
-/// The worst of some constructed cases.
+/// The worst result of several constructed cases.
 #[derive(Default)]
 struct Worst {
     cases: usize,
@@ -86,7 +86,8 @@ fn minimum_zone_circle_of_constructed_cases_is_right_to_1_nm() {
     worst.print("minimum-zone circle");
 }
 
-/// Three contacts at one radius that surround the centre; the rest on the other side of that circle.
+/// Three contacts at one radius that surround the centre; the rest on the other side of that
+/// circle.
 fn three_contacts(random: &mut Pcg64, n: usize, side: f64) -> (Vec<DVec2>, DVec2, f64) {
     let centre = DVec2::new(random.random_range(-40.0..40.0), random.random_range(-40.0..40.0));
     let radius = random.random_range(1.0..60.0);
@@ -185,7 +186,7 @@ fn least_squares_covariance_is_the_scatter_of_the_fits() {
     }
 }
 
-/// Widths and radii on a fine grid of centres: the answers must not be beaten anywhere.
+/// Widths and radii on a fine grid of centres: no grid point may be better than the solutions.
 #[test]
 fn no_centre_of_a_dense_grid_beats_the_certified_ones() {
     let mut random = Pcg64::seed_from_u64(4);
@@ -279,7 +280,7 @@ fn least_squares_line_is_the_principal_axis_and_beats_every_other_direction() {
         })
         .collect();
     let fit = least_squares_line(&points).unwrap();
-    // Σ(s²/1e4) over −100..=100 is 67.67; its mean .336667 is taken off.
+    // Σ(s²/1e4) over −100..=100 is 67.67; its mean 0.336667 is subtracted.
     assert!(fit.line.deviation(origin).abs() < NM && fit.line.direction.perp_dot(along).abs() < 1e-9);
     let proof = &fit.certificate;
     assert!(proof.proven_within == f64::INFINITY && proof.gap < NM, "{proof:?}");
@@ -335,7 +336,8 @@ fn cylinder_from_points_and_from_silhouettes_finds_a_tilted_axis() {
         for k in 0..36 {
             let angle = TAU * f64::from(k) / 36.0;
             let s = 50.0 * f64::from(section);
-            // A three-lobed form is square to every parameter of the cylinder at even angles.
+            // A three-lobed form is orthogonal to every parameter of the cylinder at equally spaced
+            // angles.
             let r = radius + 0.005 * (3.0 * angle).cos();
             points.push(DVec3::new(x0, y0, 0.0) + w * s + (u * angle.cos() + v * angle.sin()) * r);
         }

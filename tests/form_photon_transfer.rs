@@ -1,4 +1,5 @@
-//! Photon transfer on frames made here, of known gain, read noise, non-uniformity and linearity.
+//! Photon transfer on frames computed here, of given gain, read noise, non-uniformity and
+//! linearity.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use rand::{RngExt, SeedableRng};
@@ -9,7 +10,7 @@ use shadowgauge::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTrans
 
 const SIDE: usize = 400;
 
-/// A sensor with fixed patterns of its own.
+/// A sensor with fixed patterns.
 struct Sensor {
     gain: f64,
     read: f64,
@@ -138,7 +139,8 @@ fn a_bent_response_shows_in_the_linearity_error() {
     within("linearity error", found.linearity_error, best.1, 0.15);
 }
 
-/// Three flats of one exposure and a brighter one gave a responsivity of a quarter of the truth, from rounding.
+/// Three flats of one exposure and a brighter one used to yield a quarter of the true responsivity,
+/// from rounding.
 #[test]
 fn exposures_that_do_not_differ_are_refused() {
     let mut random = Pcg64::seed_from_u64(15);
@@ -146,7 +148,7 @@ fn exposures_that_do_not_differ_are_refused() {
     for exposures in [
         &[4000.0, 4000.0, 4000.0, 10_000.0][..],
         &[4000.0, 4010.0, 4020.0, 10_000.0],
-        // Two of them lie below 5 % of saturation: none but one is left for the line.
+        // Two of them lie below 5 % of saturation: only one remains for the line.
         &[100.0, 200.0, 4000.0, 10_000.0],
     ] {
         let refused = sensor.measure(&mut random, exposures);
@@ -167,7 +169,7 @@ fn clipped_exposures_are_left_out_and_poor_series_refused() {
     let few = sensor.measure(&mut random, &[1000.0, 30_000.0, 40_000.0]);
     assert!(matches!(few, Err(PhotonTransferError::TooFewExposures { .. })), "{few:?}");
     assert_eq!(photon_transfer(&[], &[]), Err(PhotonTransferError::NoDark));
-    // A black level of one standard deviation cuts the dark noise off: no read noise comes of it.
+    // A black level of one standard deviation clips the dark noise: no read noise is reported.
     let mut cut = Sensor::new(&mut random, 0.25, 8.0, [0.005, 2.0], PixelFormat::Mono12);
     cut.black = 2.0;
     let refused = cut.measure(&mut random, &exposures);

@@ -1,4 +1,5 @@
-//! What a turn of silhouettes tells: even lobes free of the spindle, filter, hull, run-out, sizes.
+//! Results of a turn of silhouettes: even lobes independent of the spindle, filter, hull, run-out,
+//! sizes.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::f64::consts::{PI, TAU};
@@ -148,7 +149,8 @@ fn the_hull_gives_the_profile_back_where_the_support_function_alone_does_not() {
 
 #[test]
 fn a_body_with_hollows_and_noise_are_told_apart_by_convexity() {
-    // Alternating noise of 1 µm on 720 samples has h'' of 130 mm: no convex body, unless it is filtered.
+    // Alternating noise of 1 µm on 720 samples has h'' of 130 mm: no convex body, unless it is
+    // filtered.
     let support: Vec<f64> = (0..720).map(|i| 25.0 + if i % 7 == 0 { 1e-3 } else { 0.0 }).collect();
     let wide = Cutoff::upr(5000.0).unwrap();
     assert!(matches!(hull_from_support(&support, wide), Err(FormError::NotConvex { .. })));
@@ -173,7 +175,8 @@ fn sizes_are_those_of_the_hull() {
     assert!((sizes.gg_mm - gg).abs() < NM);
     assert!(sizes.gx_mm < sizes.gg_mm && sizes.gg_mm < sizes.gn_mm);
     assert!((sizes.u_gg_mm - 1e-4 * (2.0 / 720.0_f64).sqrt()).abs() < 1e-15);
-    // A three-lobed body hides from the caliper: GN − GX shows what max − min of the widths does not.
+    // A three-lobed body is invisible to the caliper: GN − GX contains the form, max − min of the
+    // widths does not.
     let three = Body { radius: 25.0, lobes: vec![(3.0, 0.02, 0.1)] }.turn(720, |_| 0.0);
     let s = turn_sizes(&three, Cutoff::UPR_50, 1e-4).unwrap();
     assert!(s.max_caliper_mm - s.min_caliper_mm < 1e-3 && s.gn_mm - s.gx_mm > 0.07);
@@ -207,7 +210,7 @@ fn half_turn(sd: f64, rng: &mut rand_pcg::Pcg64) -> PartForm {
     averager.finish(Cutoff::UPR_15)
 }
 
-/// Over half a turn every reading stands in two places of the turn, which makes it no surer.
+/// Over half a turn every reading is used at two places of the turn, which does not reduce its u.
 #[test]
 fn over_half_a_turn_the_uncertainty_is_that_of_readings_that_count_once() {
     use rand::SeedableRng;
@@ -226,7 +229,7 @@ fn over_half_a_turn_the_uncertainty_is_that_of_readings_that_count_once() {
     }
     let (size, amplitude) = ((error / stated).sqrt(), (lobe / stated_lobe).sqrt());
     println!("scatter over stated: GG {size:.3}, two lobes {amplitude:.3}");
-    // u is the larger one of what the edges state and what 36 readings scatter by: a tenth more than either.
+    // u is the larger of the edges' u and the scatter of 36 readings: a tenth more than either.
     assert!((0.8..1.05).contains(&size) && (0.8..1.05).contains(&amplitude), "{size} {amplitude}");
 }
 

@@ -1,4 +1,5 @@
-//! A stream that has warmed up asks for no memory: not for a frame that it follows, nor when it searches the part anew, nor for dirt.
+//! A stream does not allocate after its warm-up: not for a frame that it follows, nor when it
+//! searches the part anew, nor for contamination.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/gauge_synth.rs"]
@@ -35,7 +36,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Frames of a part that moves, two of them with matter 3 px high on the upper edge.
+/// Frames of a moving part, two of them with contamination 3 px high on the upper edge.
 fn frames() -> Vec<Frame> {
     let synth = Synth { columns: 1024, ..Synth::with_snr(1.0, 80.0, true) };
     (0..6_u32)
@@ -47,7 +48,7 @@ fn frames() -> Vec<Frame> {
         .collect()
 }
 
-/// Requests while every frame of `count` is measured, after a warm-up of 30.
+/// Allocations while `count` frames are measured, after a warm-up of 30.
 fn requests(frames: &[Frame], count: usize) -> (usize, usize) {
     let mut stream = Gauge::new(GaugeSettings::default()).unwrap().stream();
     let (mut edges, mut before, mut gaps) = (FrameEdges::default(), 0, 0);
@@ -71,7 +72,7 @@ fn a_warm_stream_allocates_nothing() {
         assert!(gaps > 2000, "the matter is refused: {gaps} columns");
         assert_eq!(requests, 0, "{threads} threads");
     }
-    // The count counts: a vector is seen.
+    // The counter works: a vector is counted.
     let before = REQUESTS.load(Ordering::Relaxed);
     drop(std::hint::black_box(vec![1_u8; 100]));
     assert_eq!(REQUESTS.load(Ordering::Relaxed), before + 1);

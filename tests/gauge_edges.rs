@@ -1,4 +1,5 @@
-//! Edges on synthetic frames: error against the Cramér-Rao bound, kept columns, phase bias, honesty of the uncertainty.
+//! Edges on synthetic frames: error against the Cramér-Rao bound, kept columns, phase bias,
+//! consistency of the uncertainty.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "gauge_edges/esf.rs"]
@@ -75,7 +76,8 @@ impl Cell {
         })
     }
 
-    /// RMSE over the bound, fraction kept, rms(u)/rms(error) for single columns and means of 9 and 100.
+    /// RMSE over the bound, fraction kept, rms(u)/rms(error) for single columns and means of 9
+    /// and 100.
     fn figures(&self) -> (f64, f64, [f64; 3]) {
         let ratio = |g: (f64, f64, usize)| (g.1 / g.0).sqrt();
         (
@@ -104,7 +106,8 @@ fn error_reaches_the_bound_and_uncertainty_is_true() {
                     "shot {shot:5} sigma {sigma} snr {snr:5}: RMSE/bound {ratio:.4} kept {kept:.4} u/sd 1: {:.3} 9: {:.3} 100: {:.3} bias {bias:.5}",
                     honesty[0], honesty[1], honesty[2]
                 );
-                // Means of 100: 120 groups a cell, so their ratio itself scatters by 6 %; the next test looks closer.
+                // Means of 100: 120 groups a cell, so their ratio itself scatters by 6 %; the next
+                // test is stricter.
                 let fine = ratio <= 1.05
                     && kept >= 0.99
                     && (honesty[0] - 1.0).abs() < 0.10
@@ -138,8 +141,9 @@ fn uncertainty_of_means_is_true() {
     }
 }
 
-/// Windows centred by the area of their light owe their place to the noise in their flat ends: read there, levels came out too low on
-/// both sides and the shadow too narrow by .015 px at this noise.
+/// The position of windows centred by the area of their light is correlated with the noise in their
+/// flat ends: levels estimated there were too low on both sides and the shadow too narrow by 0.015
+/// px at this noise.
 #[test]
 fn noise_does_not_narrow_the_shadow() {
     let synth = Synth::with_snr(2.0, 20.0, false);
@@ -154,12 +158,14 @@ fn noise_does_not_narrow_the_shadow() {
             }
         }
     }
-    // A column's width is known to .19 px, and the levels of a frame move it by .004 px.
+    // A column's width has a standard deviation of 0.19 px, and the levels of a frame
+    // contribute 0.004 px.
     println!("mean of {count} widths is off by {:.5} px", sum / count);
     assert!(count > 16_000.0 && (sum / count).abs() < 0.007, "{}", sum / count);
 }
 
-/// The clipped bright field of an 8-bit camera: flagged, measured, and its larger uncertainty covers the error.
+/// The clipped bright field of an 8-bit camera: flagged, measured, and its larger uncertainty
+/// covers the error.
 #[test]
 fn clipped_edges_are_flagged_and_covered() {
     for light in [252.0, 262.0, 300.0, 360.0] {
@@ -207,8 +213,8 @@ fn noise_free_frames_have_no_phase_bias() {
     }
 }
 
-/// Every cell with 400 000 edges for the efficiency and 4000 means of 100 (the ratio of their u is then known to 1.1 %).
-/// Long: `make studies` runs it.
+/// Every cell with 400 000 edges for the efficiency and 4000 means of 100 (the ratio of their u
+/// then scatters by 1.1 %). Long: `make studies` runs it.
 #[test]
 #[ignore = "a study of a minute: every cell of the table at its full count"]
 fn efficiency_and_honesty_in_every_cell() {

@@ -1,4 +1,5 @@
-//! Readings of a line camera, one column each; and the rings of laser light, known, clipped or neither.
+//! Readings of a line camera, one column each; and the rings of laser light, modelled, clipped or
+//! neither.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/gauge_synth.rs"]
@@ -10,7 +11,7 @@ use shadowgauge::gauge::{EsfModel, FrameEdges, Gauge, GaugeSettings, SettledStre
 use shadowgauge::job::sampled_edge;
 use shadowgauge::render::esf_families::LaserShadow;
 
-/// A part that moves by whole pixels and parts of them from reading to reading.
+/// Edges of a part that moves by whole and fractional pixels from reading to reading.
 fn place(reading: usize) -> (f64, f64) {
     let by = 2.5 * (0.37 * reading as f64).sin() + 0.8 * (1.91 * reading as f64).cos();
     (30.3 + by, 80.7 + by)
@@ -43,7 +44,7 @@ fn one_reading_by_itself_is_measured() {
         .enumerate()
         .map(|(k, frame)| normalised(&gauge.edges(&frame.view()).unwrap(), place(k)))
         .collect();
-    // Levels, noise and blur from one column alone: its own statement holds to a quarter.
+    // Levels, noise and blur from one column alone: u is correct to a quarter.
     let rms = rms(&errors);
     println!("single readings: rms error/u {rms:.3}");
     assert!((0.75..1.25).contains(&rms), "{rms}");
@@ -79,7 +80,7 @@ fn seven_columns_are_readings_too() {
 
 #[test]
 fn a_block_of_readings_is_a_frame() {
-    // As a line camera delivers them: one line of pixels after the other.
+    // As from a line camera: one line of pixels after the other.
     let synth = Synth::with_snr(1.1, 60.0, true);
     let frames = readings(&synth, 256);
     let mut lines = Vec::new();
@@ -104,7 +105,7 @@ fn a_block_of_readings_is_a_frame() {
 
 const UNIT_UM: f64 = 90.14;
 
-/// Light on a pixel of `pitch_um` whose centre lies `d_px` in the light, laser light at 25 mm.
+/// Light on a pixel of `pitch_um` whose centre lies `d_px` on the light side, laser light at 25 mm.
 fn laser_step(pitch_um: f64) -> impl Fn(f64) -> f64 {
     let laser =
         LaserShadow { wavelength_nm: 650.0, bandwidth_nm: 3.0, distance_mm: 25.0, ..LaserShadow::default() };
@@ -116,7 +117,7 @@ fn laser_step(pitch_um: f64) -> impl Fn(f64) -> f64 {
     }
 }
 
-/// The same as the gauge is given it.
+/// The same edge as a model for the gauge.
 fn laser_model(pitch_um: f64) -> EsfModel {
     let spread =
         LaserShadow { wavelength_nm: 650.0, bandwidth_nm: 3.0, distance_mm: 25.0, ..LaserShadow::default() }

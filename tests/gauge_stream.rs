@@ -1,4 +1,5 @@
-//! Streams, orientations, threads and disturbed light: the same edges however they are read, and the bound in every frame.
+//! Streams, orientations, threads and disturbed light: the same edges in every way of reading them,
+//! and the bound in every frame.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "gauge_stream/formats.rs"]
@@ -55,7 +56,7 @@ fn lanes_take_frames_in_turn_whatever_the_number_of_threads() {
         pool.install(|| {
             let mut lanes = Lanes::new(&gauge(), 3.try_into().unwrap());
             let mut all = Vec::new();
-            // Calls of uneven length go on where the last one ended.
+            // Calls of uneven length continue where the last one ended.
             for part in [&views[..1], &views[1..6], &views[6..]] {
                 let out: Vec<_> = part.iter().map(|_| OnceLock::new()).collect();
                 lanes.measure(part, |index, measured| {
@@ -116,7 +117,7 @@ fn a_stream_never_reports_a_part_that_has_gone() {
     let blurred = Synth { sigma: 1.6, ..synth };
     stream.measure(&blurred.frame(moved(4.0), Some(3)).view(), &mut edges).unwrap();
     assert!((edges.figures.sigma_px[0] - 1.6).abs() < 0.05);
-    // Focus is lost while the part stays: the blur is noticed.
+    // Focus is lost while the part stays: the blur is detected.
     let lost = Synth { sigma: 2.0, ..blurred };
     stream.measure(&lost.frame(moved(4.0), Some(4)).view(), &mut edges).unwrap();
     assert!((edges.figures.sigma_px[0] - 2.0).abs() < 0.06, "{:?}", edges.figures);
@@ -183,8 +184,8 @@ fn frames_with_numbers_that_are_none_are_refused() {
     }
 }
 
-/// Light tilted by 8 %, 0.5 % pixel response and 40 blobs of mist over a field of 2048 x 2048, of which the frame shows
-/// the strips around both edges.
+/// Light tilted by 8 %, 0.5 % pixel response and 40 blobs of mist over a field of 2048 x 2048, of
+/// which the frame shows the strips around both edges.
 fn disturbed_light(seed: u64) -> impl Fn(usize, usize, f64) -> f64 {
     let mut rng = Pcg64::seed_from_u64(seed);
     let blobs: Vec<[f64; 4]> = (0..40)
@@ -239,8 +240,8 @@ fn errors(levels: Levels, frames: u64, disturbed: bool) -> (f64, f64) {
     ((square / count).sqrt(), (nine / nines).sqrt())
 }
 
-/// Bounds of this frame: .01448 px with each column's own levels (σ known), .01331 with everything known, .01415 pooled in
-/// disturbed light.
+/// Bounds of this frame: 0.01448 px with each column's own levels (σ given), 0.01331 px with
+/// everything given, 0.01415 px pooled in disturbed light.
 fn at_bounds(frames: u64) {
     let (own, _) = errors(Levels::PerColumn {}, frames, false);
     let (pooled, nine) = errors(Levels::default(), frames, false);

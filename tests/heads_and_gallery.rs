@@ -1,4 +1,5 @@
-//! Every head in `configs/` can be drawn, and measured where one frame shows both edges; the gallery draws all it promises.
+//! Every head in `configs/` can be drawn, and measured where one frame shows both edges; the
+//! gallery draws every case.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::path::{Path, PathBuf};
@@ -32,7 +33,8 @@ fn edges(path: &Path) -> Vec<(f64, f64)> {
     text.lines().skip(1).filter_map(row).collect()
 }
 
-/// What a head must do: pixels of its object, options that measure it, most departure of the mean width and of a column, px.
+/// A head: pixels of its object, options to measure it, limits of the departure of the mean width
+/// and of a column, px.
 struct Head {
     name: &'static str,
     um_per_px: f64,
@@ -41,7 +43,8 @@ struct Head {
     rms_px: f64,
 }
 
-/// Limits: several times what one frame (48 readings) of each leaves, 0.002 px in the mean and 0.004 to 0.033 px in a column.
+/// Limits: several times the departure found in one frame (48 readings) of each, 0.002 px in the
+/// mean and 0.004 to 0.033 px in a column.
 const HEADS: [Head; 6] = [
     Head { name: "head_edge_pair_50", um_per_px: 3.45, esf: false, mean_px: 0.005, rms_px: 0.03 },
     Head { name: "head_laser_shadow", um_per_px: 5.5, esf: true, mean_px: 0.03, rms_px: 0.05 },
@@ -96,7 +99,8 @@ fn every_head_measures_the_width_that_it_draws() {
     }
 }
 
-/// A loop with a head: masters, two passes, scans; the last pass lies in its tolerance by its true diameters.
+/// A loop with a head: masters, two passes, scans; the last pass lies in its tolerance by its true
+/// diameters.
 fn runs_to_tolerance(config: &str, most_mm: f64) {
     let folder = tempfile::tempdir().unwrap();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(config);
@@ -126,7 +130,8 @@ fn a_loop_runs_with_the_laser_head() {
 
 #[test]
 fn a_loop_runs_with_the_line_camera() {
-    // One line of pixels a reading sees the texture at one z, 0.45 µm of it: eight angles leave 0.16 µm of a station's mean.
+    // A reading of one line of pixels contains the texture at one z, 0.45 µm: with eight
+    // angles 0.16 µm remain in a station's mean.
     runs_to_tolerance("configs/head_line_laser.toml", 0.0007);
 }
 
@@ -139,14 +144,16 @@ fn readings_of_the_line_camera_are_as_fast_and_repeat_as_well_as_they_can() {
     for row in rows.as_array().unwrap() {
         let of = |key: &str| row[key].as_f64().unwrap();
         assert_eq!(row["lost"], 0, "{row}");
-        // The bound counts every ring of the line and takes the pattern's width for known; windows read seven units of it: 1.48 times one
-        // by one, 1.57 to 1.72 in blocks, each of which has one width of its own and states 1.17 to 1.33 of it.
+        // The bound includes every ring of the line and assumes the width of the pattern; windows
+        // use seven units of it. Found: 1.48 times the bound one by one, 1.57 to 1.72 in blocks,
+        // each of which estimates its own width, with errors of 1.17 to 1.33 u.
         let (most, most_ratio) = if row["way"] == "blocks" { (1.9, 1.5) } else { (1.7, 1.25) };
         assert!(of("repeatability_um") < most * of("bound_um"), "{row}");
         assert!(of("repeatability_um") > 0.9 * of("bound_um"), "no estimate is better than its bound: {row}");
         assert!((0.8..most_ratio).contains(&of("rms_error_over_u")), "{row}");
     }
-    // 16 kHz need 32 000 edges a second; a debug build, or a busy machine, is given a third of that.
+    // 16 kHz need 32 000 edges per second; a debug build or a busy machine must reach a third of
+    // that.
     assert!(rows[1]["edges_per_s"].as_f64().unwrap() > 10_000.0, "{rows}");
 }
 
@@ -193,7 +200,7 @@ fn gallery_draws_every_case_and_a_contact_sheet() {
         .filter(|e| e.as_ref().unwrap().path().extension().is_some_and(|x| x == "toml"))
         .count();
     assert!(frames >= 20, "{stdout}: {frames} cases");
-    // What the gallery shows can be tried: its configs are configs.
+    // The configs of the gallery are valid.
     let again = folder.path().join("again");
     let config = out.join("gaussian.toml");
     let (code, _, stderr) = shadowgauge(&[

@@ -1,4 +1,5 @@
-//! A gauge that follows the tool: frames of a shaft bent by the force of the moment, and control within the pass.
+//! A gauge that follows the tool: frames of a shaft bent by the force at that instant, and control
+//! within the pass.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/turned.rs"]
@@ -8,7 +9,8 @@ use shadowgauge::closed_loop::PassResult;
 use shadowgauge::job::{Job, ScanWhen};
 use turned::turn;
 
-/// A short, slender shaft before a small camera: the field shows 12 mm of a 6 mm shaft of 120 mm.
+/// A short, slender shaft in front of a small camera: the field shows 12 mm of a 6 mm shaft of 120
+/// mm.
 fn job(when: &str, within: &str) -> Job {
     let text = format!(
         r#"
@@ -72,7 +74,8 @@ fn worst_mm(pass: &PassResult) -> f64 {
 fn the_gauge_follows_the_tool_and_every_station_is_read() {
     let job = job("during_cut", "");
     let follow = job.follow_plan(1);
-    // Frames are taken behind the tool, the shaft turns at cutting speed, angles are those of a scan.
+    // Frames are taken behind the tool, the shaft turns at cutting speed, angles are those of a
+    // scan.
     assert!((follow.spindle_rpm - 1e3 * 60.0 / (std::f64::consts::PI * 5.6)).abs() < 1e-9);
     assert!((follow.carriage_mm_s + 0.1 * follow.spindle_rpm / 60.0).abs() < 1e-12);
     assert!(
@@ -97,7 +100,8 @@ fn the_gauge_follows_the_tool_and_every_station_is_read() {
             n += 1.0;
             assert!((d.d_mm - truth).abs() < 4.0 * d.u_mm(), "{station:?} against {truth}");
         }
-        // Four angles and a shaft that yields by its own tolerance show u poorly: 1.16 and 1.25 were found.
+        // With four angles and a shaft that yields by its own tolerance the ratio is
+        // uncertain: 1.16 and 1.25 were found.
         assert!((squares / n).sqrt() < 1.6, "rms error/u {}", (squares / n).sqrt());
         assert!(pass.cut.as_ref().unwrap().max_deflection_mm > 1e-3);
     }
@@ -106,7 +110,7 @@ fn the_gauge_follows_the_tool_and_every_station_is_read() {
     assert_eq!(passes[1].profile, again[1].profile);
     let times: Vec<u64> = passes[0].readings.iter().map(|r| r.t_ns).collect();
     assert!(times.windows(2).all(|t| t[0] <= t[1]) && times.last() > times.first());
-    // After the pass the same part is read alike.
+    // A scan after the pass measures the same part alike.
     let after =
         turn(&Job { scan: shadowgauge::job::Scan { when: ScanWhen::AfterPass, ..job.scan.clone() }, ..job });
     assert_eq!(passes[0].truth_mm, after[0].truth_mm);
@@ -118,13 +122,14 @@ fn control_within_the_pass_takes_off_what_the_gauge_finds_behind_the_tool() {
     let within = turn(&job("during_cut", "[control.within_pass]\ngain = 0.8"));
     let (without, with) = (worst_mm(&plain[0]), worst_mm(&within[0]));
     assert!(with < 0.8 * without, "{with} against {without} mm in the first pass");
-    // What was applied is kept, for the controller and for a run that is resumed.
+    // The applied offsets are recorded, for the controller and for a resumed run.
     let applied = within[0].evidence.applied_mm.as_ref().unwrap();
     assert_eq!(applied, &within[0].plan.offset.o_mm);
     assert!(applied.iter().any(|o| *o > 1e-3) && plain[0].evidence.applied_mm.is_none());
 }
 
-/// A control that takes X to a micrometre cuts what is corrected within the pass on whole micrometres, as between passes.
+/// On a control with increments of a micrometre in X, corrections within the pass are whole
+/// micrometres, as between passes.
 #[test]
 fn what_is_corrected_within_the_pass_is_rounded_as_the_machine_rounds() {
     let within = "[control.within_pass]\ngain = 0.7";
@@ -147,7 +152,8 @@ fn what_is_corrected_within_the_pass_is_rounded_as_the_machine_rounds() {
     assert!(free.iter().zip(&rounded).all(|(a, b)| (a - b).abs() < 0.01), "{free:?} {rounded:?}");
 }
 
-/// Chips, mist and droplets on request while the pass is cut: frames show them, and the gauge leaves out or measures.
+/// Chips, mist and droplets on request while the pass is cut: frames show them, and the gauge
+/// rejects or measures the columns.
 #[test]
 fn chips_and_coolant_while_it_is_cut_are_drawn_and_measured() {
     let clean = job("during_cut", "");
@@ -167,7 +173,7 @@ fn chips_and_coolant_while_it_is_cut_are_drawn_and_measured() {
         let Some(d) = station.reading.value() else { continue };
         read += 1.0;
         square += ((d.d_mm - truth) / d.u_mm()).powi(2);
-        // As `study contamination` counts what is mishandled.
+        // By the criterion of `study contamination` for mishandled stations.
         assert!((d.d_mm - truth).abs() < 1e-3 + 2.0 * d.u_mm(), "{station:?} against {truth}");
     }
     println!(
@@ -178,7 +184,8 @@ fn chips_and_coolant_while_it_is_cut_are_drawn_and_measured() {
     assert!(read > 0.7 * dirty.profile.stations.len() as f64, "{read}");
 }
 
-/// A warm shaft is seen larger while it is cut; a thermometer takes it to 20 °C, and its limits into the uncertainty.
+/// A warm shaft measures larger while it is cut; with a thermometer the diameter is given at 20 °C,
+/// and its limits are in the uncertainty.
 #[test]
 fn the_heat_of_the_cut_is_taken_off_by_a_thermometer() {
     let heat = "[process.disturbance]\nheat_start_k = 20.0\nheat_end_k = 20.0";
@@ -196,7 +203,7 @@ fn the_heat_of_the_cut_is_taken_off_by_a_thermometer() {
         errors.iter().sum::<f64>() / errors.len() as f64
     };
     let (warm, corrected) = (turn(&plain).remove(0), turn(&known).remove(0));
-    // 20 K of 11.5 µm/(m K) on 5.6 mm.
+    // 20 K at 11.5 µm/(m·K) on 5.6 mm.
     assert!((mean_um(&warm) - 1.29).abs() < 0.15, "{}", mean_um(&warm));
     assert!(mean_um(&corrected).abs() < 0.15, "{}", mean_um(&corrected));
     let u_common = |pass: &PassResult| pass.profile.stations[20].reading.value().unwrap().u_common_mm;

@@ -37,7 +37,7 @@ fn a_list_that_cannot_be_is_refused_with_its_place() {
         let text = said(listed);
         assert!(words.iter().all(|w| text.contains(w)), "{text}");
     }
-    // side by side as the default has them
+    // side by side, as by default
     let touching: Vec<f64> = (0..100).map(|i| (f64::from(i) + 0.5) * 5.0).collect();
     job(&touching).check().expect("stations may touch");
 }
@@ -47,14 +47,15 @@ fn fields_that_show_no_station_are_left_out() {
     let (all, some) = (Job::default().scan_plan(), job(&[5.0, 250.0]).scan_plan());
     assert!(some.field_z_mm.len() < 6 && some.field_z_mm.iter().all(|z| all.field_z_mm.contains(z)));
     let half = Job::default().field_length_mm() / 2.0;
-    // whatever of a station all fields show, the fields left show, too
+    // the remaining fields show as much of each station as all fields do
     for z in [2.6, 5.0, 7.4, 247.6, 250.0, 252.4] {
         let shown = |fields: &[f64]| fields.iter().filter(|f| (*f - z).abs() <= half).count();
         assert_eq!(shown(&some.field_z_mm), shown(&all.field_z_mm), "Z {z}");
     }
 }
 
-/// A short shaft before a small camera; the tailstock is soft, so that there is something to correct.
+/// A short shaft in front of a small camera; the tailstock is soft, so that there is an error to
+/// correct.
 const SMALL: &str = concat!(
     r#"
 [part]
@@ -70,13 +71,14 @@ tailstock_n_per_um = 5.0
 "#
 );
 
-/// Scanned, controlled and written where they are listed; the learning controller takes their uneven pitch.
+/// Scanned, controlled and written where they are listed; the learning controller takes their
+/// uneven pitch.
 #[test]
 fn a_run_measures_and_corrects_the_listed_stations() {
     let mut job: Job = toml::from_str(SMALL).unwrap();
     job.part.tolerance = None;
     job.control.controller = ControllerName::Ilc;
-    // few stations lie far apart: between them the shaft bends by more than a reading may be off its neighbours
+    // few stations far apart: between them the shaft bends by more than the outlier limit
     job.control.guards.outlier_limit_mm = 0.03;
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
     let cell = SimulatedCell::new(&job, &renderer).unwrap();

@@ -33,7 +33,7 @@ fn four_passes_of_the_slender_shaft() {
     }
     let (with, none) = (um(&passes[3], "true_max_abs_error_mm"), um(&without[3], "true_max_abs_error_mm"));
     assert!(15.0 * with <= none, "after pass 4: {with} µm with control, {none} µm without");
-    // Pass 1 knows no controller: both runs must have cut and measured the same part.
+    // Pass 1 is independent of the controller: both runs must have cut and measured the same part.
     assert_eq!(passes[0]["true_max_abs_error_mm"], without[0]["true_max_abs_error_mm"]);
     assert_eq!(json["in_tolerance"], true);
 }

@@ -1,4 +1,5 @@
-//! `measure` from outside: what is no frame, and frames without a part, give one clear error and no diameter.
+//! `measure` from outside: files that are not frames, and frames without a part, give one clear
+//! error and no diameter.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::path::{Path, PathBuf};
@@ -127,7 +128,8 @@ fn a_folder_with_some_bad_frames_gives_gaps_and_good_ones_values() {
     assert!(text.lines().any(|l| l == "b,0,,,,,low_contrast"), "{text}");
 }
 
-/// A tolerance is judged by every size that a frame gives: a taper's ends, a frame and a place that could not be measured.
+/// A tolerance is judged by every size that a frame gives: a taper's ends, a frame and a place that
+/// could not be measured.
 #[test]
 fn good_is_what_is_proven_everywhere() {
     let folder = tempfile::tempdir().unwrap();
@@ -151,7 +153,7 @@ fn good_is_what_is_proven_everywhere() {
     };
     let (code, frames) = judged(&["even.png"], &[]);
     assert_eq!((code, &frames[0]["judgement"]), (Some(0), &"GO".into()), "{frames}");
-    // Its mean of 8.01 mm lies well inside, its ends do not.
+    // Its mean of 8.01 mm is well inside, its ends are not.
     let (code, frames) = judged(&["taper.png"], &[]);
     assert_eq!((code, &frames[0]["judgement"]), (Some(1), &"HH".into()), "{frames}");
     let mean_mm = frames[0]["mean_diameter_mm"].as_f64().unwrap();

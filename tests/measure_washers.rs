@@ -1,5 +1,5 @@
-//! Real input: back-lit washers whose outer diameters a coordinate-measuring machine knows. The images live outside the
-//! project (`SHADOWGAUGE_WASHERS`); without them the test says SKIPPED.
+//! Real input: back-lit washers with outer diameters from a coordinate-measuring machine. The
+//! images are outside the project (`SHADOWGAUGE_WASHERS`); without them the test prints SKIPPED.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/program.rs"]
@@ -24,7 +24,7 @@ fn measure(folder: &Path) -> Value {
     serde_json::from_slice(&output.stdout).expect("JSON on stdout")
 }
 
-/// Writes transposed copies, as a camera turned by 90° would deliver them.
+/// Writes transposed copies, as from a camera turned by 90°.
 fn transposed(folder: &Path, into: &Path) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -71,9 +71,10 @@ fn washers_agree_with_the_measuring_machine() {
         if frame["max_diameter_px"].is_null() {
             continue;
         }
-        // The clipped bright field is flagged and measured, columns without a part or with steep flanks are gaps.
+        // The clipped bright field is flagged and measured; columns without a part or with steep
+        // flanks are gaps.
         let columns = |flag: &str| frame["flags"][flag].as_u64().unwrap_or(0);
-        // Where a burr or dirt lies along one edge most columns are gaps.
+        // Where a burr or dirt lies along one edge, most columns are gaps.
         assert!(columns("clipped") > 100, "{frame}");
         assert!(columns("no_edge") + columns("steep") > 500, "{frame}");
         assert_eq!(frame["valid"], frame["flags"]["clipped"], "{frame}");
@@ -81,13 +82,15 @@ fn washers_agree_with_the_measuring_machine() {
     let machine = machine_values(&folder);
     let (a, b) = (largest_px(&as_is), largest_px(&upright));
     assert_eq!((a.len(), b.len(), machine.len()), (15, 15, 15));
-    // A picture with dirt or burrs may be refused in one orientation; the other one then stands for the part.
+    // An image with dirt or burrs may be refused in one orientation; the other one is then used for
+    // the part.
     let refused = a.iter().chain(&b).filter(|part| part.1.is_none()).count();
     println!("{refused} of 30 pictures refused");
     assert!(refused <= 2, "{refused} of 30 pictures refused");
     let largest: Vec<f64> =
         a.iter().zip(&b).map(|(a, b)| a.1.into_iter().chain(b.1).reduce(f64::max).unwrap()).collect();
-    // One shared scale, from parts 1-22 alone: the middle of each part's band over its largest caliper.
+    // One common scale, from parts 1-22 alone: the middle of each part's band over its largest
+    // caliper.
     let taught: Vec<f64> = machine
         .iter()
         .zip(&largest)

@@ -1,4 +1,5 @@
-//! Programs that probe: what they cut of what they find, where they stop, and what LinuxCNC's own interpreter makes of them.
+//! Programs that probe: the cut that follows from the probed errors, their alarms, and runs through
+//! LinuxCNC's own interpreter.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 mod linuxcnc;
@@ -45,7 +46,8 @@ fn program(settings: &NcSettings) -> ProbingProgram<'_> {
     }
 }
 
-/// The paper's reconstructed errors at its places, mm; the sixth is probed a little beside the chuck.
+/// The paper's reconstructed errors at its places, mm; the sixth is probed a little beside the
+/// chuck.
 fn paper(z: f64) -> f64 {
     let errors = [4.4, 4.6, 4.8, 5.0, 5.1, 5.4];
     let x = 6.0 * (LENGTH - z) / LENGTH;
@@ -141,7 +143,8 @@ fn alarms_stop_what_must_not_go_on() {
         let surface = |before: f64, after: f64| {
             Some(Surface { before: vec![(0.0, before)], after: vec![(0.0, after)], ..Surface::default() })
         };
-        // (before, after, cuts): good; a chip under the ball; nothing there; undersize, oversize, within U of a limit
+        // (before, after, cuts): good; a chip under the ball; nothing there; undersize, oversize,
+        // within U of a limit
         for (before, after, alarm, cuts) in [
             (BEFORE, NOMINAL, false, true),
             (BEFORE + 0.31, NOMINAL, true, false),
@@ -186,7 +189,7 @@ fn a_probe_that_may_hit_something_is_refused() {
             assert!(said.contains(word), "{dialect:?}, {word}: {said}");
         };
         let code = if dialect == Dialect::Linuxcnc { "G38.2" } else { "G31" };
-        // the second touch: what the first left could be read again
+        // the second touch: a program could read the result of the first again
         let second = text.match_indices(code).nth(1).expect("two touches").0;
         let rapid = format!("{}G00{}", &text[..second], text[second + code.len()..].replacen(" F50.", "", 1));
         let said = replay::check(&rapid, &working_space).expect_err("refused").to_string();
@@ -195,7 +198,7 @@ fn a_probe_that_may_hit_something_is_refused() {
         refused(&feed, "the probe in the carrier");
         let along = |l: &str| if l == "G00 X27." { "-".to_owned() } else { l.to_owned() };
         refused(&along, "begins in the part");
-        // along the part before it is up at the clear diameter
+        // along the part before it has retracted to the clear diameter
         let low = |l: &str| if l == "G00 X27." { "G00 X24.".to_owned() } else { l.to_owned() };
         refused(&low, "half the clearance");
         let skew = |l: &str| if l.starts_with(code) { format!("{l} Z100.") } else { l.to_owned() };
@@ -229,7 +232,7 @@ fn places_and_bodies_that_do_not_fit_are_named() {
     assert!(text.contains("Z 1 mm") && text.contains("part.station_z_mm"), "{text}");
     let text = said(&|_, p| p.probe_z_mm = (1..=13).map(|i| 20.0 * f64::from(i)).collect());
     assert!(text.contains("13 places"), "{text}");
-    // a body as wide as the way to a tall chuck
+    // a probe body wide enough to reach a tall chuck
     let text = said(&|s, _| {
         s.chuck = Some(Chuck { diameter_mm: 400.0, jaws_to_z_mm: 0.0, jaws_diameter_mm: None });
     });
@@ -244,7 +247,7 @@ fn places_and_bodies_that_do_not_fit_are_named() {
     program(&open).write(Dialect::Fanuc).expect("#5061");
     let text = program(&open).write(Dialect::Gsk).expect_err("open").to_string();
     assert!(text.contains("probe.skip_variable"), "{text}");
-    // where nothing is known of the chuck, the body stays before Z 0
+    // where the chuck is not stated, the body stays in front of Z 0
     open.chuck = None;
     let places = program(&open).write(Dialect::Linuxcnc).expect("a program").cut;
     assert_eq!(places[5], 20.0, "half the body");
@@ -256,7 +259,8 @@ fn plan() -> PassPlan {
     PassPlan { pass: 3, nominal_mm: NOMINAL, cutting: CUTTING, station_z_mm, offset }
 }
 
-/// Every form measures again where it can and a tolerance is stated, and says so where it does not.
+/// Every form measures again where it can and a tolerance is stated, and otherwise states that it
+/// does not.
 #[test]
 fn every_program_measures_again_or_says_that_it_does_not() {
     let piece = program(&settings()).piece;
@@ -331,7 +335,8 @@ fn nothing_is_said_where_no_tolerance_is_stated() {
     assert!(!text.contains("MEASURE AGAIN"), "nothing is stated, nothing is said");
 }
 
-/// rs274 ends every probing move at its target: the targets are put where the simulated part is touched.
+/// rs274 ends every probing move at its target: the targets are set to the simulated points of
+/// touch.
 #[test]
 fn linuxcnc_runs_it_with_simulated_results() -> Result<(), NcError> {
     let mut settings = settings();
@@ -357,7 +362,8 @@ fn linuxcnc_runs_it_with_simulated_results() -> Result<(), NcError> {
             _ => None,
         })
         .collect();
-    // rs274 starts at the origin, ours at the change position; a move to where the tool is already is none
+    // rs274 starts at the origin, ours at the change position; a move to the present position is
+    // not listed
     let mut at = (0.5 * working_space.change.x_mm, working_space.change.z_mm);
     let theirs: Vec<((f64, f64), bool)> =
         moves.into_iter().skip(2).filter(|m| std::mem::replace(&mut at, m.0) != m.0).collect();
@@ -366,7 +372,8 @@ fn linuxcnc_runs_it_with_simulated_results() -> Result<(), NcError> {
         let apart = (theirs.0.0 - ours.0.0).abs().max((theirs.0.1 - ours.0.1).abs());
         assert!(apart <= 6e-5 && theirs.1 == ours.1, "{theirs:?} {ours:?}");
     }
-    // the alarms, by LinuxCNC: a result out of range before the cut; a part out of tolerance after it
+    // the alarms, by LinuxCNC: a result out of range before the cut; a part out of tolerance after
+    // it
     for (before, after, word) in [
         (BEFORE + 0.31, NOMINAL, "PROBE RESULT OUT OF RANGE"),
         (BEFORE, 23.214, "PART OVERSIZE"),

@@ -1,4 +1,4 @@
-//! NC programs: what they say, and what LinuxCNC's own interpreter makes of them.
+//! NC programs: their text, and their moves by LinuxCNC's own interpreter.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 mod linuxcnc;
@@ -47,7 +47,7 @@ fn turning<'a>(plan: &'a PassPlan, settings: &'a NcSettings, piece: &'a Workpiec
     TurningProgram { plan, settings, piece, limits_mm: Some((24.987, 25.0)), reason: "released" }
 }
 
-/// The paper's reconstructed errors in .01 mm.
+/// The paper's reconstructed errors in units of 0.01 mm.
 fn paper_line() -> MacroProgram<'static> {
     static SETTINGS: std::sync::LazyLock<NcSettings> = std::sync::LazyLock::new(stated);
     let x: Vec<f64> = (1..=6).map(|i| f64::from(i) / 6.0).collect();
@@ -100,7 +100,7 @@ fn the_fanuc_register_holds_the_mean_and_the_path_the_rest() {
     assert!(lines.contains(&"G10 P16 X0."), "the register is left empty");
     let mean = plan().offset.o_mm.iter().sum::<f64>() / 100.0;
     assert!((path.wear_mm + mean).abs() <= 0.0005);
-    // what the path holds is the shape alone: its mean over the stations is the nominal
+    // the path contains the shape alone: its mean over the stations is the nominal
     let shape: f64 = plan().station_z_mm.iter().map(|z| x_at(&path, *z) - 24.9935).sum::<f64>() / 100.0;
     assert!(shape.abs() < 0.001, "{shape}");
 }
@@ -180,7 +180,8 @@ fn feeds(moves: &[Move]) -> Vec<(f64, f64)> {
 
 #[test]
 fn rs274_prints_the_radius_that_was_intended() {
-    // LinuxCNC's M100-M199 are programs of the user's: without one the interpreter refuses them
+    // LinuxCNC's M100-M199 are programs of the user's: without such a program the interpreter
+    // refuses them
     let plain = NcSettings { remeasure: None, ..settings() };
     let (text, path) = write(&plan(), &plain, Dialect::Linuxcnc).expect("a program");
     let Some((moves, printed)) = interpret(&text) else { return };
@@ -238,7 +239,7 @@ fn the_replay_moves_as_linuxcnc_does() {
                      #1=[#1-1.]\no1 endwhile\no2 if [#1 NE 0.]\nX1.\no2 else\nG8 X[SQRT[16.]]\no2 endif\nM2\n";
         for text in [knots, line, loops.to_owned()] {
             let Some((mut moves, printed)) = interpret(&text) else { return };
-            // a move to where the tool is already is none
+            // a move to the present position is not listed
             let mut at = (0.0, 0.0);
             moves.retain(|m| std::mem::replace(&mut at, m.0) != m.0);
             let ours = replayed(&text, &plain);

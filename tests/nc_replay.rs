@@ -1,8 +1,8 @@
-//! NC programs among the solids of a machine: every program that is written keeps clear of them, whatever the part, and a
-//! program that does not is refused with the block that offends.
+//! NC programs among the solids of a machine: every program that is written keeps clear of them,
+//! whatever the part, and a program that does not is refused, naming the block.
 //!
-//! The check of the crate sweeps convex outlines; here moves are sampled against the solids' profile R(z), with the nose
-//! as the function of a circle, so that both would have to be wrong in the same way.
+//! The check of the crate sweeps convex outlines; here moves are sampled against the solids'
+//! profile R(z), with the nose as a circle, so that an error would have to be in both.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use proptest::prelude::*;
@@ -58,7 +58,7 @@ impl Case {
         self.program().working_space(Dialect::Linuxcnc).expect("a scene").change
     }
 
-    /// Radius that solids take up at `z`; with the stock, where a rapid moves.
+    /// Radius occupied by solids at `z`, mm; including the stock for rapid moves.
     fn taken(&self, z: f64, with_stock: bool) -> f64 {
         let (length, s) = (self.piece.length_mm, &self.settings);
         let chuck = match s.chuck {
@@ -84,7 +84,7 @@ impl Case {
         chuck.max(jaws).max(centre).max(stock)
     }
 
-    /// How deep the nose stands in what is taken, mm; negative where it is clear.
+    /// Depth of the nose in occupied space, mm; negative where it is clear.
     fn depth(&self, at: Point, with_stock: bool) -> f64 {
         let r = self.nose();
         let middle = match self.piece.direction {
@@ -137,7 +137,7 @@ fn along(from: Point, to: Point) -> impl Iterator<Item = Point> {
 /// Judges a program by sampling, from every start of the case that is clear.
 fn sampled(text: &str, case: &Case, dialect: Dialect) {
     let change = case.change();
-    // the reference point lies at the end of the travel
+    // the reference point is at the end of the travel
     let most = if dialect == Dialect::Linuxcnc { f64::INFINITY } else { change.x_mm };
     let starts = case.starts.iter().filter(|s| s.0 <= most).map(|(x, z)| Point { x: *x, z: *z });
     let clear: Vec<Point> = starts.filter(|p| case.depth(*p, true) < -0.01).collect();
@@ -330,7 +330,8 @@ fn a_program_that_touches_is_refused_with_its_block() {
         }
     };
     for dialect in Dialect::ALL {
-        // the lead-in of older programs: down to the finished diameter in rapid, inside the end face
+        // the lead-in of older programs: down to the finished diameter in rapid, inside the end
+        // face
         let said = refusal(&case, dialect, |l| {
             let inside = l.replace("G00 Z60.5", "G00 Z59.5");
             if l.starts_with("G01 X") { l[4..].replace(" F0.1", "") } else { inside }
@@ -374,7 +375,7 @@ fn a_cut_that_is_short_too_deep_or_in_the_jaws_is_refused() {
     assert!(said.contains("not cut to size"), "{said}");
     let said = starts_with("G01 X", |l| l.replacen("X9.98", "X9.97", 1).replacen("X9.99", "X9.97", 1));
     assert!(said.contains("below the commanded"), "{said}");
-    // the finished part must not be left: a knot too large is metal that stays
+    // the cut must reach the finished diameter: a knot that is too large leaves metal
     let knot = text.lines().find(|l| l.ends_with("Z30.")).expect("a knot").to_owned();
     let said = refusal(&case, dialect, |l| if l == knot { "X10.2 Z30.".into() } else { l.to_owned() });
     assert!(said.contains("not cut to size"), "{said}");
@@ -439,7 +440,7 @@ fn what_stands_in_the_way_is_named() {
     assert!(text.contains("tailstock"), "{text}");
     let text = said(&|s, _| s.least_z_mm = 2.6);
     assert!(text.contains("nc.least_z_mm"), "{text}");
-    // and what does not stand in it is no reason to refuse
+    // and an obstacle outside the path is no reason to refuse
     let mut free = case();
     free.settings.tailstock = Some(Tailstock::Absent);
     free.settings.chuck = chuck(0.4);

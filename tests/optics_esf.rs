@@ -223,9 +223,9 @@ fn lens(coherence_ratio: f64, defocus: f64) -> EdgeSpread {
     PartiallyCoherentEdge { defocus_mm: defocus * 2e-3, ..edge }.edge_spread().unwrap()
 }
 
-/// The intensity by Abbe's sum over source points: every point sends a plane wave, its amplitude behind the lens is
-/// an integral over the pupil with the pole of the edge's spectrum subtracted. Nothing is shared with the table but
-/// the nodes of Gauss and Legendre.
+/// The intensity by Abbe's sum over source points: every point emits a plane wave, whose amplitude
+/// behind the lens is an integral over the pupil with the pole of the edge's spectrum subtracted.
+/// Only the Gauss-Legendre nodes are common with the table.
 fn abbe(x: f64, ratio: f64, defocus: f64) -> f64 {
     const ANGLES: usize = 48;
     let radial = gauss_legendre(32);
@@ -324,7 +324,8 @@ fn defocus_moves_the_half_light_point_below_s_of_one_only() {
     assert_eq!(mirrored.edge_spread().unwrap(), plain.edge_spread().unwrap());
 }
 
-/// Struve's function H1 by its power series (Abramowitz & Stegun 12.1.3), good to 1e-8 up to 20.
+/// Struve's function H1 by its power series (Abramowitz & Stegun 12.1.3), accurate to 1e-8 up
+/// to 20.
 fn struve_1(z: f64) -> f64 {
     let half = 0.25 * z * z;
     let mut term = half / (libm::tgamma(1.5) * libm::tgamma(2.5));
@@ -339,7 +340,8 @@ fn struve_1(z: f64) -> f64 {
 
 #[test]
 fn the_limits_in_s_are_the_closed_forms() {
-    // Incoherent: the line spread of a circular pupil is 2 H1(2v)/v², v = 2πx (λ/NA); Simpson's rule from the edge.
+    // Incoherent: the line spread of a circular pupil is 2 H1(2v)/v², v = 2πx (λ/NA); Simpson's
+    // rule from the edge.
     let spread = |x: f64| {
         let v = std::f64::consts::TAU * x;
         if v < 1e-3 { 16.0 / (3.0 * std::f64::consts::PI) } else { 2.0 * struve_1(2.0 * v) / (v * v) }
@@ -353,14 +355,15 @@ fn the_limits_in_s_are_the_closed_forms() {
         close(incoherent.value(-x), 1.0 - wanted, 2e-5, "and mirrored");
         wanted += h * (spread(x) + 4.0 * spread(x + 0.5 * h) + spread(x + h)) / 6.0;
     }
-    // The general method runs into both limits.
+    // The general method converges to both limits.
     let (wide, narrow, coherent) = (lens(100.0, 0.4), lens(0.01, 0.4), lens(0.0, 0.4));
     let unfocused = lens(1e5, 0.4);
     for x in [-1.3, -0.2, 0.0, 0.3, 0.8, 2.0] {
         close(wide.value(x), unfocused.value(x), 1e-3, "S = 100");
         close(narrow.value(x), coherent.value(x), 1e-3, "S = .01");
     }
-    // Coherent in focus: (½ + Si(2πx)/π)², Si(2π) = 1.41815157613, Si(π) = 1.85193705198 (A&S Table 5.3).
+    // Coherent in focus: (½ + Si(2πx)/π)², Si(2π) = 1.41815157613, Si(π) = 1.85193705198 (A&S
+    // Table 5.3).
     let sharp = lens(0.0, 0.0);
     for (x, si) in [(1.0, 1.418_151_576_13), (0.5, 1.851_937_051_98)] {
         close(sharp.value(x), (0.5f64 + si / std::f64::consts::PI).powi(2), 2e-6, "coherent");
@@ -389,7 +392,7 @@ fn a_lens_out_of_range_is_refused_by_its_key() {
 
 // -- laser shadow
 
-/// One colour and a point source with √(λz/2) = 1 µm.
+/// Monochromatic light from a point source with √(λz/2) = 1 µm.
 fn laser() -> LaserShadow {
     LaserShadow {
         wavelength_nm: 1000.0,
@@ -438,7 +441,8 @@ fn a_line_and_a_source_of_finite_width_wash_the_rings_out() {
     };
     assert!(rings(&table) < 1e-3 && rings(&laser().edge_spread().unwrap()) > 0.015);
     let wide = LaserShadow { source_half_angle_mrad: 500.0 / 2.0 * 0.4, ..laser() }.edge_spread().unwrap();
-    // Source of radius .2 µm in units of 1 µm: rings of a period below it vanish, the edge stays.
+    // Source of radius .2 µm in units of 1 µm: rings with a smaller period vanish, the edge
+    // remains.
     close(
         wide.value(0.0),
         laser().edge_spread().unwrap().spread(&Shifts::disc(0.2, 64), 1e-6).unwrap().value(0.0),
@@ -461,8 +465,8 @@ fn a_wire_throws_babinets_pattern() {
 
 // -- grazing reflection
 
-/// Light at height x by tracing rays through a circular pupil, backwards, with vectors: meets the cylinder, mirrors,
-/// leaves within the source's cone or not.
+/// Light at height x by tracing rays through a circular pupil, backwards, with vectors:
+/// intersection with the cylinder, reflection, and whether the ray leaves within the source's cone.
 fn traced(r: &GrazingReflection, radius: f64, x: f64, mirror: f64) -> f64 {
     let (theta, na) = (r.source_half_angle_deg.to_radians(), r.acceptance_half_angle_deg.to_radians());
     let lit = na.min(theta);
@@ -521,7 +525,7 @@ fn the_lit_strip_is_as_wide_as_the_formula_says() {
 #[test]
 fn traced_rays_give_the_same_light() {
     for (theta, na) in [(5.0, 0.0), (5.0, 1.2), (5.0, 5.0), (2.0, 4.0), (1.0, 1.0)] {
-        // k → ∞ mirrors everything.
+        // k → ∞ reflects everything.
         let r = GrazingReflection {
             source_half_angle_deg: theta,
             acceptance_half_angle_deg: na,

@@ -108,7 +108,7 @@ fn a_pinhole_sees_the_tangents() {
         1e-12,
         "centred",
     );
-    // The tangent's distance from an off-centre circle's middle is its radius.
+    // The tangent's distance from the centre of an off-centre circle is its radius.
     let (x0, y0, radius, distance) = (3.0, -4.0, 7.5, 150.0);
     let (top, bottom) = edges_mm(radius, x0, y0, distance).unwrap();
     for x in [top, bottom] {
@@ -121,7 +121,8 @@ fn a_pinhole_sees_the_tangents() {
     assert!(text.contains("distance_mm"), "{text}");
 }
 
-/// Largest height at z of all points of a body of revolution, seen through `project(x, y, s) -> (z, height)`.
+/// Largest height at z of all points of a body of revolution, projected by `project(x, y, s) -> (z,
+/// height)`.
 fn painted(
     radius: impl Fn(f64) -> f64,
     at: f64,
@@ -234,7 +235,7 @@ fn limits_of_motion_are_box_and_arcsine() {
     let shaking = Vibration { amplitude_um: 7.0, frequency_hz: 2e6, phase_deg: 0.0 };
     let path = Motion { vibration: vec![shaking], ..Motion::default() }.path(0.0, &[]);
     close(path.shifts(time).variance_um2(), 24.5, 1e-9, "A²/2");
-    // A flash stops it: .1 µs of a period of 100 µs.
+    // A flash freezes it: 0.1 µs of a period of 100 µs.
     let still = Motion {
         vibration: vec![Vibration { frequency_hz: 1e4, ..shaking }],
         strobe: Some(Strobe { delay_us: 25.0, pulse_us: 0.1 }),

@@ -62,7 +62,7 @@ fn the_papers_controller_brings_the_part_into_its_tolerance() {
     assert_ne!(verdict.part(), PartConformity::Conforms, "{}", verdict.words());
 }
 
-/// Over seeds, what is stated is what is found: for both ways of touching.
+/// Over seeds, the stated uncertainty agrees with the errors, for both ways of touching.
 #[test]
 fn the_stated_uncertainty_is_that_of_the_results() {
     for (stylus, sides) in [(Stylus::AlongX, Sides::One), (Stylus::AlongY, Sides::Two)] {
@@ -71,7 +71,7 @@ fn the_stated_uncertainty_is_that_of_the_results() {
             let mut job = job();
             job.seed = seed;
             (probe(&mut job).stylus, probe(&mut job).sides) = (stylus, sides);
-            // what the settings state of the machine is drawn as a displacement of the axis
+            // the uncertainties of the machine are drawn as a displacement of the axis
             probe(&mut job).u_axis_um = 0.0;
             probe(&mut job).u_guideway_um = 0.0;
             for pass in turn(&job) {
@@ -92,7 +92,8 @@ fn the_stated_uncertainty_is_that_of_the_results() {
     }
 }
 
-/// Tool and probe ride on one guideway: from one side its error is cut and not seen, from both sides it is.
+/// Tool and probe ride on one guideway: from one side its error is cut and not measured, from both
+/// sides it is measured.
 #[test]
 fn the_guideways_error_is_seen_from_both_sides_alone() {
     let worst = |sides: Sides| {
@@ -111,7 +112,8 @@ fn the_guideways_error_is_seen_from_both_sides_alone() {
     assert!(two.abs() < 0.002, "{two}");
 }
 
-/// With every touch of one direction its pre-travel goes out by the master; so it does, by the sum of both, from two sides.
+/// The pre-travel of touches in one direction is corrected by the master; from two sides, the sum
+/// of both is.
 #[test]
 fn calibration_takes_out_ball_and_pretravel() {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
@@ -132,7 +134,8 @@ fn calibration_takes_out_ball_and_pretravel() {
     // 12 ms at 50 mm/min are 10 µm, twice
     assert!((tip.probe_correction_mm - late.probe_correction_mm - 0.020).abs() < 0.0006, "{tip:?} {late:?}");
     assert!((tip.probe_correction_mm - 6.0).abs() < 0.002, "{tip:?}");
-    // F·L³/3EI of a lobe's middle (.495 N) and of a gap (.99 N): 2.99 and 5.97 µm, one of each from both sides
+    // F·L³/3EI of a lobe's middle (.495 N) and of a gap (.99 N): 2.99 and 5.97 µm, one of each from
+    // both sides
     let bent = calibrated(Stylus::AlongY, Sides::Two, 0.0);
     assert!((6.0 - bent.probe_correction_mm - 0.00896).abs() < 0.0015, "{bent:?}");
     assert!((0.0001..0.001).contains(&tip.u_correction_mm), "{tip:?}");
@@ -149,7 +152,8 @@ fn what_cannot_be_is_refused() {
     assert!(said(&|j| probe(j).sides = Sides::Two).contains("probe.sides"));
     assert!(said(&|j| probe(j).temperature.u_k = -1.0).contains("probe.temperature.u_k"));
     assert!(said(&|j| j.masters.pins.clear()).contains("masters.pins"));
-    // the calibration of a camera is none of the probe's, and a cell without a probe says so
+    // the calibration of a camera is refused for the probe, and a cell without a probe returns an
+    // error
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
     let (job, mut camera) = (job(), job());
     camera.probe = None;
@@ -181,10 +185,11 @@ fn a_run_and_its_program_on_the_command_line() {
     let (code, text, said) =
         shadowgauge(&["nc", &out, "--dialect", "linuxcnc", "--form", "probing", "--pass", "1"]);
     assert!(code == Some(2) && text.is_empty() && said.contains("--pass 2 or later"), "{said}");
-    // the offsets of the run as knots: probed after the cut, for the tolerance belongs to this pass
+    // the offsets of the run as knots: probed after the cut, because the tolerance belongs to this
+    // pass
     let (code, text, said) = shadowgauge(&["nc", &out, "--dialect", "linuxcnc"]);
     assert!(code == Some(0) && text.contains("PROBES AGAIN"), "{said}{text}");
-    // the probe is qualified on the config's reference, from both sides of the spindle; no pass is asked for
+    // the probe is qualified on the config's reference, at both spindle angles; no pass is given
     let qualify = ["nc", &out, "--dialect", "linuxcnc", "--form", "qualify"];
     let (code, text, said) = shadowgauge(&qualify);
     assert!(code == Some(0) && text.matches("G38.2 X").count() == 10, "{said}{text}");

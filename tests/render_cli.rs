@@ -140,7 +140,8 @@ fn bench_and_doctor_speak_json() {
     assert!(report["adapters"].is_array() && !report["auto"]["backend"].is_null());
 }
 
-/// A device that is lost after two frames: the run goes on with the CPU twin, says so, and the frames are the same.
+/// A device that is lost after two frames: the run continues on the CPU twin with a notice, and the
+/// frames are the same.
 #[test]
 fn a_device_lost_on_the_way_does_not_end_the_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -172,7 +173,8 @@ fn a_device_lost_on_the_way_does_not_end_the_run() {
     }
 }
 
-/// Frames beyond the adapter's buffers are drawn by the CPU twin, which says so; no format is refused, as images are plain words.
+/// Frames larger than the adapter's buffers are rendered by the CPU twin with a notice; no format
+/// is refused, because images are plain words.
 #[test]
 fn a_frame_or_a_format_that_the_adapter_refuses_is_drawn_by_the_twin() {
     let folder = tempfile::tempdir().unwrap();
@@ -219,7 +221,8 @@ fn contamination_writes_its_mask_and_presets_fill_in_a_sensor() {
         mask.pixels().any(|p| p.0[0] == 32) && mask.pixels().all(|p| p.0[0] & !32 == 0),
         "dirt is bit 32"
     );
-    // 5000 photons, QE .9125, 2.505 electrons a count over a black level of 240: 2061, dimmed a little by blurred dirt.
+    // 5000 photons, QE 0.9125, 2.505 electrons per count over a black level of 240: 2061 counts,
+    // slightly dimmed by blurred dirt.
     let frame = image::open(out.join("frames/000000.png")).unwrap().into_luma16();
     let mut first_row: Vec<u16> = (0..frame.width()).map(|x| frame.get_pixel(x, 0).0[0]).collect();
     first_row.sort_unstable();

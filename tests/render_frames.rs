@@ -21,7 +21,8 @@ use support::*;
 
 // ---- silhouette
 
-/// Support function by brute force: a dense sweep, then a golden-section search about its best sample.
+/// Support function by brute force: a dense sweep, then a golden-section search about its best
+/// sample.
 fn brute_force(outline: &Outline, z_mm: f64, facing: f64) -> f64 {
     let height = |theta: f64| outline.radius_mm(z_mm, theta) * (theta + facing).cos();
     let n = 200_000;
@@ -63,7 +64,7 @@ fn support_function_is_the_maximum_with_lobes_and_texture() {
             let phi = f64::to_radians(angle);
             let e = turned.edges(z);
             let (top, bottom) = (brute_force(&outline, z, phi), brute_force(&outline, z, phi + PI));
-            // 5e-10 mm is 3e-8 px; brute force itself is good to 1e-10 mm at a kink.
+            // 5e-10 mm is 3e-8 px; brute force itself is accurate to 1e-10 mm at a kink.
             assert!((e.top_mm - top).abs() < 5e-10, "{nodes} {orders:?} {angle}: {} {top}", e.top_mm);
             assert!(
                 (e.bottom_mm + bottom).abs() < 5e-10,
@@ -90,8 +91,9 @@ proptest! {
 
 #[test]
 fn first_order_edge_is_wrong_by_the_published_amounts() {
-    // h = r(-φ) errs by r'²/2R with r' = k a sin: at its worst 0.5 (k a)²/R; k = 15, a = 10 µm: .9 µm against the plain radius,
-    // and the second-order form by 65 nm (k = 15) and 195 nm (k = 50, a = 3 µm).
+    // h = r(-φ) errs by r'²/2R with r' = k a sin: at its worst 0.5 (k a)²/R; k = 15, a = 10 µm: .9
+    // µm against the plain radius, and the second-order form by 65 nm (k = 15) and 195 nm (k = 50,
+    // a = 3 µm).
     for (order, amplitude, error_nm) in [(15.0, 0.010, 65.0), (50.0, 0.003, 195.0)] {
         let mut shaft = Shaft::cylinder(25.0);
         shaft.lobes = vec![Lobe { order_upr: order as u32, amplitude_mm: amplitude, phase_deg: 0.0 }];
@@ -129,7 +131,8 @@ fn eccentricity_and_bow_turn_deflection_does_not() {
 
 #[test]
 fn tilted_taper_shows_the_closed_form_gap() {
-    // Gap seen in a column: D·cos τ/(cos²τ - sin²τ·tan²α), D the diameter where the column crosses the axis.
+    // Gap in a column: D·cos τ/(cos²τ - sin²τ·tan²α), D the diameter where the column crosses the
+    // axis.
     let (tilt, alpha) = (0.2f64, 0.3f64);
     let mut shaft = Shaft::cylinder(20.0);
     shaft.profile = vec![
@@ -140,13 +143,15 @@ fn tilted_taper_shows_the_closed_form_gap() {
     let e = Outline::new(shaft).unwrap().turned(0.0).edges(2.0);
     let diameter = 2.0 * (30.0 + 2.0 / tilt.cos() * alpha.tan());
     let gap = diameter * tilt.cos() / (tilt.cos().powi(2) - (tilt.sin() * alpha.tan()).powi(2));
-    // The solver gains tan τ tan α = .06 a step from millimetres: three steps at 200 mrad, thousands of times a real tilt.
+    // The error decreases by tan τ tan α = 0.06 per step, starting from millimetres: three steps at
+    // 200 mrad, thousands of times a real tilt.
     assert!((e.top_mm - e.bottom_mm - gap).abs() < 2e-3, "{} {gap}", e.top_mm - e.bottom_mm);
 }
 
 #[test]
 fn mean_caliper_is_the_perimeter_over_pi() {
-    // Cauchy: the mean width of a convex body is its perimeter / π. An ellipse-like two-lobe is convex.
+    // Cauchy: the mean width of a convex body is its perimeter / π. An ellipse-like two-lobe is
+    // convex.
     let mut shaft = Shaft::cylinder(25.0);
     shaft.lobes = vec![Lobe { order_upr: 2, amplitude_mm: 0.5, phase_deg: 0.0 }];
     let outline = Outline::new(shaft.clone()).unwrap();
@@ -187,7 +192,8 @@ fn drawn_texture_has_the_rms_and_correlation_asked_for() {
 
 // ---- reference against 2-D quadrature
 
-/// Light on a pixel at distance `e` below... above its centre, by a midpoint grid of Φ(d/σ) over the pixel's area.
+/// Light on a pixel with the edge at distance `e` above its centre, by a midpoint grid of Φ(d/σ)
+/// over the pixel's area.
 fn by_quadrature(e: f64, slope: f64, sigma: f64) -> f64 {
     let n = 400;
     let cos = 1.0 / slope.hypot(1.0);
@@ -287,7 +293,8 @@ fn rough_edges_meet_the_two_dimensional_blur() {
     let truth = reference.frame(256, 300, exact(&scene, 10.0, 0.0));
     let worst = worst(&shifts(&counts(&frame), &truth, 300, levels.bright - levels.shadow));
     println!("rough edge: {worst:.2e} px");
-    // The kernel takes the edge at whole columns: a kink of the texture between two of them is what is left.
+    // The kernel uses the edge at whole columns: the remaining error comes from a kink of the
+    // texture between two of them.
     assert!(worst < 5e-4, "{worst}");
 }
 

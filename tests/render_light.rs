@@ -1,4 +1,4 @@
-//! Light that is not even: vignetting, gradient, contamination with its mask, films that turn with the shaft.
+//! Uneven light: vignetting, gradient, contamination with its mask, films that turn with the shaft.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/render.rs"]
@@ -147,7 +147,7 @@ fn films_raise_the_drawn_edge_not_the_truth_and_turn_with_the_shaft() {
     };
     let (here, marks) = rise(20.0);
     let (turned, _) = rise(200.0);
-    // Half a turn brings the upper edge's films to the lower edge.
+    // After half a turn the upper edge's films are at the lower edge.
     let mut raised = 0;
     for (column, (a, b)) in here.iter().zip(&turned).enumerate() {
         assert!((a[0] - b[1]).abs() < 1e-4 && (a[1] - b[0]).abs() < 1e-4, "column {column}: {a:?} {b:?}");

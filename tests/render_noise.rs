@@ -77,7 +77,7 @@ fn moments(rows: &[Vec<f64>]) -> Moments {
     }
 }
 
-/// Rows of flat field: bright where `bright`, else shadow.
+/// Rows of flat field: the bright field where `bright`, otherwise the shadow.
 fn sample(renderer: &Renderer, bright: bool, format: PixelFormat) -> (Vec<Vec<f64>>, Expected) {
     let mut settings = SetupSettings { departures: SetupDeviations::none(), ..Default::default() };
     settings.camera.rows = 2048;

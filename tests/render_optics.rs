@@ -19,7 +19,8 @@ use support::*;
 
 // ---- partially coherent
 
-/// The same image by another road: a grating of period `L` expanded in harmonics, the source in rings of equal area.
+/// The same image by another method: a grating of period `L` expanded in harmonics, the source in
+/// rings of equal area.
 fn by_harmonics(s: f64, zeta: f64, x: f64) -> f64 {
     let period = 400.0;
     let (rings, around) = (40, 36);
@@ -57,7 +58,8 @@ fn by_harmonics(s: f64, zeta: f64, x: f64) -> f64 {
 #[test]
 fn partially_coherent_edge_meets_a_third_integration() {
     let mut worst: f64 = 0.0;
-    // Up to S = .85: at the pupil's rim harmonics converge too slowly to judge; there Abbe's sum and the exact 1/3 at S = 1 do.
+    // Up to S = 0.85: at the pupil's rim harmonics converge too slowly for a comparison; there
+    // Abbe's sum and the exact 1/3 at S = 1 are used.
     for (s, zeta) in [(0.3, 0.0), (0.7, 0.0), (0.85, 0.0), (0.5, 1.0), (0.5, 2.0)] {
         // λ/NA = 1 µm, λ/NA² = 2 µm.
         let edge = PartiallyCoherentEdge {
@@ -118,7 +120,8 @@ fn family_bench(rows: u32, esf: &Esf) -> OpticalSetup {
     OpticalSetup::resolve(&settings, 0).unwrap()
 }
 
-/// Worst signed shift, px, of noise-free frames of straight edges against the closed form over the pixel.
+/// Worst signed shift, px, of noise-free frames of straight edges against the closed form over the
+/// pixel.
 fn worst_of_family(renderer: &Renderer, setup: &OpticalSetup, row: f64) -> f64 {
     let rows = setup.rows() as u32;
     let mut all: f64 = 0.0;
@@ -206,7 +209,7 @@ fn every_family_follows_the_axis_out_of_focus() {
             Esf::PartiallyCoherent(p) => {
                 PartiallyCoherentEdge { defocus_mm: p.defocus_mm + y_mm, ..p.clone() }.edge_spread()
             }
-            // The shape stays, its scale follows the distance to the sensor.
+            // The shape is constant, its scale depends on the distance to the sensor.
             Esf::Fresnel(f) => LaserShadow {
                 distance_mm: f.distance_mm - y_mm,
                 source_half_angle_mrad: f.source_half_angle_mrad
@@ -235,7 +238,7 @@ fn a_polished_shaft_reflects_by_its_own_radius() {
         let dull = family_bench(1000, &esf);
         for radius_px in [100.15, 450.15] {
             let mut shaft = Shaft::cylinder(2.0 * radius_px * setup.pixel_mm);
-            // Elsewhere a thicker and a thinner piece.
+            // A thicker and a thinner piece at other places.
             let radius_mm = shaft.profile[0].radius_mm;
             let far = |z_mm, radius_mm| ProfileKnot { z_mm, radius_mm };
             shaft.profile = vec![
@@ -272,7 +275,7 @@ fn an_edge_out_of_focus_is_blurred_by_half_the_aperture() {
     let scene = Scene::new(&setup, shaft).unwrap();
     let frame = counts(&twin.render(&scene, &request, None).unwrap());
     let levels = scene.levels(PixelFormat::F32);
-    // Variance of the line spread along a column, the pixel's 1/12 taken off: σ² + (y·NA)²/4.
+    // Variance of the line spread along a column less the pixel's 1/12: σ² + (y·NA)²/4.
     let light: Vec<f64> =
         (0..100).map(|r| (frame[r * 9 + 4] - levels.shadow) / (levels.bright - levels.shadow)).collect();
     let spread: Vec<(f64, f64)> =
@@ -281,7 +284,7 @@ fn an_edge_out_of_focus_is_blurred_by_half_the_aperture() {
     let variance: f64 =
         spread.iter().map(|(x, w)| (x - mean).powi(2) * w).sum::<f64>() - 1.0 / 12.0 - 1.0 / 12.0;
     let expected = 1.0 + (3.0 * 0.02 / 2.0 / setup.pixel_mm).powi(2);
-    // Differences of pixels put a second box of one pixel on the spread.
+    // Differences of pixels convolve the spread with a second box of one pixel.
     assert!((variance / expected - 1.0).abs() < 2e-3, "{variance} {expected}");
     let edges = scene.geometric_edges(&request).unwrap()[4];
     assert!((light.iter().sum::<f64>() - 0.5 - edges.top_px).abs() < 1e-4, "defocus must not move the edge");

@@ -1,4 +1,5 @@
-//! Rings seen end-on: frames made here with a renderer of its own, and real washers beside a coordinate-measuring machine.
+//! Rings seen end-on: frames from a renderer in this file, and real washers compared with a
+//! coordinate-measuring machine.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/program.rs"]
@@ -17,7 +18,8 @@ use shadowgauge::gauge::calibration::{
 use shadowgauge::gauge::ring::{RingError, RingMeasurement, RingScale, RingSettings, measure_ring};
 use shadowgauge::gauge::{Calibration, MasterCertificate, MasterFigure};
 
-/// Share of a Gaussian-blurred disc's shadow at distance ρ from its centre, by lines across the disc.
+/// Share of a Gaussian-blurred disc's shadow at distance ρ from its centre, by lines across the
+/// disc.
 fn blurred_disc(rho: f64, radius: f64, sigma: f64) -> f64 {
     let cdf = |t: f64| 0.5 * libm::erfc(-t * std::f64::consts::FRAC_1_SQRT_2);
     let h = 0.05;
@@ -92,7 +94,7 @@ const RING: Ring = Ring {
     noise: 1.0,
 };
 
-/// Mean grey values, by 6 x 6 points a pixel.
+/// Mean grey values, by 6 x 6 points per pixel.
 fn expected(ring: &Ring, size: (usize, usize)) -> Vec<f64> {
     let (outer, inner) = (Table::new(ring.outer, ring.sigma), Table::new(ring.inner, ring.sigma));
     let parts = 6;
@@ -217,7 +219,8 @@ fn lobes_show_as_roundness_and_a_burr_does_not_move_the_circle() {
     assert!((clean.outer.roundness_px - 0.4).abs() < 0.03, "{}", clean.outer.roundness_px);
     assert!(clean.inner.as_ref().unwrap().roundness_px < 0.05);
     let Buffer::U8(mut pixels) = frame.into_buffer() else { panic!("8 bit") };
-    // Chips: a block of 7 px outside at the right, one inside the bore at the bottom, a speck on its own.
+    // Chips: a block of 7 px outside at the right, one inside the bore at the bottom, a speck on
+    // its own.
     for (row, column) in [(158, 309), (240, 165), (20, 20)] {
         for r in row..row + 7 {
             for c in column..column + 7 {
@@ -294,7 +297,7 @@ fn frames_without_a_ring_are_refused_with_a_reason() {
     let normal = rand_distr::Normal::new(100.0, 20.0).unwrap();
     let noise: Vec<f32> = (0..SIZE.0 * SIZE.1).map(|_| random.sample::<f64, _>(normal) as f32).collect();
     assert!(matches!(measure(&frame(&|r, c| noise[r * SIZE.1 + c])), RingError::LowContrast { .. }));
-    // Whether the one pixel is among those that the levels are looked for in or not.
+    // Whether or not the one pixel is among those from which the levels are estimated.
     let speck = measure(&frame(&|r, c| if (r, c) == (10, 10) { 0.0 } else { 200.0 }));
     let flat = matches!(speck, RingError::LowContrast { contrast, .. } if contrast == 0.0);
     assert!(flat || matches!(speck, RingError::NoPart { .. }), "{speck}");
@@ -305,13 +308,13 @@ fn frames_without_a_ring_are_refused_with_a_reason() {
     ));
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// ------------------------------------------------------------------------------------------------
 // Calibration
 
-/// The ring as a lens shows it.
+/// The ring imaged by a lens.
 fn ring_through(lens: &LensModel) -> Frame {
     let (outer, inner) = (Table::new(RING.outer, RING.sigma), Table::new(RING.inner, RING.sigma));
-    // Every pixel shows the place that the lens takes it for, averaged over its area.
+    // Every pixel shows the position that the lens maps to it, averaged over its area.
     let parts = 6;
     let sub = |i: i32| (f64::from(i) + 0.5) / f64::from(parts) - 0.5;
     let mut counts = Vec::new();
@@ -356,7 +359,7 @@ fn calibrations(lens: LensModel) -> (Calibration, Calibration) {
     (plain, full)
 }
 
-/// A lens that distorts as `LensModel` says: the drawn ring is warped by its inverse.
+/// A lens that distorts as `LensModel`: the drawn ring is warped by its inverse.
 #[test]
 fn a_calibration_takes_distortion_and_keystone_out_of_a_ring() {
     let lens = LensModel {
@@ -384,7 +387,7 @@ fn a_calibration_takes_distortion_and_keystone_out_of_a_ring() {
     let errors = [out.diameter_mm - wanted[0], bore.diameter_mm - wanted[1]].map(|e| 1e3 * e);
     println!("errors {errors:?} um; with scale and offset alone {:?} um", off.map(|e| 1e3 * e));
     assert!(errors.iter().all(|e| e.abs() < 0.03) && off[0].abs() > 3e-4);
-    // Roundness of a round part: what the lens adds is gone.
+    // Roundness of a round part: the contribution of the lens is removed.
     let before = 20.0 * bare.outer.roundness_px;
     println!("roundness {:.3} um, as seen {before:.3} um", 1e3 * out.roundness_mm);
     assert!(1e3 * out.roundness_mm < 0.2 * before);
@@ -401,7 +404,7 @@ fn a_calibration_takes_distortion_and_keystone_out_of_a_ring() {
     );
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// ------------------------------------------------------------------------------------------------
 // Real washers
 
 #[test]

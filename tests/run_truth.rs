@@ -1,4 +1,5 @@
-//! What a run states against what it cut: diameters of several sizes against their uncertainty, the axis against the process' own beam.
+//! The results of runs against the truth: diameters of several sizes against their uncertainty, the
+//! axis against the process' own beam.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/turned.rs"]
@@ -12,8 +13,8 @@ use turned::turn;
 /// Columns of the shortened frames.
 const COLUMNS: u32 = 1200;
 
-/// The main job with a shaft of another size before the same head: two passes, a short shaft, frames cut to what it needs. Beyond the head's
-/// field the magnification is lowered.
+/// The main job with a shaft of another size and the same head: two passes, a short shaft, frames
+/// cropped to it. For shafts larger than the head's field the magnification is reduced.
 fn job(diameter_mm: f64, length_mm: f64, seed: u64) -> Job {
     let text = std::fs::read_to_string("configs/slender_shaft.toml").unwrap();
     let mut job = shadowgauge::config::parse(&text, "slender_shaft.toml").unwrap();
@@ -45,7 +46,8 @@ fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Slender shafts taper by 10 µm a station between chuck and tool: what a field shows of a station twice, or leaves out, is no error of it.
+/// Slender shafts taper by 10 µm per station between chuck and tool: columns that fields show
+/// twice, or leave out, cause no error of a station.
 #[test]
 fn stated_uncertainties_are_true_whatever_the_diameter() {
     let mut all = Vec::new();
@@ -68,7 +70,7 @@ fn stated_uncertainties_are_true_whatever_the_diameter() {
             own.len(),
             rms(&own)
         );
-        // Twenty stations of two passes show a standard deviation to a sixth.
+        // Twenty stations of two passes determine a standard deviation to a sixth.
         assert!((0.6..1.4).contains(&rms(&own)), "Ø{diameter_mm}: {}", rms(&own));
         all.extend(own);
     }
@@ -86,13 +88,15 @@ fn mean_offset(knots: &[AxisKnot], z_mm: f64, station_mm: f64) -> [f64; 2] {
     sum.fold([0.0; 2], |all, p| [all[0] + p[0] / f64::from(SLICES), all[1] + p[1] / f64::from(SLICES)])
 }
 
-/// Limit of an axis' error beside U, mm.
+/// Error of an axis allowed in addition to U, mm.
 const LIMIT_MM: f64 = 1e-4;
 
-/// The axis of a run is that of the process' beam: under weight, tailstock and chuck after the pass.
+/// The axis of a run is that of the process' beam: under weight, tailstock and chuck after the
+/// pass.
 #[test]
 fn the_axis_of_a_run_is_the_beam_of_its_process() {
-    // While it is cut the true axis steps where one field ends and the next begins: stations across a step are not compared yet.
+    // While it is cut the true axis steps where one field ends and the next begins: stations across
+    // a step are not compared yet.
     for when in [ScanWhen::AfterPass] {
         let (mut errors, mut largest_mm) = (Vec::new(), 0.0_f64);
         for seed in 1..4 {
@@ -127,7 +131,7 @@ fn the_axis_of_a_run_is_the_beam_of_its_process() {
         }
         println!("{when:?}: rms error over u {:.2}, axis up to {:.2} um", rms(&errors), 1e3 * largest_mm);
         assert!((0.3..1.3).contains(&rms(&errors)), "{when:?} {}", rms(&errors));
-        // The force bends more than weight and tailstock do, and is not forgotten.
+        // The force bends more than weight and tailstock, and must be included.
         let least_mm = if when == ScanWhen::DuringCut { 0.01 } else { 0.003 };
         assert!(largest_mm > least_mm, "{when:?}: the axis is bent by {largest_mm} mm");
     }

@@ -1,11 +1,11 @@
-//! Comments of the sources describe what is computed: words that make code a person, or that metrology
-//! has another term for, are refused. Doc comments that reach users (the schema's and the command
-//! line's) are left out: those texts are part of the interface.
+//! Comments of the sources describe the computation: words that treat code as a person, or that
+//! metrology has another term for, are refused. Doc comments that reach users (the schema's and the
+//! command line's) are excluded: those texts are part of the interface.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::path::{Path, PathBuf};
 
-/// Word and the term to use.
+/// Refused words, each with the term to use.
 const REFUSED: [(&str, &str); 54] = [
     ("matter", "contamination"),
     ("soil", "contamination"),
@@ -63,7 +63,7 @@ const REFUSED: [(&str, &str); 54] = [
     ("bench", "optical setup"),
 ];
 
-/// Lines that may hold such a word: the end of the file's path and a part of the line.
+/// Lines that may contain such a word: the end of the file's path and a part of the line.
 const ALLOWED: [(&str, &str); 0] = [];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -149,6 +149,48 @@ fn comments_name_quantities_and_do_not_act() {
         found.extend(violations(&name, &std::fs::read_to_string(&path).unwrap()));
     }
     assert!(found.is_empty(), "{}\n{} refused words in comments", found.join("\n"), found.len());
+}
+
+/// Widest comment line, characters; lines of code may be wider (rustfmt.toml).
+const COLUMNS: usize = 100;
+
+/// Whether a comment can be broken: a table's row and a single word (an address) cannot.
+fn is_breakable(text: &str) -> bool {
+    let text = text.trim();
+    !text.starts_with('|') && text.contains(char::is_whitespace)
+}
+
+/// Comment lines of a source wider than [`COLUMNS`], as "path:line: width: text".
+fn too_wide(path: &str, source: &str) -> Vec<String> {
+    let wide = source
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| line.chars().count() > COLUMNS && comment(line).is_some_and(is_breakable));
+    wide.map(|(k, line)| format!("{path}:{}: {}: {}", k + 1, line.chars().count(), line.trim())).collect()
+}
+
+#[test]
+fn comments_wrap() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut paths = Vec::new();
+    ["src", "tests", "benches"].iter().for_each(|folder| sources(&root.join(folder), &mut paths));
+    let mut found = Vec::new();
+    for path in paths {
+        let name = path.strip_prefix(root).unwrap().display().to_string();
+        found.extend(too_wide(&name, &std::fs::read_to_string(&path).unwrap()));
+    }
+    assert!(found.is_empty(), "{}\n{} comment lines above {COLUMNS} columns", found.join("\n"), found.len());
+}
+
+#[test]
+fn planted_wide_comments_are_found() {
+    let found = |line: &str| too_wide("src/x.rs", line).len();
+    let word = "µ".repeat(COLUMNS);
+    assert_eq!(found(&format!("    // a {}", &word[..2 * (COLUMNS - 8)])), 1);
+    assert_eq!(found(&format!("    // a {}", &word[..2 * (COLUMNS - 9)])), 0);
+    assert_eq!(found(&format!("/// {}", "a ".repeat(48))), 0);
+    assert_eq!(found(&format!("//! https://{word}")) + found(&format!("/// | {word} | b |")), 0);
+    assert_eq!(found(&format!("let a = \"{word}\"; // b c")), 0);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The simulated pass with the gauge behind the tool: every frame sees the shaft as it is bent at
+//! The simulated pass with the gauge behind the tool: every frame shows the shaft as it is bent at
 //! that instant.
 
 use super::seen_burst::SeenBurst;
@@ -104,7 +104,7 @@ impl FollowedCut for SimulatedCut<'_, '_> {
 
     fn command(&mut self, offset: &DiameterOffset) -> Result<(), CellError> {
         let plan = PassPlan { offset: offset.clone(), ..self.plan.clone() };
-        // The cut is causal along the feed: what lies behind the tool comes out as before.
+        // The cut is causal along the feed: the diameters behind the tool do not change.
         self.pass = self.cell.process.followed(&plan)?;
         self.plan = plan;
         Ok(())

@@ -1,11 +1,12 @@
-//! The turning cell: cuts a pass, shows the part to the camera, touches it. The simulated one joins
-//! process and render.
+//! The turning cell: cuts a pass, takes frames of the part, touches it with a probe. The simulated
+//! cell joins process and renderer.
 //!
-//! In: plans of passes, scans and touches. Out: frames, touches, and for comparison only what is
-//! true of the part. [`TurningCell`] and [`FollowedCut`] are what the closed loop needs of a lathe;
-//! a real one implements them. `simulated` holds the state of the simulated one, `operations` what
-//! it does, `in_process` a pass with the gauge behind the tool, `true_probe` its touch probe. A new
-//! ability of a cell is a method of the trait with a refusal as its default.
+//! In: plans of passes, scans and touches. Out: frames, touches, and, for comparison only, true
+//! values of the part. [`TurningCell`] and [`FollowedCut`] are the interface between the closed
+//! loop and a lathe; an adapter to a real lathe implements them. `simulated` holds the state of the
+//! simulated cell, `operations` its commands, `in_process` a pass with the gauge behind the tool,
+//! `true_probe` its touch probe. A new ability of a cell is a method of the trait with an error as
+//! its default.
 
 mod in_process;
 mod operations;

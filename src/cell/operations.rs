@@ -1,4 +1,4 @@
-//! What the simulated cell does when it is asked: cut, scan, touch, change the part.
+//! The commands of the simulated cell: cut, scan, touch, change the part.
 
 use super::in_process::SimulatedCut;
 use super::seen_burst::axis_seen;
@@ -16,7 +16,7 @@ use crate::render::{RenderError, Scene};
 use crate::shaft::{AxisKnot, Shaft};
 use crate::truth;
 
-/// Time from touch to touch: a way of 2 mm at 50 mm/min, and back.
+/// Time from touch to touch, ns: a path of 2 mm at 50 mm/min and back, 4.8 s.
 const TOUCH_NS: u64 = 5_000_000_000;
 
 impl TurningCell for SimulatedCell<'_> {
@@ -36,8 +36,8 @@ impl TurningCell for SimulatedCell<'_> {
 
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError> {
         let diameter_mm = self.masters.diameter_mm[index];
-        // the calibration's pins lie as the seed states; a pin looked at again after a pass lies
-        // elsewhere
+        // at the calibration the seed alone gives the poses of a pin; at a check after a pass they
+        // differ
         let again = u64::from(self.pass) << 40;
         let poses =
             hand_poses(frames, self.batch.seed() ^ MASTER_STREAM ^ ((index as u64 + 1) << 48) ^ again);
@@ -113,7 +113,7 @@ impl TurningCell for SimulatedCell<'_> {
 }
 
 impl SimulatedCell<'_> {
-    /// Touches the part or a master pin, in the order asked for.
+    /// Touches the part or a master pin, in the order requested.
     fn touches(&mut self, master: Option<usize>, orders: &[TouchOrder]) -> Result<Vec<Touch>, CellError> {
         let Some(probe) = self.probe.clone() else { return Err(CellError::NoProbe) };
         let shaft = match master {

@@ -1,13 +1,13 @@
-//! The axis as a pass that was followed showed it: each burst of frames saw the shaft bent by the
-//! force of its instants.
+//! The axis during a followed pass: in each burst of frames the shaft is bent by the force at those
+//! instants.
 
 use crate::process::bending::axis_at;
 use crate::shaft::AxisKnot;
 
-/// Steps of an axis that is put together from fields, mm: well below a station.
+/// Step along z of an axis composed from fields, mm: well below the length of a station.
 const STEP_MM: f64 = 0.5;
 
-/// Where the frames of a burst stood and the axis that each saw; no axis where the tool was clear.
+/// Field centres of the frames of a burst with the axis in each; no axis where the tool was clear.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SeenBurst {
     field_z_mm: Vec<f64>,
@@ -19,7 +19,7 @@ impl SeenBurst {
         Self { field_z_mm: vec![field_z_mm], still: Vec::new() }
     }
 
-    /// Adds a frame: where its field stood, and the axis in it.
+    /// Adds a frame: its field centre, mm, and the axis in it.
     pub(super) fn add(&mut self, field_z_mm: f64, still: &[AxisKnot]) {
         self.field_z_mm.push(field_z_mm);
         self.still.push(still.to_vec());
@@ -29,7 +29,7 @@ impl SeenBurst {
         (self.field_z_mm.iter().sum::<f64>() / self.field_z_mm.len() as f64 - z_mm).abs()
     }
 
-    /// Mean over the frames: the tool goes on between them.
+    /// Mean over the frames, because the tool advances between them.
     fn at(&self, z_mm: f64, clear: &[AxisKnot]) -> [f64; 2] {
         if self.still.is_empty() {
             return axis_at(clear, z_mm);
@@ -40,8 +40,8 @@ impl SeenBurst {
     }
 }
 
-/// The axis that stands still as fields saw it, each where it was the nearest; `clear` where the
-/// tool was, or where nothing was followed.
+/// The axis at rest as the fields showed it, at every z from the nearest field; `clear` where the
+/// tool was clear or no pass was followed.
 pub(super) fn axis_seen(followed: &[SeenBurst], clear: &[AxisKnot], length_mm: f64) -> Vec<AxisKnot> {
     if followed.is_empty() {
         return clear.to_vec();

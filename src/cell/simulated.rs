@@ -23,39 +23,39 @@ pub struct SimulatedCell<'a> {
     pub(super) process: TurningProcess,
     /// The part at 20 °C.
     pub(super) part: Shaft,
-    /// `[shaft.deflection]`: what bends the axis besides the process.
+    /// `[shaft.deflection]`: bending of the axis besides the process.
     pub(super) deflection: Vec<AxisKnot>,
     pub(super) masters: TrueMasters,
     pub(super) frame_id: u64,
     pub(super) clock_ns: u64,
-    /// Pass cut last; 0 before the first.
+    /// Number of the last pass; 0 before the first.
     pub(super) pass: u32,
     pub(super) batch: Batch,
     pub(super) probe: Option<TrueProbe>,
-    /// Bursts of a pass that was looked at while it was cut.
+    /// Bursts of a followed pass.
     pub(super) followed: Vec<SeenBurst>,
 }
 
-/// The master pins as they are.
+/// True values of the master pins.
 #[derive(Clone, Debug)]
 pub(super) struct TrueMasters {
     /// Their diameters, mm.
     pub(super) diameter_mm: Vec<f64>,
-    /// Id of the next frame of one.
+    /// Id of the next frame of a pin.
     pub(super) frame_id: u64,
 }
 
-/// What frames are acquired of: the two count their frames apart.
+/// The object of a frame; part and pins have separate frame counters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Acquisition {
     Part,
     Master,
 }
 
-/// Which part of a batch, cut by which insert.
+/// The part's number in its batch, and the insert that cuts it.
 #[derive(Clone, Debug)]
 pub(super) struct Batch {
-    /// What every part is turned from.
+    /// The stock of every part.
     pub(super) stock: Stock,
     pub(super) name: String,
     pub(super) first_seed: u64,
@@ -64,25 +64,25 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    /// Seed of the part under way.
+    /// Seed of the current part.
     pub(super) fn seed(&self) -> u64 {
         self.first_seed + self.part
     }
 }
 
-/// Streams of the job's seed, one a purpose, so that no purpose shifts another's draws.
+/// Streams of the job's seed, one per purpose, so that no purpose shifts another's draws.
 pub(super) const MASTER_STREAM: u64 = 0x6d61_7374_6572;
 pub(super) const PROCESS_STREAM: u64 = 0x0070_726f_6365_7373;
-/// Passes that a part may have: ids and clock of the next part start beyond them.
+/// Most passes of a part: ids and clock of the next part start beyond them.
 const PASSES_OF_A_PART: u64 = 1024;
 /// Frame ids of pass k start at k·2³²: noise does not depend on how many frames an earlier pass
 /// took.
 const FRAMES_OF_A_PASS: u64 = 1 << 32;
-/// The scan of pass k starts k times this after the clock's zero: about what cutting and scanning a
-/// pass takes, and independent of whether an earlier pass was scanned by this process.
+/// The scan of pass k starts k times this after the clock's zero: about the duration of a cut and
+/// its scan, and independent of whether this process scanned an earlier pass.
 const PASS_PERIOD_NS: u64 = 600_000_000_000;
 
-/// The stock with the form that `[shaft]` gives it.
+/// The stock with the form errors of `[shaft]`.
 fn formed(job: &Job) -> Result<Shaft, RenderError> {
     let blank = vec![ProfileKnot { z_mm: 0.0, radius_mm: job.part.stock_diameter_mm / 2.0 }];
     form_shaft(blank, &job.shaft, job.part.length_mm, job.seed)
@@ -97,7 +97,7 @@ fn base_form_of(formed: &Shaft) -> BaseForm {
     }
 }
 
-/// What of a job's `[shaft]` stays with the part through all passes.
+/// The share of a job's `[shaft]` that stays with the part through all passes.
 ///
 /// # Errors
 /// Where the shaft is refused.
@@ -139,7 +139,7 @@ impl<'a> SimulatedCell<'a> {
 }
 
 impl SimulatedCell<'_> {
-    /// A workpiece in this machine: sag and spindle belong to it, not to the part.
+    /// A workpiece in this machine: sag and spindle error belong to the machine, not to the part.
     pub(super) fn clamped(&self, part: Shaft) -> Shaft {
         let deflection = sum_of_lines(&self.deflection, &part.deflection);
         Shaft { deflection, spindle: self.part.spindle.clone(), ..part }
@@ -156,7 +156,7 @@ impl SimulatedCell<'_> {
         self.clock_ns = (self.batch.part * PASSES_OF_A_PART + u64::from(pass)) * PASS_PERIOD_NS;
     }
 
-    /// One scene for all stops, or one a stop.
+    /// Acquires with one scene for all stops, or one per stop.
     pub(super) fn acquire(
         &mut self,
         scenes: Vec<Scene>,
@@ -179,7 +179,8 @@ impl SimulatedCell<'_> {
     }
 }
 
-/// True diameters of the masters: drawn from what their certificates state.
+/// True diameters of the masters, mm: drawn from the values and uncertainties of their
+/// certificates.
 fn true_masters_mm(pins: &[MasterCertificate], seed: u64) -> Vec<f64> {
     let mut random = Pcg64::seed_from_u64(seed ^ MASTER_STREAM);
     pins.iter()
@@ -190,7 +191,7 @@ fn true_masters_mm(pins: &[MasterCertificate], seed: u64) -> Vec<f64> {
         .collect()
 }
 
-/// A pin laid in by hand: a little off the axis and a little oblique each time.
+/// Poses of a pin inserted by hand: slightly off the axis and slightly oblique each time.
 pub(super) fn hand_poses(frames: usize, seed: u64) -> Vec<Pose> {
     let mut random = Pcg64::seed_from_u64(seed);
     let mut draw = |size: f64| {

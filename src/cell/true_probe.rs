@@ -1,5 +1,5 @@
-//! The simulated probe: where a ball meets the part's surface, how far the machine goes on, and
-//! what the control keeps.
+//! The simulated probe: where a ball touches the part's surface, how far the machine overtravels,
+//! and the position that the control stores.
 
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -10,19 +10,19 @@ use crate::probe::{ProbeSettings, TouchOrder};
 use crate::process::GuidewayPoint;
 use crate::render::silhouette::{Outline, Turned};
 
-/// Streams of the job's seed.
+/// Stream of the job's seed.
 const PROBE_STREAM: u64 = 0x0070_726f_6265;
 const DRIFT_STREAM: u64 = 0x6472_6966_7421;
-/// Standard deviation of the ball's true diameter beside the nominal one, mm: tolerance of stylus
+/// Standard deviation of the ball's true diameter about the nominal one, mm: tolerance of stylus
 /// balls of grade 5 to 10 (ISO 3290-1: mean diameters of a lot within ±1 µm and better).
 const U_BALL_MM: f64 = 0.0003;
-/// The ball meets the surface at most this far from where a cylinder would be met, mm: there its
-/// own curve lies 20 µm below, more than roughness and form of a turned part.
+/// Largest distance between the point of contact and that on a cylinder, mm: there the ball's own
+/// surface lies 20 µm lower, more than roughness and form of a turned part.
 const NEAR_MM: f64 = 0.4;
-/// Halves of the coarse and of the fine grid of places where the ball may meet the surface.
+/// Half widths, in steps, of the coarse and of the fine grid of candidate points of contact.
 const GRID: (i32, i32) = (8, 8);
 
-/// True values of a probe, of which neither probe nor control is informed.
+/// True values of a probe, which neither probe nor control is given.
 #[derive(Clone, Debug)]
 pub(super) struct TrueProbe {
     settings: ProbeSettings,
@@ -36,7 +36,7 @@ pub(super) struct TrueProbe {
     seed: u64,
 }
 
-/// What is touched.
+/// The object that is touched.
 pub(super) struct Target<'a> {
     pub(super) outline: &'a Outline,
     pub(super) warmth_c: f64,
@@ -67,7 +67,7 @@ impl TrueProbe {
         }
     }
 
-    /// How far X of the machine has gone since the calibration, mm.
+    /// Drift of the machine's X since the calibration, mm.
     pub(super) fn drift_mm(&self, pass: u32) -> f64 {
         if pass == 0 {
             return 0.0;
@@ -77,7 +77,7 @@ impl TrueProbe {
         1e-3 * self.settings.u_drift_um * draw
     }
 
-    /// Displacement of the carrier away from the part, mm: the scale does not read it.
+    /// Displacement of the carrier away from the part, mm, which the scale does not measure.
     fn guideway_mm(&self, z: f64) -> f64 {
         let points = &self.guideway;
         let right = points.partition_point(|p| p.z_mm < z);
@@ -89,16 +89,15 @@ impl TrueProbe {
         1e-3 * away_um
     }
 
-    /// Yielding of the part to 1 N at z, mm/N: the shape of a beam clamped at 0 and supported at
-    /// its end under a load that travels, u ∝ s³(1 − s)²(4 − s), largest at s = 2 − √2
-    /// (Euler-Bernoulli).
+    /// Compliance of the part at z, mm/N: the shape of a beam clamped at 0 and supported at its end
+    /// under a load that travels, u ∝ s³(1 − s)²(4 − s), largest at s = 2 − √2 (Euler-Bernoulli).
     fn yield_mm_per_n(&self, z: f64) -> f64 {
         let shape = |s: f64| s.powi(3) * (1.0 - s).powi(2) * (4.0 - s);
         let s = (z / self.length_mm).clamp(0.0, 1.0);
         1e-3 * self.settings.part_yield_um_per_n * shape(s) / shape(2.0 - std::f64::consts::SQRT_2)
     }
 
-    /// X that the control keeps of a touch.
+    /// X that the control stores for a touch.
     pub(super) fn touch(&self, target: &Target<'_>, order: &TouchOrder, id: u64) -> Option<f64> {
         let s = &self.settings;
         let sign = order.side.sign();
@@ -118,12 +117,11 @@ impl TrueProbe {
         within.then(|| if step > 0.0 { step * (x / step).round() } else { x })
     }
 
-    /// X of the ball's centre where it meets the surface, and the direction in which the surface
-    /// pushes.
+    /// X of the ball's centre at contact, and the direction in which the surface pushes.
     fn contact(&self, turned: &Turned<'_>, order: &TouchOrder, growth: f64) -> (f64, [f64; 3]) {
         let (z, sign, ball) = (order.z_mm, order.side.sign(), 0.5 * self.ball_mm);
         let radius = 0.5 * order.expected_mm;
-        // on a centred cylinder the ball rolls aside by this angle
+        // angle of the point of contact on a centred cylinder
         let aside = (self.height_mm / (radius + ball)).clamp(-0.5, 0.5).asin();
         let out = |dz: f64, along: f64| -> Option<(f64, [f64; 3])> {
             let angle = aside + along / radius;

@@ -1,4 +1,4 @@
-//! What a turning cell is to the closed loop: it cuts a pass, shows the part to the camera, touches
+//! The interface of a turning cell for the closed loop: cut a pass, take frames of the part, touch
 //! it with a probe.
 
 use thiserror::Error;
@@ -11,14 +11,14 @@ use crate::process::{CutSummary, ProcessError};
 use crate::render::RenderError;
 use crate::shaft::AxisKnot;
 
-/// A cell that cannot carry out a command.
+/// Why a cell cannot carry out a command.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CellError {
     /// The pass cannot be cut.
     #[error(transparent)]
     Process(#[from] ProcessError),
-    /// The part cannot be shown.
+    /// No frame of the part can be taken.
     #[error(transparent)]
     Render(#[from] RenderError),
     /// The cell does not change parts.
@@ -32,8 +32,8 @@ pub enum CellError {
     NotFollowed,
 }
 
-/// A pass under way, seen by the gauge behind the tool: frames, and the command of what is still to
-/// be cut.
+/// A pass in progress with the gauge behind the tool: frames, and the command for the length that
+/// is still to be cut.
 pub trait FollowedCut: FrameSource {
     /// Machine z of the tool when the last frame was taken, mm.
     fn tool_z_mm(&self) -> f64;
@@ -43,7 +43,8 @@ pub trait FollowedCut: FrameSource {
         None
     }
 
-    /// Changes the offsets of stations that the tool has not reached; what is cut stays cut.
+    /// Changes the offsets of stations that the tool has not reached; those behind it stay as they
+    /// are.
     ///
     /// # Errors
     /// Where the machine refuses.
@@ -56,8 +57,8 @@ pub trait FollowedCut: FrameSource {
     fn finish(self: Box<Self>) -> Result<(), CellError>;
 }
 
-/// The axis of a part for comparison only, as it was when it was looked at (tool clear, or bent by
-/// the force while it was cut): what stands still and what turns with it, mm.
+/// The axis of a part for comparison only, as it was in the frames (tool clear, or bent by the
+/// force of the cut): the line at rest and the line that turns with the part, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueAxis {
     /// In the machine's frame.
@@ -74,7 +75,7 @@ pub trait TurningCell {
     /// Where the machine refuses; the workpiece is then as before.
     fn cut(&mut self, plan: &PassPlan) -> Result<(), CellError>;
 
-    /// Frames of the part as it now is, field after field, angle after angle, tool clear.
+    /// Frames of the part in its present state, field after field, angle after angle, tool clear.
     ///
     /// # Errors
     /// Where no frame can be taken at all.
@@ -86,8 +87,8 @@ pub trait TurningCell {
     /// Where no frame can be taken at all.
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError>;
 
-    /// Touches of the part as it now is, or of master pin `master` of the job, in the order asked
-    /// for, spindle still.
+    /// Touches of the part in its present state, or of master pin `master` of the job, in the order
+    /// requested, spindle at rest.
     ///
     /// # Errors
     /// Where the cell has no probe.
@@ -107,12 +108,12 @@ pub trait TurningCell {
         Err(CellError::NotFollowed)
     }
 
-    /// Forces and deflections of the pass cut last, where the cell has them. For reports only.
+    /// Forces and deflections of the last pass, where the cell has them. For reports only.
     fn last_cut(&self) -> Option<CutSummary> {
         None
     }
 
-    /// The part's axis as the last pass was looked at; `None` where no one has. For comparison
+    /// The part's axis in the frames of the last pass; `None` where none were taken. For comparison
     /// only.
     fn true_axis(&self) -> Option<TrueAxis> {
         None
@@ -126,7 +127,7 @@ pub trait TurningCell {
         Err(CellError::OnePart)
     }
 
-    /// Part and tool that are in the machine; `None` where the cell has no record of them.
+    /// Part and tool in the machine; `None` where the cell has no record of them.
     fn in_machine(&self) -> Option<PartAndTool> {
         None
     }
@@ -136,7 +137,7 @@ pub trait TurningCell {
         None
     }
 
-    /// True mean caliper diameter of stations (z from, z to), mm; `None` where it is not known. For
+    /// True mean caliper diameter of stations (z from, z to), mm; `None` for a real part. For
     /// comparison only.
     fn true_stations_mm(&self, stations_mm: &[(f64, f64)]) -> Option<Vec<f64>>;
 }

@@ -27,16 +27,19 @@ use crate::studies::calibration::{
 /// Arguments of `calibrate`.
 #[derive(Debug, clap::Args)]
 pub struct CalibrateArgs {
-    /// The calibration, as configs/calibrate.toml; or a job's config, whose bench is calibrated on its master pins, rendered.
+    /// The calibration, as configs/calibrate.toml; or a job's config, whose bench is calibrated on
+    /// its master pins, rendered.
     config: PathBuf,
     /// Where the calibration goes; its report goes beside it as .html.
     #[arg(long, value_name = "FILE.json")]
     out: PathBuf,
-    /// Edge-spread function that is fitted, in place of the file's [gauge.esf]: gaussian, learnt (each frame's own), a table
-    /// `distance_um,light` (.csv or .json) or the optics of a config (.toml). The calibration keeps it.
+    /// Edge-spread function that is fitted, in place of the file's [gauge.esf]: gaussian, learnt
+    /// (each frame's own), a table `distance_um,light` (.csv or .json) or the optics of a config
+    /// (.toml). The calibration keeps it.
     #[arg(long, value_name = "NAME|FILE")]
     esf: Option<String>,
-    /// Day of the calibration that is made of a job's config, YYYY-MM-DD; today without it. A calibration's own file has its date.
+    /// Day of the calibration that is made of a job's config, YYYY-MM-DD; today without it. A
+    /// calibration's own file has its date.
     #[arg(long, value_name = "DATE")]
     date: Option<Date>,
     /// Where a [simulate] table's frames are rendered.
@@ -47,12 +50,12 @@ pub struct CalibrateArgs {
     json: bool,
 }
 
-/// Makes the calibration. Where the check pin refuses it, the report is written but no calibration,
-/// and the exit code is 1.
+/// Makes the calibration. Where the check pin refutes it, only the report is written, and the exit
+/// code is 1.
 ///
 /// # Errors
-/// Exit 2 for a config that is refused; 3 for frames that cannot be read or measured and for a disk
-/// that fails.
+/// Exit 2 for a config that is refused; 3 for frames that cannot be read or measured and for
+/// failures of the disk.
 pub fn run(args: &CalibrateArgs) -> CommandResult {
     if args.out.extension().is_none_or(|e| e != "json") {
         let name = args.out.display();
@@ -82,7 +85,7 @@ pub fn run(args: &CalibrateArgs) -> CommandResult {
 }
 
 /// Makes a plan's calibration from its folders or from rendered frames, with the edge-spread
-/// function that the command line names in place of the plan's.
+/// function named on the command line in place of the plan's.
 ///
 /// # Errors
 /// As [`run`].
@@ -110,8 +113,8 @@ pub fn make(
     calibrate(plan, &mut rendered(plan)?).map_err(failed)
 }
 
-/// Puts the edge-spread function of the command line into a plan; a table in µm is read by the
-/// masters' own rough scale.
+/// Puts the edge-spread function of the command line into a plan; a table in µm is converted by a
+/// rough scale from the masters.
 fn choose_edge(
     plan: &mut CalibrationPlan,
     esf: Option<&str>,
@@ -127,12 +130,12 @@ fn check(calibration: &Calibration) -> bool {
     calibration.setup.as_ref().and_then(|b| b.check).is_none_or(|c| c.accepted)
 }
 
-/// What `--json` prints.
+/// The document of `--json`.
 fn summary(calibrated: &Calibrated, setup: &SetupCalibration) -> serde_json::Value {
     let calibration = &calibrated.calibration;
     let residual_um = rms(setup.residuals.iter().map(|r| 1e3 * r.residual_mm));
     json!({
-        // Without a check pin nothing but the masters speaks for the calibration.
+        // Without a check pin only the masters support the calibration.
         "accepted": setup.check.map(|c| c.accepted),
         "optics_id": calibration.optics_id,
         "scale_mm_per_px": calibration.scale_mm_per_px,
@@ -152,7 +155,7 @@ fn summary(calibrated: &Calibrated, setup: &SetupCalibration) -> serde_json::Val
             "black_counts": s.black_counts,
         })),
         "defective_pixels": setup.flat_field.as_ref().map(|f| f.defects.len()),
-        // For one version also under the name of the list in the calibration file.
+        // For one version also under the name that the list has in the calibration file.
         "defects": setup.flat_field.as_ref().map(|f| f.defects.len()),
         "response": setup.flat_field.as_ref().and_then(|f| f.response),
     })
@@ -186,7 +189,7 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
     }
 }
 
-/// What photon transfer and flat field state of the sensor.
+/// Results of photon transfer and flat field for the sensor.
 fn say_sensor(setup: &SetupCalibration) {
     if let Some(sensor) = &setup.sensor {
         say_line!(

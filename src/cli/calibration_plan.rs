@@ -1,5 +1,5 @@
-//! The plan of a calibration: from a file of its own, or from a job's config, whose optical setup
-//! and master pins it then is.
+//! The plan of a calibration: from a file of its own, or from a job's config, with the job's
+//! optical setup and master pins.
 
 use std::path::{Path, PathBuf};
 
@@ -9,17 +9,17 @@ use crate::config;
 use crate::gauge::calibration::Date;
 use crate::studies::calibration::CalibrationPlan;
 
-/// A plan with what its errors and its folders need.
+/// A plan with its text for error messages and its folder.
 pub struct LoadedPlan {
     /// The plan.
     pub plan: CalibrationPlan,
     /// Its text.
     pub text: ConfigText,
-    /// The folder that its files stand in.
+    /// The folder of its files.
     pub folder: PathBuf,
 }
 
-/// Keys that only a calibration's own file has.
+/// Keys that occur only in a calibration's own file.
 const OF_A_PLAN: [&str; 6] = ["optics_id", "simulate", "check", "fields", "thermometer", "valid_days"];
 
 /// Whether a text is a calibration's own file rather than a job's.
@@ -29,7 +29,7 @@ pub fn is_plan(text: &str) -> bool {
         || table.get("masters").is_some_and(toml::Value::is_array)
 }
 
-/// Reads the plan of a file; one made of a job is dated `today`.
+/// Reads the plan of a file; a plan from a job is dated `today`.
 ///
 /// # Errors
 /// Exit 2 for a text that is refused or names a file that cannot be read.
@@ -43,7 +43,7 @@ pub fn load(path: &Path, today: Date) -> Result<LoadedPlan, Failure> {
     Ok(LoadedPlan { plan: CalibrationPlan::of_job(&job, today), text, folder })
 }
 
-/// Reads a plan's own text, whose files stand in `folder`.
+/// Reads a plan's own text, with its files in `folder`.
 ///
 /// # Errors
 /// As [`load`].

@@ -1,4 +1,4 @@
-//! `shadowgauge demo`: the main job with the preset that the binary carries.
+//! `shadowgauge demo`: the main job with the built-in preset.
 
 use std::path::{Path, PathBuf};
 
@@ -15,12 +15,13 @@ pub struct DemoArgs {
     /// Run folder; an earlier demo in it is replaced.
     #[arg(long, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
-    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software adapter only by name).
+    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software
+    /// adapter only by name).
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     backend: BackendChoice,
 }
 
-/// Runs the slender shaft of the preset and of nothing else; replaces only its own earlier result.
+/// Runs the preset's slender shaft; replaces only an earlier result of its own.
 ///
 /// # Errors
 /// Exit 2 where the folder holds something else, 3 where a device or a disk fails.

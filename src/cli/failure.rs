@@ -1,9 +1,9 @@
-//! How a command ends: its outcome, or the failure with the exit code that belongs to it.
+//! How a command ends: its outcome, or a failure with its exit code.
 
 use crate::files::OutputError;
 use crate::run_folder::RunFolderError;
 
-/// How a command that did its work ended.
+/// Outcome of a command that did its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Done; in tolerance where one is given. Exit 0.
@@ -12,12 +12,12 @@ pub enum Outcome {
     OutOfTolerance,
 }
 
-/// Why a command stopped, with the exit code that belongs to it.
+/// Why a command stopped, with its exit code.
 #[derive(Debug)]
 pub struct Failure {
     /// 2 refused, 3 failed.
     pub exit: u8,
-    /// What a person reads.
+    /// The message for the user.
     pub report: miette::Report,
 }
 
@@ -49,7 +49,7 @@ impl From<OutputError> for Failure {
     }
 }
 
-/// What every subcommand returns.
+/// Result of every subcommand.
 pub type CommandResult = Result<Outcome, Failure>;
 
 /// A folder that is taken is refused; one that cannot be written or read fails.

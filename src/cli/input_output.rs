@@ -6,7 +6,7 @@ use super::failure::{CommandResult, Failure, Outcome};
 use crate::config::{self, ConfigError};
 use crate::files::OutputFolder;
 
-/// A config's text and the name errors give it.
+/// A config's text and its name in errors.
 pub struct ConfigText {
     /// The text.
     pub text: String,
@@ -25,7 +25,7 @@ impl ConfigText {
         Ok(Self { text, name: path.display().to_string() })
     }
 
-    /// Reads a file, or takes the text that the binary carries.
+    /// Reads a file, or takes the built-in text.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -36,7 +36,7 @@ impl ConfigText {
     /// Parses it.
     ///
     /// # Errors
-    /// Exit 2 for an unknown key, a wrong type or text that is no TOML.
+    /// Exit 2 for an unknown key, a wrong type or text that is not TOML.
     pub fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, Failure> {
         config::parse_as(&self.text, &self.name).map_err(Failure::refused)
     }
@@ -47,11 +47,11 @@ impl ConfigText {
     }
 }
 
-/// A folder for a study's output, which stands in its place once it is finished.
+/// A folder for a study's output, which appears in its place once it is finished.
 pub struct StudyFolder(OutputFolder);
 
 impl StudyFolder {
-    /// Takes a folder that is absent or empty, where one is asked for.
+    /// Claims a folder that is absent or empty, where one is requested.
     ///
     /// # Errors
     /// Exit 2 for one that holds anything or that another process fills, 3 for one that cannot be
@@ -85,7 +85,7 @@ impl StudyFolder {
 /// Rows as CSV text.
 ///
 /// # Errors
-/// Exit 3 for rows that are no table.
+/// Exit 3 for rows that CSV cannot represent.
 pub fn csv_text<T: serde::Serialize>(rows: &[T]) -> Result<Vec<u8>, Failure> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     rows.iter().try_for_each(|row| writer.serialize(row)).map_err(Failure::fail)?;
@@ -95,7 +95,7 @@ pub fn csv_text<T: serde::Serialize>(rows: &[T]) -> Result<Vec<u8>, Failure> {
 /// A value as pretty JSON.
 ///
 /// # Errors
-/// Exit 3 for what JSON cannot carry.
+/// Exit 3 for values that JSON cannot represent.
 pub fn json_text<T: serde::Serialize>(value: &T) -> Result<String, Failure> {
     serde_json::to_string_pretty(value).map_err(Failure::fail)
 }

@@ -1,14 +1,14 @@
-//! The command line: a file or folder a subcommand. `main.rs` parses, calls, prints the error.
+//! The command line: one file or folder per subcommand. [`main`] parses, calls, prints the error.
 //!
 //! Exit codes: 0 done, in tolerance where one is given; 1 a given tolerance is exceeded; 2 the
 //! command line or the config is refused; 3 a file, an image, an output or a device fails. Data on
 //! stdout, logs on stderr.
 //!
 //! In: arguments and files. Out: what the library computed, as text, JSON and files; a command
-//! computes nothing that the library could. Beside the commands stand `failure` (how a command
-//! ends), `output` (stdout), `input_output` (configs in, folders out), `calibration_plan` (read by
-//! several commands) and `process`. A new command is a file with its arguments and a function
-//! `run`, and a line of `commands!`; none imports this file.
+//! contains no computation that belongs in the library. Beside the commands are `failure` (how a
+//! command ends), `output` (stdout), `input_output` (configs in, folders out), `calibration_plan`
+//! (read by several commands) and `process`. A new command is a file with its arguments and a
+//! function `run`, and a line of `commands!`; no command imports this file.
 
 #[macro_use]
 mod output;
@@ -47,7 +47,8 @@ struct Arguments {
     command: Command,
 }
 
-/// Declares the commands: a line each, with its help, its arguments and the function that runs it.
+/// Declares the commands: one line each, with its help, its arguments and the function that runs
+/// it.
 macro_rules! commands {
     ($($(#[$about:meta])* $name:ident($arguments:ty) => $run:path,)*) => {
         #[derive(Debug, Subcommand)]
@@ -93,8 +94,8 @@ commands! {
     Study(study::Study) => study::run,
 }
 
-/// Parses the process's arguments, runs the command, prints the error; gives the exit code of the
-/// contract.
+/// Parses the process's arguments, runs the command, prints the error; returns the exit code
+/// defined above.
 pub fn main() -> ExitCode {
     process::provide_runtime_folder();
     let arguments = Arguments::parse();
@@ -104,7 +105,7 @@ pub fn main() -> ExitCode {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::OutOfTolerance) => 1,
         Err(failure) => {
-            // Where stderr takes nothing either, the exit code is all that is left.
+            // Where stderr cannot be written either, only the exit code remains.
             let _ = writeln!(std::io::stderr(), "{:?}", failure.report);
             failure.exit
         }

@@ -21,11 +21,11 @@ enum Form {
     Knots,
     /// Macro variables of a line: the least-squares paper's program.
     Macro,
-    /// The least-squares paper's whole program: it probes the part, fits the line, cuts and probes again; the offsets of the
-    /// run are not used.
+    /// The least-squares paper's whole program: it probes the part, fits the line, cuts and probes
+    /// again; the offsets of the run are not used.
     Probing,
-    /// Touches a reference of known diameter and leaves the probe's correction in macro variables; of the run only the
-    /// machine's data are used.
+    /// Touches a reference of known diameter and leaves the probe's correction in macro variables;
+    /// of the run only the machine's data are used.
     Qualify,
 }
 
@@ -40,12 +40,13 @@ pub struct NcArgs {
     /// The pass to be cut; the last one of the run by default.
     #[arg(long, value_name = "N")]
     pass: Option<u32>,
-    /// Knots along z, macro variables of a line, a program that measures its own correction with a touch probe, or the
-    /// qualification of that probe.
+    /// Knots along z, macro variables of a line, a program that measures its own correction with a
+    /// touch probe, or the qualification of that probe.
     #[arg(long, value_enum, default_value = "knots")]
     form: Form,
-    /// A TOML file with the machine's data (how the control reads offsets, tool, what stands around the part, clearances,
-    /// re-measurement; docs/nc.md); by default the run's own [nc.machine], where it was made for this control.
+    /// A TOML file with the machine's data (how the control reads offsets, tool, what stands around
+    /// the part, clearances, re-measurement; docs/nc.md); by default the run's own [nc.machine],
+    /// where it was made for this control.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
     /// Number of the part: with the pass it makes the program run once only.
@@ -59,7 +60,7 @@ pub struct NcArgs {
     out: Option<PathBuf>,
 }
 
-/// A line may leave this much of the offsets, mm of diameter: half a micrometre.
+/// Largest residual of the offsets from a line, mm of diameter: half a micrometre.
 const LINE_TOLERANCE_MM: f64 = 0.0005;
 
 fn dialect(word: &str) -> Result<Dialect, String> {
@@ -94,7 +95,7 @@ pub fn run(args: &NcArgs) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// The machine file's, else the run's own where it was made for this control.
+/// The settings of the machine file, otherwise the run's own where they are for this control.
 fn settings(args: &NcArgs, job: &Job) -> Result<NcSettings, Failure> {
     let own = job.nc.as_ref().filter(|nc| nc.dialect == args.dialect);
     let part_number = |settings: NcSettings| NcSettings {
@@ -112,7 +113,7 @@ fn settings(args: &NcArgs, job: &Job) -> Result<NcSettings, Failure> {
     Ok(settings)
 }
 
-/// A refusal that points at the key in the machine's file.
+/// An error that points at the key in the machine's file.
 fn in_file(file: &crate::cli::input_output::ConfigText, error: NcError) -> Failure {
     match error {
         NcError::Setting(mut at) => {
@@ -123,7 +124,7 @@ fn in_file(file: &crate::cli::input_output::ConfigText, error: NcError) -> Failu
     }
 }
 
-/// A pass of the run with what was in force before it.
+/// A pass of the run with the offsets in force before it.
 struct Pass {
     plan: PassPlan,
     old: DiameterOffset,
@@ -132,8 +133,8 @@ struct Pass {
     limits_mm: Option<(f64, f64)>,
 }
 
-/// Stations and diameters of a table are the plan's within this, mm: a table holds the digits of
-/// its numbers, no fewer.
+/// Largest difference between stations and diameters of a table and those of the plan, mm: tables
+/// are written with all digits.
 const SAME_MM: f64 = 1e-6;
 
 impl Pass {
@@ -148,8 +149,8 @@ impl Pass {
         };
         covers(job, number, &of(number).collect::<Vec<_>>()).map_err(Failure::refuse)?;
         let offsets = |pass: u32| DiameterOffset { o_mm: of(pass).map(|r| r.offset_mm).collect() };
-        // what was asked for: rounding what is rounded already would give another program than the
-        // one that was cut with
+        // the offsets before rounding: rounding twice would give another program than the one that
+        // was used
         let asked = DiameterOffset { o_mm: of(number).map(|r| r.asked_mm.unwrap_or(r.offset_mm)).collect() };
         let plan = job.pass_plan(number, asked);
         let finishing = number as usize == job.passes();
@@ -165,7 +166,7 @@ impl Pass {
     }
 }
 
-/// The part before pass `pass`, as the run's config has it.
+/// The part before pass `pass`, from the run's config.
 fn workpiece(job: &Job, pass: u32) -> Workpiece {
     let before_mm = if pass > 1 { job.part.target_mm(pass - 1) } else { job.part.stock_diameter_mm };
     Workpiece {
@@ -180,8 +181,8 @@ fn workpiece(job: &Job, pass: u32) -> Workpiece {
     }
 }
 
-/// Whether the rows of a pass are the plan's stations, all of them and once, with diameters that
-/// belong to them.
+/// Whether the rows of a pass are the plan's stations, each exactly once, with consistent
+/// diameters.
 fn covers(job: &Job, pass: u32, rows: &[&OffsetRow]) -> Result<(), String> {
     if pass == 0 || pass as usize > job.part.passes() {
         return Err(format!("offsets.csv: pass {pass} is none of the part's {} passes", job.part.passes()));
@@ -219,8 +220,8 @@ fn covers(job: &Job, pass: u32, rows: &[&OffsetRow]) -> Result<(), String> {
     Ok(())
 }
 
-/// The text of a program, with a note on what it leaves uncut. A dry run lists offsets whatever the
-/// machine's data leave open; the note states that the program itself would be refused.
+/// The text of a program, with a note on the uncut length. A dry run lists the offsets even where
+/// machine data are missing; the note then states that the program itself would be refused.
 fn written<P>(args: &NcArgs, program: Result<Written<P>, NcError>) -> Result<String, Failure> {
     match program {
         Ok(written) => {

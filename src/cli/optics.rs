@@ -26,14 +26,15 @@ pub enum OpticsCommand {
 pub struct EsfArgs {
     /// A job's config, or a calibration's with [simulate].
     config: PathBuf,
-    /// Radius of the part, mm, which only a glancing reflection depends on; that of the finished part without it.
+    /// Radius of the part, mm, which only a glancing reflection depends on; that of the finished
+    /// part without it.
     #[arg(long, value_name = "R", value_parser = length, allow_negative_numbers = true)]
     radius_mm: Option<f64>,
     /// Distance of the part's axis from the plane of focus, towards the camera, mm.
     #[arg(long, value_name = "Y", default_value_t = 0.0, allow_negative_numbers = true)]
     axis_y_mm: f64,
-    /// With the further blur (`extra_sigma_um`: aberration, sensor) of partially coherent light, as a gauge given CONFIG by --esf
-    /// fits it.
+    /// With the further blur (`extra_sigma_um`: aberration, sensor) of partially coherent light, as
+    /// a gauge given CONFIG by --esf fits it.
     #[arg(long)]
     with_blur: bool,
     /// Print JSON.
@@ -48,7 +49,7 @@ fn length(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Nominal optics of a config, without the deviations that a seed draws.
+/// Nominal optics of a config, without random deviations.
 pub struct NominalOptics {
     /// Lens and edge spread.
     pub optics: Optics,
@@ -59,7 +60,7 @@ pub struct NominalOptics {
 }
 
 impl NominalOptics {
-    /// Of a job's config or of a calibration's with `[simulate]`.
+    /// The nominal optics of a job's config or of a calibration's with `[simulate]`.
     ///
     /// # Errors
     /// Exit 2 for a config that is refused, or a calibration of recorded frames, which has no
@@ -89,11 +90,11 @@ impl NominalOptics {
         Ok(of(simulate.setup(), sum / plan.masters.len().max(1) as f64))
     }
 
-    /// The edge-spread function of a cylinder whose axis lies `axis_y_mm` before the plane of
+    /// The edge-spread function of a cylinder whose axis lies `axis_y_mm` in front of the plane of
     /// focus.
     ///
     /// # Errors
-    /// Exit 2 for optics whose table cannot be had.
+    /// Exit 2 for optics whose table cannot be computed.
     pub fn edge(&self, radius_mm: f64, axis_y_mm: f64) -> Result<NominalEdge, Failure> {
         NominalEdge::new(&self.optics, self.pixel_mm, radius_mm, axis_y_mm).map_err(Failure::refuse)
     }
@@ -136,7 +137,7 @@ pub fn run(command: &OpticsCommand) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// Takes the further blur out of partially coherent light, µm on the object.
+/// Removes the further blur from partially coherent light and returns it, µm on the object.
 fn take_extra_blur(esf: &mut Esf) -> f64 {
     match esf {
         Esf::PartiallyCoherent(p) => std::mem::take(&mut p.extra_sigma_um),
@@ -144,7 +145,7 @@ fn take_extra_blur(esf: &mut Esf) -> f64 {
     }
 }
 
-/// What optics the table is of, as comment lines, and the names of its columns.
+/// The optics of the table, as comment lines, and the names of its columns.
 fn header(
     args: &EsfArgs,
     nominal: &NominalOptics,
@@ -153,7 +154,7 @@ fn header(
 ) -> Result<String, Failure> {
     let esf = serde_json::to_value(&nominal.optics.esf).map_err(Failure::fail)?;
     let family = match &nominal.optics.esf {
-        // Its samples are what follows.
+        // Its samples are the table itself.
         Esf::Measured(_) => "measured".to_owned(),
         _ => esf.to_string(),
     };

@@ -145,7 +145,7 @@ fn front_rows(study: &Study) -> Vec<FrontRow> {
         .collect()
 }
 
-/// What was found, in words.
+/// The result in words.
 fn verdict(page: &mut Page, study: &Study) {
     match (&study.conflict, &study.optimum) {
         (Some(conflict), _) => {

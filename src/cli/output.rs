@@ -1,6 +1,6 @@
-//! Output of a command on stdout. A stream that takes no more must not break a command off half
-//! way: the first error is kept, the rest is dropped, and [`finish`] reports it at the end (as
-//! GNU's `close_stdout` does).
+//! Output of a command on stdout. A stream that fails must not abort a command half way: the first
+//! error is kept, further output is dropped, and [`finish`] reports the error at the end (as GNU's
+//! `close_stdout` does).
 
 use std::fmt::Arguments;
 use std::io::{Error, ErrorKind, Write as _, stdout};
@@ -10,7 +10,7 @@ use super::failure::Failure;
 
 static FIRST_ERROR: OnceLock<Error> = OnceLock::new();
 
-/// Writes to stdout; after an error no more.
+/// Writes to stdout; nothing after an error.
 pub fn write(text: Arguments<'_>) {
     if FIRST_ERROR.get().is_none() {
         keep(stdout().lock().write_fmt(text));
@@ -24,7 +24,7 @@ fn keep(result: Result<(), Error>) {
     }
 }
 
-/// Whether everything was taken. A reader that has gone (`… | head -1`) has what it wanted.
+/// Reports a failed write. A closed pipe (`… | head -1`) is not a failure.
 ///
 /// # Errors
 /// Exit 3 where stdout cannot be written.

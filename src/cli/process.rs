@@ -1,5 +1,5 @@
-//! What graphics drivers do to the process that opens them: words of their own on stderr, crashes
-//! at its end.
+//! Workarounds for graphics drivers: their messages on stderr, and crashes at the end of the
+//! process.
 #![expect(unsafe_code, reason = "two calls of the C library that the standard library has no safe form of")]
 
 use std::io::Write as _;
@@ -10,9 +10,10 @@ use crate::render::gpu;
 
 /// Gives `XDG_RUNTIME_DIR` a folder where the environment has none (containers, cron, ssh without a
 /// login session): Mesa's drivers look for a Wayland display, and its client library then prints an
-/// error of its own on stderr. No display is wanted here; any folder without one keeps it silent.
+/// error of its own on stderr. No display is needed here; any folder without one avoids the
+/// message.
 ///
-/// To be called at the start of the process, before any thread is.
+/// Must be called at the start of the process, before any thread is started.
 pub(super) fn provide_runtime_folder() {
     let stands = |value: std::ffi::OsString| Path::new(&value).is_dir();
     if cfg!(unix) && !std::env::var_os("XDG_RUNTIME_DIR").is_some_and(stands) {
@@ -21,7 +22,8 @@ pub(super) fn provide_runtime_folder() {
 }
 
 fn set(name: &str, value: &Path) {
-    // SAFETY: first statement of `main`: no other thread is there to read or write the environment.
+    // SAFETY: first statement of `main`: no other thread exists that could read or write the
+    // environment.
     unsafe { std::env::set_var(name, value) };
 }
 
@@ -32,9 +34,9 @@ unsafe extern "C" {
 }
 
 /// Ends the process with `status` once everything is written. Where a driver was opened, its
-/// libraries' destructors are not run: while they are, threads that have used the driver end, too,
-/// and one run in 50 to 200 (Mesa 22.3, OpenGL; Vulkan and OpenGL together) ended in a double free
-/// or a segmentation fault after its work was done.
+/// libraries' destructors are not run: threads that have used the driver end at the same time, and
+/// one run in 50 to 200 (Mesa 22.3, OpenGL; Vulkan and OpenGL together) ended in a double free or a
+/// segmentation fault after its work was done.
 pub(super) fn leave(status: u8) -> ExitCode {
     let _ = (std::io::stdout().flush(), std::io::stderr().flush());
     if cfg!(unix) && gpu::was_opened() {

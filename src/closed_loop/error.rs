@@ -1,4 +1,4 @@
-//! Why a closed loop cannot go on.
+//! Errors of the closed loop.
 
 use thiserror::Error;
 
@@ -8,11 +8,11 @@ use crate::frame::SourceError;
 use crate::gauge::CalibrationError;
 use crate::setting::SettingError;
 
-/// A loop that cannot go on.
+/// Why a loop cannot continue.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LoopError {
-    /// A setting of the job or of the gauge cannot be right.
+    /// A setting of the job or of the gauge is out of range.
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// The cell failed.
@@ -27,7 +27,7 @@ pub enum LoopError {
     /// The probe cannot be calibrated.
     #[error("calibration: {0}")]
     Probe(#[from] crate::probe::CalibrationError),
-    /// A calibration that is none of the job's instrument.
+    /// A calibration of another instrument than the job's.
     #[error("calibration: the job measures with {0}, the calibration given is none of it")]
     OtherInstrument(&'static str),
     /// A master pin could not be measured.

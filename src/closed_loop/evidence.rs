@@ -1,5 +1,5 @@
-//! What a pass is judged by besides its profile: where the scan comes from, a second scan, what is
-//! in the machine.
+//! The input of a decision besides the profile: the origin of the scan, a second scan, part and
+//! tool in the machine.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,11 +8,11 @@ use crate::control::{Origin, PartAndTool};
 use crate::frame::FrameMeta;
 use crate::profile::DiameterProfile;
 
-/// What is known of a scan besides its diameters. A run keeps it, so that a resumed run decides
+/// The data of a scan besides its diameters. A run records them, so that a resumed run decides
 /// alike.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
-    /// Where the scan comes from; `None` where the cell has no such record.
+    /// Origin of the scan; `None` where the cell has no record of it.
     pub origin: Option<Origin>,
     /// Part and tool in the machine when the offsets were decided.
     pub in_machine: Option<PartAndTool>,
@@ -48,7 +48,7 @@ impl AfterCut {
         Self { of: cell.in_machine(), now_ns: cell.now_ns() }
     }
 
-    /// The state when a cut begins that is looked at meanwhile.
+    /// The state at the start of a followed cut.
     pub(super) fn begun(of: Option<PartAndTool>, now_ns: Option<u64>) -> Self {
         Self { of, now_ns }
     }

@@ -1,5 +1,5 @@
-//! A pass that is measured while it is cut, and what is still to be cut corrected by what lies
-//! behind the tool.
+//! A pass that is measured while it is cut, and whose stations ahead of the tool are corrected by
+//! those behind it.
 
 use super::ClosedLoop;
 use super::error::LoopError;
@@ -13,9 +13,9 @@ use crate::plan::{DiameterOffset, PassPlan};
 use crate::process::FeedDirection;
 
 impl ClosedLoop<'_> {
-    /// Cuts a pass with the gauge behind the tool. Gives the pass as it was commanded in the end,
-    /// what was measured, and the machine's state when the cut began. Fields that the gauge does
-    /// not reach meanwhile are scanned after it, the tool clear.
+    /// Cuts a pass with the gauge behind the tool. Returns the pass as it was finally commanded,
+    /// the measurement, and the machine's state at the start of the cut. Fields that the gauge does
+    /// not reach during the cut are scanned after it, with the tool clear.
     pub(super) fn cut_and_follow(
         &mut self,
         plan: &PassPlan,
@@ -29,7 +29,7 @@ impl ClosedLoop<'_> {
             .within_pass
             .map(|settings| WithinPass::begin(settings, control.plant_gain, &plan.offset.o_mm));
         let stream = match within {
-            // What is corrected ahead of the tool cannot wait.
+            // A correction ahead of the tool cannot wait.
             Some(_) => SettledStream::at_once(self.gauge.stream()),
             None => SettledStream::new(self.gauge.stream()),
         };
@@ -54,8 +54,8 @@ impl ClosedLoop<'_> {
     }
 }
 
-/// Takes what was newly read off the stations that the tool has not come near; a refusal of the
-/// machine leaves the pass as it was.
+/// Corrects the stations ahead of the tool by the new readings; where the machine refuses, the pass
+/// stays as it was.
 fn correct_ahead(
     job: &crate::job::Job,
     within: &mut WithinPass,
@@ -89,7 +89,7 @@ fn correct_ahead(
 }
 
 /// The offsets of a plan as the machine's program makes them, knots and increments as between
-/// passes; as they are without a machine.
+/// passes; unchanged without a machine.
 fn rounded(job: &crate::job::Job, plan: &PassPlan) -> Result<DiameterOffset, nc::NcError> {
     let Some(machine) = &job.nc else { return Ok(plan.offset.clone()) };
     Ok(nc::Path::new(plan, &machine.machine, machine.dialect)?.in_force)

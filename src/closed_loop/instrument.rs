@@ -13,9 +13,9 @@ use crate::probe::{self, MasterTouches, ProbeCalibration, ProbeSettings};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Calibrated {
-    /// Of the camera.
+    /// The camera's.
     Camera(Box<Calibration>),
-    /// Of the touch probe.
+    /// The touch probe's.
     Probe(ProbeCalibration),
 }
 
@@ -26,7 +26,7 @@ impl From<Calibration> for Calibrated {
 }
 
 impl Calibrated {
-    /// The same under the conditions of the job's part.
+    /// The calibration under the conditions of the job's part.
     pub(super) fn of_part(&self, job: &Job) -> Self {
         match self {
             Self::Camera(camera) => (**camera).clone().with_conditions(job.part_conditions()).into(),
@@ -34,7 +34,7 @@ impl Calibrated {
         }
     }
 
-    /// Of the camera.
+    /// The calibration of the camera.
     ///
     /// # Errors
     /// Where the calibration is the probe's.

@@ -1,4 +1,4 @@
-//! The calibration that a job begins with: its masters before the gauge.
+//! The calibration at the start of a job, on its masters.
 
 use super::error::LoopError;
 use crate::cell::TurningCell;
@@ -6,8 +6,8 @@ use crate::gauge::calibration::Conditions;
 use crate::gauge::{Calibration, FrameEdges, Gauge, MasterMeasurement, ResidualAccumulator, SettledStream};
 use crate::job::Job;
 
-/// Calibrates on the masters; where their edges leave more of the edge model than noise does, they
-/// are scanned again, expecting it.
+/// Calibrates on the masters; where their edges show residuals of the edge model above the noise,
+/// they are scanned again with that model uncertainty.
 pub(super) fn calibrate(
     job: &Job,
     cell: &mut dyn TurningCell,
@@ -23,8 +23,8 @@ pub(super) fn calibrate(
     let calibration = Calibration::fit(&measurements)?
         .with_optics_id(&job.name)
         .with_systematic_residual(systematic_residual);
-    // The cell draws part and masters at 20 °C with one finish; wear, drift and heat are the
-    // process' own.
+    // The cell draws part and masters at 20 °C with one finish; wear, drift and heat belong to the
+    // process.
     Ok(calibration.with_edge_model(&gauge.settings().esf).with_conditions(Conditions::default()))
 }
 

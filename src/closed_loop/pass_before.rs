@@ -1,13 +1,13 @@
-//! A pass beside the one before: stations that did not change as commanded.
+//! Comparison of a pass with the one before: stations that did not change as commanded.
 
 use crate::gauge::GaugeSettings;
 use crate::gauge::plausibility::against_pass;
 use crate::plan::PassPlan;
 use crate::profile::DiameterProfile;
 
-/// Makes gaps of stations whose change since the pass before is not the one commanded, and reports
-/// the reason of each. Where a whole part did not change as commanded nothing is refused, since
-/// that decision is control's; it is reported, too.
+/// Turns stations into gaps whose change since the pass before is not the commanded one, and
+/// reports the reason of each. Where a whole part did not change as commanded no station is
+/// refused, because the controller's guards decide on that; it is reported as well.
 pub(super) fn compare(
     before: Option<&(PassPlan, DiameterProfile)>,
     plan: &PassPlan,

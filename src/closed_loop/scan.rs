@@ -1,4 +1,4 @@
-//! A scan's frames, taken one by one, and what they come to.
+//! The frames of a scan, one by one, and the result over all of them.
 
 use std::time::{Duration, Instant};
 
@@ -32,7 +32,7 @@ pub struct FrameReading {
     pub reading: Reading,
 }
 
-/// A frame kept for people to look at, with the edges found in it.
+/// A frame kept for reports, with its edges.
 #[derive(Clone, Debug)]
 pub struct Sample {
     /// The frame.
@@ -58,7 +58,7 @@ pub(super) struct Scanned {
     pub(super) ends: Option<(Stamp, Stamp)>,
 }
 
-/// What is gathered while a pass is scanned.
+/// The results accumulated during a scan.
 pub(super) struct Measured<'c> {
     stream: SettledStream<FrameMeta>,
     edges: FrameEdges,
@@ -102,7 +102,7 @@ impl<'c> Measured<'c> {
         frame
     }
 
-    /// Measures a frame and gives it back, unless it is the one kept as a sample.
+    /// Measures a frame and returns it, unless it is kept as the sample.
     pub(super) fn take(&mut self, frame: Frame) -> Option<Frame> {
         let start = Instant::now();
         let index = self.frames;
@@ -124,7 +124,7 @@ impl<'c> Measured<'c> {
     }
 }
 
-/// What settled frames come to.
+/// Sums over settled frames.
 pub(super) struct Sums<'c> {
     calibration: &'c Calibration,
     pub(super) averager: StationAverager,

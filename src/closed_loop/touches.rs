@@ -1,4 +1,4 @@
-//! The probe as the loop's instrument: its scan, its look at a master.
+//! The probe as the loop's instrument: touches of the stations and of a master.
 
 use std::time::{Duration, Instant};
 
@@ -68,7 +68,7 @@ impl<'a> ClosedLoop<'a> {
         Ok(Scanned {
             profile,
             form: TurnAverager::new(z_mm, part.station_mm).finish(Cutoff::default()),
-            // Two-point diameters do not determine where the axis stands.
+            // Two-point diameters do not determine the axis.
             axis: AxisLine::default(),
             readings: readings.collect(),
             sample: None,
@@ -81,7 +81,7 @@ impl<'a> ClosedLoop<'a> {
     }
 
     /// Touches the first master pin again: its diameter less the certified one, mm; `None` where
-    /// the job does not look at masters again.
+    /// the job does not check a master.
     pub(super) fn touch_master(
         &mut self,
         settings: &ProbeSettings,
@@ -93,7 +93,7 @@ impl<'a> ClosedLoop<'a> {
         let orders = probe::orders(settings, &[0.0], settings.master_diameters, pin.diameter_mm);
         let pairs = probe::pairs(&self.cell.touch(Some(0), &orders)?);
         let read: Vec<f64> = pairs.iter().filter_map(|p| p.read_mm).collect();
-        // a pin that is not touched reads nothing, which is as far off as can be
+        // a pin that cannot be touched reads 0 mm, a deviation beyond every limit
         let mean = read.iter().sum::<f64>() / read.len().max(1) as f64;
         Ok(Some(probe::of_master(settings, calibration, mean) - pin.diameter_mm))
     }

@@ -1,15 +1,15 @@
-//! What size a tolerance means: the modifiers of ISO 14405-1:2016, as far as silhouettes can judge
-//! them.
+//! The size that a tolerance applies to: the modifiers of ISO 14405-1:2016, as far as silhouettes
+//! can verify them.
 //!
-//! A silhouette shows the convex hull of every section. What the hull alone decides is judged:
-//! two-point (caliper) sizes, the least circumscribed circle and cylinder, and with them the
-//! envelope requirement. What hollows decide, too, or a size that has no limits of its own here, is
-//! refused with that reason.
+//! A silhouette shows the convex hull of every section. Sizes that depend on the hull alone are
+//! judged: two-point (caliper) sizes, the least circumscribed circle and cylinder, and with them
+//! the envelope requirement. Sizes that also depend on hollows, or that have no limits of their own
+//! here, are refused with that reason.
 
 /// Which size must lie within the limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SizeCriterion {
-    /// Every two-point size (LP), which is meant where nothing is stated.
+    /// Every two-point size (LP), the default where nothing is stated.
     #[default]
     TwoPoint,
     /// Envelope requirement Ⓔ: every two-point size at least the lower limit, the least
@@ -23,7 +23,7 @@ pub enum SizeCriterion {
 }
 
 impl SizeCriterion {
-    /// Its modifiers as a drawing has them.
+    /// Its modifiers as written on a drawing.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::TwoPoint => "(LP)",
@@ -52,7 +52,7 @@ impl SizeCriterion {
         match (sizes.as_slice(), section) {
             // A two-point size is one of a cross-section anyway.
             ([] | ["LP"], _) => Ok(Self::TwoPoint),
-            // Two-point sizes are what it asks for at the lower limit anyway.
+            // Its lower limit applies to two-point sizes anyway.
             (["E"] | ["LP", "E"] | ["E", "LP"], false) => Ok(Self::Envelope),
             (["E"], true) => {
                 Err("(E) is a requirement over the length, ACS is one for any cross-section".to_owned())

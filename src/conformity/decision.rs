@@ -2,16 +2,16 @@
 //! the one stated.
 //!
 //! A reading d with standard uncertainty u of ν effective degrees of freedom leaves the true value
-//! distributed as d + u·t_ν (GUM G.3; JCGM 106:2012, 6 and 7, without knowledge of the process). So
-//! the probability of conformity to both limits at once is p_c = F_ν((upper − d)/u) − F_ν((lower −
-//! d)/u). ISO 14253-1:2017 asks for 95 %. Where the zone is wide against u, the guard band that
-//! this leaves is t_ν(p)·u, 1.645 u for many degrees of freedom; in a narrow zone both limits count
-//! and the band is wider; below 2·t_ν((1 + p)/2)·u, about U on either side, nothing can be proven
-//! to conform. A guard band of one limit held against both would still accept there with less than
-//! the stated probability: 90 % at its narrowest zone where 95 % are stated.
+//! distributed as d + u·t_ν (GUM G.3; JCGM 106:2012, 6 and 7, without knowledge of the process).
+//! The probability of conformity to both limits at once is therefore p_c = F_ν((upper − d)/u) −
+//! F_ν((lower − d)/u). ISO 14253-1:2017 requires 95 %. Where the zone is wide compared with u, the
+//! resulting guard band is t_ν(p)·u, 1.645 u for many degrees of freedom; in a narrow zone both
+//! limits count and the band is wider; below 2·t_ν((1 + p)/2)·u, about U on either side, nothing
+//! can be proven to conform. A guard band of one limit held against both would still accept there
+//! with less than the stated probability: 90 % at its narrowest zone where 95 % are stated.
 //!
 //! Non-conformity is proven beyond one limit, with its probability F_ν((lower − d)/u) or 1 −
-//! F_ν((upper − d)/u): which one is to be mended must be known, too.
+//! F_ν((upper − d)/u): the limit that is violated matters for rework.
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -26,14 +26,14 @@ pub const PROBABILITY: f64 = 0.95;
 /// Student's t is the normal distribution from here on to 1e-5 of u.
 const NORMAL_FROM: f64 = 1e5;
 
-/// A reading with what it leaves open of the true value.
+/// A reading with the distribution of the true value about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The reading, mm.
     pub value_mm: f64,
     /// Combined standard uncertainty, mm.
     pub u_mm: f64,
-    /// Effective degrees of freedom of u; [`MANY`] where it is known.
+    /// Effective degrees of freedom of u; [`MANY`] where u is exact.
     pub freedom: f64,
 }
 
@@ -57,7 +57,7 @@ impl Estimate {
     }
 
     /// Probability that the true value lies between two limits, one of which may be infinite; 0 for
-    /// what is no number.
+    /// NaN.
     pub fn within(&self, lower_mm: f64, upper_mm: f64) -> f64 {
         if !self.is_known() {
             return 0.0;
@@ -87,7 +87,7 @@ fn quantile(probability: f64, freedom: f64) -> f64 {
     }
 }
 
-/// What a reading proves.
+/// The outcome of the decision rule for a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
     /// The true value lies within both limits.
@@ -130,7 +130,7 @@ impl DecisionRule {
         self.probability
     }
 
-    /// What an estimate proves of limits, one of which may be infinite.
+    /// Decides on an estimate against two limits, one of which may be infinite.
     pub fn decide(self, estimate: &Estimate, lower_mm: f64, upper_mm: f64) -> Decision {
         if estimate.within(lower_mm, upper_mm) >= self.probability {
             Decision::Conforms
@@ -149,10 +149,10 @@ impl DecisionRule {
     /// `None` where the zone accepts none.
     pub fn guard_mm(self, u_mm: f64, freedom: f64, width_mm: f64) -> Option<f64> {
         let accepted = |guard_mm: f64| {
-            // Far from the other limit the quantile's own rounding decides.
+            // Far from the other limit the rounding of the quantile is larger than its effect.
             Estimate { value_mm: guard_mm, u_mm, freedom }.within(0.0, width_mm) >= self.probability - 1e-12
         };
-        // One limit alone asks for less than both.
+        // The guard band of one limit alone is a lower bound.
         let (mut less, mut more) = (quantile(self.probability, freedom).max(0.0) * u_mm, 0.5 * width_mm);
         if width_mm == f64::INFINITY {
             return Some(less);
@@ -229,7 +229,8 @@ mod tests {
         }
         assert_eq!(rule.decide(&estimate(0.5, 0.0, MANY), 0.0, 1.0), Decision::Conforms);
         assert_eq!(rule.decide(&estimate(1.5, 0.0, MANY), 0.0, 1.0), Decision::TooLarge);
-        // However large u is against the zone: a reading in its middle violates neither limit.
+        // However large u is compared with the zone, a reading in its middle violates neither
+        // limit.
         assert_eq!(rule.decide(&estimate(0.5, 100.0, MANY), 0.0, 1.0), Decision::NotProven);
         assert!(DecisionRule::new(0.49).is_err() && DecisionRule::new(1.0).is_err());
     }
@@ -276,7 +277,7 @@ mod tests {
                 assert!(inside as f64 >= (0.95 - 0.005) * f64::from(runs), "{freedom} {width}: {inside}");
             }
         }
-        // What one limit's guard band alone would do.
+        // The probability with the guard band of one limit alone.
         let one_limit = estimate(1.645, 1.0, MANY).within(0.0, 2.0 * 1.66);
         assert!((0.89..0.91).contains(&one_limit), "{one_limit}");
     }

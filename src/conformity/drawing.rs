@@ -1,8 +1,8 @@
 //! Tolerances as drawings write them: "25h6", "Ø25 ±0,01", "25 +0.0/−0.013", "25 (+0.1/-0.2)",
 //! "24.987..25", "25 h6 Ⓔ".
 //!
-//! Nothing that stands there is dropped: what is no part of a tolerance, or of one that silhouettes
-//! can judge, is refused with the reason.
+//! No part of the text is ignored: whatever is not part of a tolerance, or of one that silhouettes
+//! can verify, is refused with the reason.
 
 use std::str::FromStr;
 
@@ -11,7 +11,7 @@ use super::error::ToleranceError;
 use super::iso_286::{is_deviation, shaft_deviations_um, standard_tolerance_um};
 use super::tolerance::Tolerance;
 
-/// What stands in the way, without the text.
+/// The reason of a refusal, without the text.
 enum Refusal {
     Wrong(String),
     Unjudged(String),
@@ -47,8 +47,8 @@ fn read(text: &str) -> Result<Tolerance, ToleranceError> {
     })
 }
 
-/// The text with one sign for each meaning: `-`, `±`, `Ø`, `.` in numbers, `(E)` for what stands in
-/// circles.
+/// The text with one sign for each meaning: `-`, `±`, `Ø`, `.` in numbers, `(E)` for a circled
+/// letter.
 fn plain(text: &str) -> String {
     let text = text.replace("%%c", "Ø").replace("%%C", "Ø").replace("%%p", "±").replace("%%P", "±");
     let characters: Vec<char> = text.chars().collect();
@@ -109,8 +109,8 @@ fn read_plain(text: &str) -> Result<Tolerance, Refusal> {
             nominal_mm + upper
         ));
     }
-    // A picometre is below what a drawing states and above what a difference of two sizes rounds
-    // off.
+    // A picometre is below the last digit of a drawing and above the rounding error of a difference
+    // of two sizes.
     let rounded = |mm: f64| (mm * 1e9).round() / 1e9;
     Ok(Tolerance { nominal_mm, upper_mm: rounded(upper), lower_mm: rounded(lower), criterion })
 }
@@ -135,8 +135,7 @@ fn without_prefix(text: &str) -> Result<&str, Refusal> {
     }
 }
 
-/// What stands outside parentheses but for modifiers, the deviations or limits inside, the
-/// modifiers.
+/// The text outside parentheses without modifiers, the deviations or limits inside, the modifiers.
 fn parts(text: &str) -> Result<(String, Vec<String>, Vec<String>), Refusal> {
     let (mut body, mut groups, mut modifiers) = (String::new(), Vec::new(), Vec::new());
     let mut rest = text;
@@ -211,7 +210,7 @@ fn size_and_deviations(body: &str, groups: &[String]) -> Result<(f64, Deviations
     }
 }
 
-/// Deviations by what stands behind the nominal size.
+/// Deviations from the text behind the nominal size.
 fn behind_size(nominal: f64, rest: &str) -> Result<Deviations, Refusal> {
     if rest.starts_with(|c: char| c.is_ascii_alphabetic()) {
         return by_class(nominal, rest);
@@ -227,7 +226,7 @@ fn behind_size(nominal: f64, rest: &str) -> Result<Deviations, Refusal> {
     deviations(nominal, rest)
 }
 
-/// Whether two numbers can be limits of one size: a deviation is no half of its size.
+/// Whether two numbers can be limits of one size: a deviation is never half of its size.
 fn near(a: f64, b: f64) -> bool {
     a > 0.5 * b && b > 0.5 * a
 }
@@ -241,7 +240,7 @@ fn in_parentheses(nominal: f64, group: &str) -> Result<Deviations, Refusal> {
     }
 }
 
-/// Deviations by a class, with those of the drawing behind it or not.
+/// Deviations of a class, with or without explicit ones behind it.
 fn by_class(nominal: f64, rest: &str) -> Result<Deviations, Refusal> {
     let letters_end = rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len());
     let letters = &rest[..letters_end];

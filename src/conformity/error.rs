@@ -1,4 +1,4 @@
-//! Why a text is no tolerance, and why a judgement is impossible.
+//! Errors of tolerances and judgements.
 
 use thiserror::Error;
 
@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum ToleranceError {
-    /// It is none.
+    /// It is not a tolerance.
     #[error(
         "{text:?} is no tolerance: {why}; right would be \"25 h6\", \"25 ±0.01\", \"25 0/-0.013\" or \"24.987..25\""
     )]
@@ -16,7 +16,7 @@ pub enum ToleranceError {
         /// What is wrong.
         why: String,
     },
-    /// It is one that silhouettes of a shaft cannot judge.
+    /// It is a tolerance that silhouettes of a shaft cannot verify.
     #[error("{text:?} cannot be judged: {why}")]
     Unjudged {
         /// The text.
@@ -36,13 +36,13 @@ pub enum JudgementError {
         /// The limits, lowest first.
         limits_mm: Vec<f64>,
     },
-    /// A probability of conformity that is none.
+    /// A probability of conformity out of range.
     #[error("conformance probability {value}: must be at least 0.5 and below 1 (ISO 14253-1: 0.95)")]
     Probability {
-        /// What stands there.
+        /// The value given.
         value: f64,
     },
-    /// The uncertainty leaves nothing to accept.
+    /// The uncertainty leaves no acceptance zone.
     #[error(
         "an uncertainty of u = {u_mm} mm leaves no acceptance zone in a tolerance of {tolerance_mm} mm: to prove conformity to both \
          limits it takes {least_mm} mm"

@@ -6,7 +6,8 @@
 //! 286-1:1988, up to 50 mm those of 2010. The other limit follows from the grade: ei = es − IT for
 //! a to h, es = ei + IT for j to zc; js lies at ± IT/2, which the standard of 2010 does not round.
 
-/// Upper ends of the main steps of nominal size, mm; a step holds its upper end, not its lower one.
+/// Upper ends of the main steps of nominal size, mm; a step includes its upper end, not its lower
+/// one.
 const MAIN_STEPS_MM: [f64; 13] =
     [3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 80.0, 120.0, 180.0, 250.0, 315.0, 400.0, 500.0];
 /// Upper ends of the steps of which the main steps above 10 mm are made, mm.
@@ -202,7 +203,7 @@ const J8_UP_TO_3_MM_UM: i16 = -6;
 /// Lower and upper limit deviation of a shaft's tolerance class such as `h6`, µm.
 ///
 /// # Errors
-/// What the class lacks, or why the standard has no value: for people, without the text itself.
+/// What the class lacks, or why the standard has no value, in words, without the text itself.
 pub(super) fn shaft_deviations_um(nominal_mm: f64, class: &str) -> Result<(f64, f64), String> {
     let (letters, grade) = split_class(class)?;
     let it_um = standard_tolerance_um(nominal_mm, grade)?;
@@ -210,7 +211,7 @@ pub(super) fn shaft_deviations_um(nominal_mm: f64, class: &str) -> Result<(f64, 
         return Ok((-0.5 * it_um, 0.5 * it_um));
     }
     let fundamental = f64::from(fundamental_um(nominal_mm, letters, grade)?);
-    // a to h hang below their fundamental deviation, j to zc stand on it.
+    // the fundamental deviation of a to h is the upper limit, that of j to zc the lower one.
     Ok(if letters <= "h" { (fundamental - it_um, fundamental) } else { (fundamental, fundamental + it_um) })
 }
 

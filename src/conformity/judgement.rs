@@ -10,7 +10,7 @@ use super::error::JudgementError;
 use crate::profile::{Diameter, Reading, Reason};
 use serde::{Deserialize, Serialize};
 
-/// What a reading is judged to be.
+/// The classes of a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Judgement {
     /// Far too small.
@@ -36,7 +36,8 @@ pub enum Limits {
         /// Upper limit of size, mm.
         upper_mm: f64,
     },
-    /// Four limits of a comparator: GO between lo and hi, LO and HI out to ll and hh (to be reworked, or a warning).
+    /// Four limits of a comparator: GO between lo and hi, LO and HI out to ll and hh (to be
+    /// reworked, or a warning).
     Four {
         /// Below: LL, mm.
         ll_mm: f64,
@@ -98,7 +99,7 @@ impl Judge {
     pub fn judge(&self, diameter: &Diameter, freedom: f64) -> Judgement {
         let estimate = Estimate::of(diameter, freedom);
         let (lower, upper) = self.good_mm();
-        // What is no number is not proven good either, and not above.
+        // NaN is neither proven good nor above the middle.
         let above = diameter.d_mm >= 0.5 * (lower + upper) && estimate.u_mm.is_finite();
         match (self.rule.decide(&estimate, lower, upper), self.limits) {
             (Decision::Conforms, _) => Judgement::GO,
@@ -118,7 +119,7 @@ impl Judge {
         }
     }
 
-    /// Judges a reading; a gap stays a gap: what was not measured is neither good nor bad.
+    /// Judges a reading; a gap stays a gap: a station without a reading is neither good nor bad.
     ///
     /// # Errors
     /// The gap's reason.
@@ -132,7 +133,7 @@ impl Judge {
     /// Whether an uncertainty leaves room for GO at all.
     ///
     /// # Errors
-    /// The width that would.
+    /// The width of the zone that would be needed.
     pub fn check_uncertainty(&self, u_mm: f64, freedom: f64) -> Result<(), JudgementError> {
         let (low, high) = self.good_mm();
         let least_mm = self.rule.least_width_mm(u_mm, freedom);

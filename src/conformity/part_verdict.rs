@@ -2,7 +2,7 @@
 //! limits?
 //!
 //! Every station is judged by the rule of [`crate::conformity`]: it conforms, or lies beyond a
-//! limit, with the stated probability; else it is undecided.
+//! limit, with the stated probability; otherwise it is undecided.
 
 use super::decision::{Decision, DecisionRule, Estimate, MANY};
 use crate::profile::{DiameterProfile, Station};
@@ -18,7 +18,7 @@ pub struct Limits {
     pub rule: DecisionRule,
 }
 
-/// What is known of a station.
+/// Verdict on a station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Conformity {
@@ -26,7 +26,7 @@ pub enum Conformity {
     Conforms,
     /// Proven below the lower limit: scrap.
     Undersize,
-    /// Proven above the upper limit: another pass can mend it.
+    /// Proven above the upper limit: another pass can correct it.
     Oversize,
     /// Too close to a limit for its uncertainty.
     Undecided,
@@ -45,7 +45,7 @@ pub struct Verdict {
     pub alarm: Option<String>,
 }
 
-/// What is known of a whole part.
+/// Verdict on a whole part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PartConformity {
@@ -59,7 +59,7 @@ pub enum PartConformity {
 }
 
 impl Verdict {
-    /// The verdict in one word.
+    /// The verdict as one value.
     pub fn part(&self) -> PartConformity {
         let any = |what: Conformity| self.stations.contains(&what);
         if any(Conformity::Undersize) || any(Conformity::Oversize) {
@@ -71,7 +71,7 @@ impl Verdict {
         }
     }
 
-    /// The verdict for people.
+    /// The verdict in words.
     pub fn words(&self) -> String {
         let why = self.alarm.as_deref().unwrap_or("there is no station");
         match self.part() {

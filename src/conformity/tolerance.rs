@@ -10,8 +10,9 @@ use serde::{Deserialize, Serialize};
 use super::criterion::SizeCriterion;
 use super::judgement::Limits;
 
-/// Diameter tolerance: lower and upper limit deviation from the nominal size (ISO 286-1). In files a table of `nominal_mm`, `upper_mm` and
-/// `lower_mm`, or a text as on drawings: "25 h6", "Ø25 ±0.01", "25 +0.1/-0.2", "24.987..25".
+/// Diameter tolerance: lower and upper limit deviation from the nominal size (ISO 286-1). In files
+/// a table of `nominal_mm`, `upper_mm` and `lower_mm`, or a text as on drawings: "25 h6", "Ø25
+/// ±0.01", "25 +0.1/-0.2", "24.987..25".
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 #[schemars(with = "TableOrText")]
 pub struct Tolerance {

@@ -1,4 +1,4 @@
-//! From settings to a controller, and what its loop is worth.
+//! Builds a controller from settings, and assesses the stability of its loop.
 
 use super::compensator::{Compensator, NoCompensation};
 use super::controller::Controller;
@@ -43,8 +43,8 @@ fn guarded<L: Law + Send + 'static>(settings: &ControlSettings, law: L) -> Box<d
     Box::new(Compensator::new(settings, law))
 }
 
-/// Judges the loop of the controller named, with `plant` at `plant_gain`; `None` for a controller
-/// without feedback.
+/// Assesses the loop of the controller in the settings, with `plant` at `plant_gain`; `None` for a
+/// controller without feedback.
 pub fn assess(settings: &ControlSettings, plant: Plant) -> Option<StabilityReport> {
     let transfer = transfer(settings)?;
     Some(judge(&describe(settings), &transfer, plant, settings.plant_gain))
@@ -52,8 +52,8 @@ pub fn assess(settings: &ControlSettings, plant: Plant) -> Option<StabilityRepor
 
 /// The controller's transfer function per station or shape; `None` without feedback.
 ///
-/// Iterative learning is judged where its filter lets everything pass (Q = 1, the least stable
-/// case), the model-based controller where it follows every surprise at once (its filter gain 1).
+/// Iterative learning is assessed where its filter passes everything (Q = 1, the least stable
+/// case), the model-based controller where it follows every deviation at once (its filter gain 1).
 pub fn transfer(settings: &ControlSettings) -> Option<Transfer> {
     let s = settings;
     match s.controller {

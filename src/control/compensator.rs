@@ -1,8 +1,8 @@
-//! A law between its guards: read the errors, guard them, let the law propose, guard the proposal,
+//! A law between its guards: compute the errors, check them, apply the law, check the proposal,
 //! release or hold.
 //!
-//! What a law learns from a pass is kept only if its proposal is released: after a refusal it is as
-//! if the pass had not been measured.
+//! The state of a law after a pass is kept only if its proposal is released: after a refusal it is
+//! as if the pass had not been measured.
 
 use super::context::{PartStart, PassContext};
 use super::controller::Controller;
@@ -14,7 +14,7 @@ use super::settings::ControlSettings;
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
 use crate::profile::DiameterProfile;
 
-/// Offsets and the law that has learnt, or the refusal.
+/// Offsets and the updated law, or the refusal.
 type Considered<L> = Result<(Vec<f64>, L), Refusal>;
 
 /// A guarded controller.
@@ -63,8 +63,8 @@ impl<L: Law> Compensator<L> {
         Ok(DiameterOffset { o_mm })
     }
 
-    /// Offsets and the law that has learnt, or the refusal; and why the offsets in force may not be
-    /// cut with again.
+    /// Offsets and the updated law, or the refusal; and why the offsets in force may not be used
+    /// again.
     fn consider(
         &mut self,
         plan: &PassPlan,
@@ -94,8 +94,8 @@ impl<L: Law> Compensator<L> {
         (outcome.map(|o_mm| (o_mm, law)), alarm)
     }
 
-    /// No further pass is safe where a refusal rules it out, where the held offsets are predicted
-    /// to undercut, or where the finishing pass would go unchecked.
+    /// Raises the alarm where a refusal rules out a further pass, where the held offsets are
+    /// predicted to cut undersize, or where the finishing pass would not be checked.
     fn raise_alarm(&mut self, refusal: &Refusal, context: &PassContext<'_>) {
         if refusal.stop || context.next.is_some_and(|n| n.finishing) {
             self.alarm.get_or_insert_with(|| refusal.reason.to_string());
@@ -183,8 +183,7 @@ impl<L: Law> Controller for Compensator<L> {
     }
 }
 
-/// Never measures, never corrects: the offsets of a controller that is switched off stay as they
-/// are.
+/// A controller that is switched off: no correction, the offsets stay as they are.
 pub(crate) struct NoCompensation;
 
 impl Controller for NoCompensation {

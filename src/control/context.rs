@@ -1,12 +1,11 @@
-//! What is known around a pass besides its diameters: where the measurement comes from and what is
-//! cut next.
+//! The context of a pass besides its diameters: the origin of the measurement and the next pass.
 //!
-//! Guards use what they are given; a guard whose information is missing does not run.
+//! A guard whose input is missing does not run.
 
 use crate::plan::CuttingData;
 use crate::profile::DiameterProfile;
 
-/// A part and a tool, as the cell calls them.
+/// A part and a tool, by the names that the cell gives them.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct PartAndTool {
     /// Identity of the part.
@@ -15,7 +14,7 @@ pub struct PartAndTool {
     pub tool: String,
 }
 
-/// Where a measurement comes from.
+/// The origin of a measurement.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Origin {
     /// Part and tool that were measured.
@@ -38,14 +37,14 @@ pub struct NextPass {
     pub nominal_mm: f64,
     /// Cutting data.
     pub cutting: CuttingData,
-    /// Nothing is cut after it.
+    /// Whether it is the last pass.
     pub finishing: bool,
 }
 
-/// What is known around a pass.
+/// The context of a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassContext<'a> {
-    /// Where the measurement comes from.
+    /// Origin of the measurement.
     pub origin: Option<&'a Origin>,
     /// Part and tool that are in the machine now.
     pub in_machine: Option<&'a PartAndTool>,
@@ -55,7 +54,7 @@ pub struct PassContext<'a> {
     pub next: Option<NextPass>,
 }
 
-/// How a part begins.
+/// The start of a part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PartStart<'a> {
     /// What changed since the last part.
@@ -68,7 +67,7 @@ pub struct PartStart<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PartEvent {
-    /// Nothing: wear and warming go on.
+    /// Nothing: wear and warming continue.
     #[default]
     Continued,
     /// A new insert: wear starts again.

@@ -10,15 +10,15 @@ pub trait Controller {
     /// Name as on the command line: none, pid, lsq, …
     fn name(&self) -> &str;
 
-    /// A new part is clamped: forgets the last one's passes and gives the offsets of the first
-    /// pass, zero unless earlier parts were learnt from (`[control.parts]`).
+    /// A new part is clamped: discards the passes of the last one and returns the offsets of the
+    /// first pass, zero unless offsets are carried over from earlier parts (`[control.parts]`).
     fn begin_part(&mut self, _start: &PartStart<'_>, stations: usize) -> DiameterOffset {
         DiameterOffset::zero(stations)
     }
 
-    /// Decides the offsets of the next pass from the pass just measured. `plan` is what was
-    /// commanded in that pass (its `nominal_mm` is the r of the error e = D - r; its `offset` the
-    /// offsets in force). What is missing from `context` cannot be guarded.
+    /// Decides the offsets of the next pass from the pass just measured. `plan` is the command of
+    /// that pass (its `nominal_mm` is the r of the error e = D - r; its `offset` the offsets in
+    /// force). Guards whose input is missing from `context` do not run.
     fn decide_in(
         &mut self,
         plan: &PassPlan,
@@ -37,7 +37,7 @@ pub trait Controller {
         false
     }
 
-    /// As [`Self::decide_in`], knowing nothing but the plan and the measurement.
+    /// As [`Self::decide_in`], from the plan and the measurement alone.
     fn decide(&mut self, plan: &PassPlan, measured: &DiameterProfile) -> Decision {
         self.decide_in(plan, measured, &PassContext::default())
     }
@@ -48,8 +48,8 @@ pub trait Controller {
         &[]
     }
 
-    /// After a refusal: why the next pass is not to be cut with the offsets held, until someone has
-    /// looked.
+    /// After a refusal: why the next pass must not be cut with the held offsets before an
+    /// inspection.
     fn alarm(&self) -> Option<&str> {
         None
     }

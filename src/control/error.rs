@@ -1,4 +1,4 @@
-//! What control refuses.
+//! Errors of the control stage.
 
 use super::controller_name::ControllerName;
 use crate::setting::{SettingError, require};
@@ -16,7 +16,7 @@ pub enum ControlError {
         /// The word given.
         word: String,
     },
-    /// The closed loop is unstable at the plant gain assumed.
+    /// The closed loop is unstable at the assumed plant gain.
     #[error(
         "the {controller} loop is unstable at control.plant_gain = {plant_gain} (stable for {range}; spectral radius \
          {spectral_radius:.4}): lower the gains, or set control.insist_on_unstable = true"
@@ -26,19 +26,19 @@ pub enum ControlError {
         controller: String,
         /// The gain assumed.
         plant_gain: f64,
-        /// Gains for which the loop is stable, in words.
+        /// Gains for which the loop is stable, as text.
         range: String,
         /// Largest pole modulus.
         spectral_radius: f64,
     },
-    /// The stations cannot carry the shapes that are asked for.
+    /// There are too few stations for the configured shapes.
     #[error(
         "{stations} stations cannot carry {shapes} shape functions along z: take fewer shapes or shorter stations"
     )]
     TooFewStations {
         /// Stations of the job.
         stations: usize,
-        /// Shapes asked for.
+        /// Configured shapes.
         shapes: usize,
     },
     /// Stations must ascend.

@@ -21,7 +21,7 @@ const RANK_TOLERANCE: f64 = 1e-12;
 /// A fitted linear model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Coefficients, one a column of the design.
+    /// Coefficients, one per column of the design.
     pub coefficients: DVector<f64>,
     /// Their covariance, from the stated uncertainties.
     pub covariance: DMatrix<f64>,

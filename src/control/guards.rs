@@ -1,5 +1,5 @@
-//! What an offset must pass before it is released. A refusal names the guard, its limit, the place
-//! and what was seen.
+//! The checks that an offset must pass before it is released. A refusal names the guard, its limit,
+//! the place and the value found.
 
 use super::context::{NextPass, PassContext};
 use super::readings::Errors;
@@ -11,11 +11,11 @@ use crate::profile::DiameterProfile;
 
 /// Variance of a second difference of independent readings: 1 + 4 + 1.
 const SECOND_DIFFERENCE: f64 = 6.0;
-/// An outlier lies this many scatters from its neighbours, besides the limit in mm: about one in
-/// 10⁶ by chance.
+/// An outlier lies this many standard deviations from the prediction of its neighbours, and beyond
+/// the limit in mm: about one in 10⁶ by chance.
 const OUTLIER_SCATTERS: f64 = 5.0;
 
-/// What a pass left behind for the guards of the next.
+/// The data of a pass that the guards of the next one use.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GuardState {
     pub pass: u32,
@@ -27,8 +27,7 @@ pub(crate) struct GuardState {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Refusal {
     pub reason: HeldReason,
-    /// What was measured contradicts what was commanded: no further pass is safe until someone has
-    /// looked.
+    /// The measurement contradicts the command: no further pass is safe before an inspection.
     pub stop: bool,
 }
 
@@ -42,18 +41,19 @@ fn guard(text: String) -> Refusal {
     Refusal { reason: HeldReason::Guard(text), stop: false }
 }
 
-/// Everything the guards look at.
+/// The input of the guards.
 pub(crate) struct Guarded<'a> {
     pub limits: &'a GuardSettings,
     pub plan: &'a PassPlan,
     pub context: &'a PassContext<'a>,
     pub errors: &'a Errors,
-    /// Passes of this part that were measured and belonged here, oldest first.
+    /// Passes of this part whose measurements passed [`check_origin`], oldest first.
     pub history: &'a [GuardState],
     pub plant_gain: f64,
 }
 
-/// Does the measurement belong here: part, tool, pass, age, used once, master?
+/// Checks that the measurement belongs to this pass: part, tool, pass, age, not used before,
+/// master.
 ///
 /// # Errors
 /// The reason to hold.
@@ -101,7 +101,7 @@ pub(crate) fn check_origin(
     }
 }
 
-/// Guards on the values measured, before any law sees them.
+/// Guards on the measured values, before any law uses them.
 ///
 /// # Errors
 /// The reason to hold.
@@ -152,8 +152,8 @@ fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
     }
 }
 
-/// Observed over commanded change, about g. Radius for diameter gives 2 or ½ of it, a wrong sign
-/// the negative, an offset that went elsewhere 0.
+/// Guard on the ratio of observed to commanded change, which is about g. Taking a radius for a
+/// diameter gives 2 g or ½ g, a wrong sign −g, an offset written to another register 0.
 fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
     let alike = |m: &&GuardState| m.pass + 1 == g.plan.pass && m.e_mm.len() == g.errors.e_mm.len();
     let Some(last) = g.history.last().filter(alike) else {
@@ -177,8 +177,8 @@ fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
 
 /// Slopes of the observed over the commanded changes along the stations: through zero, and with the
 /// change common to all stations (wear, drift) taken out, where the command varies enough along z
-/// for that; `None` for commands too small to judge by. What comes besides the offset disturbs one
-/// of them, a wrong response both.
+/// for that; `None` for commands too small to judge by. A disturbance besides the offset changes
+/// one of them, a wrong response both.
 fn response(commanded: &[f64], observed: &[f64], from_mm: f64) -> Option<(f64, f64)> {
     let n = commanded.len() as f64;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
@@ -191,7 +191,7 @@ fn response(commanded: &[f64], observed: &[f64], from_mm: f64) -> Option<(f64, f
     Some((plain, slope(mean(commanded), mean(observed), 0.5 * from_mm).unwrap_or(plain)))
 }
 
-/// Guards on what a law proposes.
+/// Guards on the proposal of a law.
 ///
 /// # Errors
 /// The reason to hold.
@@ -245,8 +245,8 @@ fn check_repeat(g: &Guarded<'_>, step: f64) -> Result<(), Refusal> {
     Err(guard(text))
 }
 
-/// What was measured holds for the next pass only if it is cut alike (NIST, process-intermittent
-/// gauging).
+/// A measurement applies to the next pass only if feed and speed are the same (NIST,
+/// process-intermittent gauging).
 fn check_cutting(g: &Guarded<'_>, next: &NextPass) -> Result<(), Refusal> {
     let differs = |a: f64, b: f64| !within(a - b, g.limits.cutting_tolerance * a.abs());
     let (was, is) = (g.plan.cutting, next.cutting);
@@ -280,8 +280,8 @@ fn check_depth(g: &Guarded<'_>, next: &NextPass, proposed_mm: &[f64]) -> Result<
     Ok(())
 }
 
-/// Undersize is scrap: the predicted diameter stays above the lower limit by the coverage's
-/// uncertainties.
+/// Undersize is scrap: the predicted diameter must stay above the lower limit by `coverage`
+/// standard uncertainties.
 fn check_undersize(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Result<(), Refusal> {
     let Some(limit) = g.limits.lower_limit_mm else {
         return Ok(());
@@ -298,9 +298,9 @@ fn check_undersize(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Resu
     }
 }
 
-/// Diameter the next pass is predicted to leave: r + e with e = (1 − g) e(k) − g o(k+1) + w,
-/// w(k) = e(k) − (1 − g) e(k−1) + g o(k) what came besides offset and copying, carried on by as much
-/// as it grew since the pass before.
+/// Predicted diameter after the next pass, mm: r + e with e = (1 − g) e(k) − g o(k+1) + w. The
+/// disturbance besides offset and copying, w(k) = e(k) − (1 − g) e(k−1) + g o(k), is extrapolated
+/// by its growth since the pass before.
 fn predicted_mm(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Vec<f64> {
     let (e, o, gain) = (&g.errors.e_mm, &g.plan.offset.o_mm, g.plant_gain);
     let before = |passes: u32| {
@@ -322,14 +322,15 @@ fn predicted_mm(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Vec<f64
         .collect()
 }
 
-/// Whether the offsets in force, held for the next pass, may not be cut with.
+/// Why the offsets in force may not be held for the next pass, if they are predicted to cut
+/// undersize.
 pub(crate) fn held_undersize(g: &Guarded<'_>) -> Option<String> {
     let next = g.context.next?;
     check_undersize(g, &next, &g.plan.offset.o_mm).err().map(|refusal| refusal.reason.to_string())
 }
 
-/// How far each inner station lies off the line through its neighbours, scaled so that scatter of
-/// one reading weighs as in e₀ − 2e₁ + e₂ of even stations.
+/// Deviation of each inner station from the line through its neighbours, scaled so that the scatter
+/// of one reading has the weight as in e₀ − 2e₁ + e₂ of even stations.
 fn second_differences(z: &[f64], e: &[f64]) -> Vec<f64> {
     let bend = |(z, e): (&[f64], &[f64])| {
         let share = (z[1] - z[0]) / (z[2] - z[0]);
@@ -341,8 +342,8 @@ fn second_differences(z: &[f64], e: &[f64]) -> Vec<f64> {
     z.windows(3).zip(e.windows(3)).map(bend).collect()
 }
 
-/// Standard deviation of one reading from the median magnitude of second differences: slopes drop
-/// out.
+/// Standard deviation of one reading from the median magnitude of second differences, in which
+/// slopes cancel.
 fn robust_scatter(second_differences: &[f64]) -> f64 {
     MAD_TO_SIGMA * median_of(second_differences.iter().map(|d| d.abs()).collect()) / SECOND_DIFFERENCE.sqrt()
 }
@@ -389,7 +390,7 @@ fn first_above(values: &[f64], limit: f64) -> Option<(usize, f64)> {
     values.iter().copied().enumerate().find(|(_, v)| !within(*v, limit))
 }
 
-/// |value| ≤ limit; no number is never within.
+/// |value| ≤ limit; false for NaN.
 fn within(value: f64, limit: f64) -> bool {
     value.abs() <= limit
 }
@@ -403,7 +404,7 @@ fn largest(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Uneven stations predict one another as well as even ones.
+    /// Uneven stations are predicted from their neighbours as well as even ones.
     #[test]
     fn uneven_stations_have_no_outlier_on_a_line_or_at_an_end_parabola() {
         let z = [3.0, 11.0, 30.5, 40.0, 57.0, 58.0, 90.0];

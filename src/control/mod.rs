@@ -1,4 +1,4 @@
-//! What to change before the next pass: compensation from measured diameters.
+//! Compensation from measured diameters: the offsets of the next pass.
 //!
 //! Per station, in mm of diameter: error e(k) = D(k) − r(k) of pass k, offset o(k+1) of the next,
 //! commanded diameter b(k+1) = r(k+1) − o(k+1). A *law* ([`Pid`], least squares, …) proposes
@@ -7,9 +7,9 @@
 //!
 //! In: the plan of a pass, its measured profile and a [`PassContext`]. Out: a
 //! [`Decision`](crate::plan::Decision). `readings` turns a profile into errors, `law/` proposes,
-//! `parts` adds what follows from earlier parts, `guards` release or hold, `compensator` joins them
-//! behind the trait [`Controller`]; `build` makes one from `settings/`. A new law is a file in
-//! `law/`, a table in `settings/`, a name in `controller_name` and an arm in `build`.
+//! `parts` adds the offsets forecast from earlier parts, `guards` release or hold, `compensator`
+//! joins them behind the trait [`Controller`]; `build` makes one from `settings/`. A new law is a
+//! file in `law/`, a table in `settings/`, a name in `controller_name` and an arm in `build`.
 
 mod build;
 mod compensator;

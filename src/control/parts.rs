@@ -1,10 +1,9 @@
-//! The loop from part to part: what every pass should have been offset by, carried to the next
-//! part.
+//! The loop from part to part: the ideal offsets of every pass, carried to the next part.
 //!
 //! Per station and pass, Holt's level and trend of the ideal offset i = o + e/g over the parts. A
 //! new insert or a cold start sets the level back to what the first part after the last such event
 //! needed; the trend (wear per part, warming per part) stays. The loop from pass to pass then
-//! corrects what is left.
+//! corrects the remainder.
 
 use super::context::PartEvent;
 use super::settings::PartsSettings;
@@ -16,14 +15,14 @@ struct LevelTrend {
     trend: f64,
 }
 
-/// One pass number across the parts.
+/// The pass of one number, across the parts.
 #[derive(Clone, Debug, Default)]
 struct PassMemory {
     stations: Vec<LevelTrend>,
     /// Ideal offsets of the first part after each kind of event.
     after_insert: Option<Vec<f64>>,
     after_cold: Option<Vec<f64>>,
-    /// Parts seen since the last event.
+    /// Number of parts since the last event.
     since: u32,
 }
 
@@ -53,7 +52,7 @@ impl PassMemory {
     fn record(&mut self, ideal: &[f64], event: PartEvent, settings: &PartsSettings) {
         if self.stations.is_empty() {
             self.stations = ideal.iter().map(|&level| LevelTrend { level, trend: 0.0 }).collect();
-            // the first part of all stands for both events until one is seen
+            // the very first part stands for both events until one occurs
             self.after_insert = Some(ideal.to_vec());
             self.after_cold = Some(ideal.to_vec());
             self.since = 1;
@@ -64,7 +63,7 @@ impl PassMemory {
             PartEvent::InsertChanged => self.after_insert = Some(ideal.to_vec()),
             PartEvent::ColdStart => self.after_cold = Some(ideal.to_vec()),
         }
-        // the jump of an event is no evidence of a trend
+        // the step at an event is no evidence of a trend
         let trend_weight = if event == PartEvent::Continued { settings.trend_weight } else { 0.0 };
         for (LevelTrend { level, trend }, i) in self.stations.iter_mut().zip(ideal) {
             let forecast = *level + *trend;
@@ -76,12 +75,12 @@ impl PassMemory {
     }
 }
 
-/// Memory of all passes across the parts.
+/// State of all passes across the parts.
 #[derive(Clone, Debug)]
 pub(crate) struct PartLoop {
     settings: PartsSettings,
     passes: Vec<PassMemory>,
-    /// Forecast for the part under way, by pass.
+    /// Forecast for the current part, by pass.
     forecast: Vec<Vec<f64>>,
     event: PartEvent,
 }

@@ -1,20 +1,20 @@
 //! PID over passes (paper 003, eqs 16-18).
 //!
 //! ```text
-//! positional   u(k)  = Kp e(k) + Ki Σ_{j≤k} e(j) + Kd d(k)                       (16, and 18 with Ki restored)
+//! positional   u(k)  = Kp e(k) + Ki Σ_{j≤k} e(j) + Kd d(k)        (16; 18 with Ki restored)
 //! incremental  Δu(k) = Kp [e(k) − e(k−1)] + Ki e(k) + Kd [d(k) − d(k−1)]         (17)
 //! difference   d(k)  = α d(k−1) + (1 − α) [e(k) − e(k−1)],  d(1) = 0
 //! ```
 //!
 //! e = D − r in mm of diameter: the derivative acts on the error because r jumps every pass. α = 0
 //! gives the printed equations. Limits: u within ± the output limit, |u(k) − u(k−1)| within the
-//! rate limit; while a limit holds the output back, an error that would push it further is not
+//! rate limit; while a limit is active, an error that would drive the output further into it is not
 //! summed (conditional integration). Without limits both algorithms give the same numbers up to
 //! rounding.
 
 use super::settings::{FirstPass, PidAlgorithm, PidSettings};
 
-/// Gains, limits and filter of one loop, all loops sharing them.
+/// Gains, limits and filter, common to all loops.
 #[derive(Clone, Debug, PartialEq)]
 struct Gains {
     settings: PidSettings,
@@ -30,7 +30,7 @@ struct Loop {
     output: f64,
 }
 
-/// PID loops side by side, one a channel (station or shape).
+/// Independent PID loops, one per channel (station or shape).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pid {
     gains: Gains,
@@ -44,9 +44,9 @@ impl Pid {
         Self { gains: Gains { settings: settings.clone() }, loops: vec![Loop::default(); channels] }
     }
 
-    /// Feeds the errors of one pass, one a channel, and returns the outputs u(k).
+    /// Takes the errors of one pass, one per channel, and returns the outputs u(k).
     ///
-    /// Channels beyond the shorter of errors and loops are left alone.
+    /// Channels beyond the shorter of errors and loops do not change.
     pub fn step(&mut self, errors: &[f64]) -> Vec<f64> {
         let gains = &self.gains;
         self.loops.iter_mut().zip(errors).map(|(state, &e)| gains.step(state, e)).collect()
@@ -59,7 +59,7 @@ impl Gains {
         let e = if error.abs() < s.deadband_mm { 0.0 } else { error };
         let first = state.passes == 0;
         let difference = if first { 0.0 } else { self.filtered(state, e) };
-        // eq. 18 prints u(1) = Kp e(1); the sum counts from the first error all the same
+        // eq. 18 prints u(1) = Kp e(1); the sum nevertheless includes the first error
         let integral_acts = !(first && s.first_pass == FirstPass::Proportional);
         let sum = state.sum + e;
         let wanted = match s.algorithm {

@@ -1,13 +1,13 @@
-//! From a measured profile to one error a station: e = D - r with its uncertainty.
+//! From a measured profile to one error per station: e = D - r with its uncertainty.
 
 use super::settings::GapSettings;
 use crate::plan::{HeldReason, PassPlan};
 use crate::profile::{Diameter, DiameterProfile};
 
-/// Stations may lie this far from where the plan has them, mm.
+/// Largest deviation of a station from its place in the plan, mm.
 const STATION_TOLERANCE_MM: f64 = 1e-6;
 
-/// Errors of one pass, one a station, none missing.
+/// Errors of one pass, one per station, none missing.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Errors {
     /// e = D - r, mm of diameter.
@@ -20,11 +20,10 @@ pub(crate) struct Errors {
     pub interpolated: Vec<usize>,
 }
 
-/// Reads the errors of a pass, filling gaps where the settings allow it.
+/// Computes the errors of a pass, filling gaps where the settings allow it.
 ///
 /// # Errors
-/// The reason to hold: stations that are not the plan's, numbers that are none, or gaps that may
-/// not be filled.
+/// The reason to hold: stations other than the plan's, NaN, or gaps that may not be filled.
 pub(crate) fn errors(
     plan: &PassPlan,
     measured: &DiameterProfile,

@@ -1,7 +1,7 @@
 //! Shape functions along z that a fit or a modal controller uses.
 //!
-//! Polynomials are carried as Legendre polynomials of ξ = 2(z − z₁)/(z_n − z₁) − 1, which keeps the
-//! normal matrix well conditioned; the space they span is that of the plain powers.
+//! Polynomials are represented by Legendre polynomials of ξ = 2(z − z₁)/(z_n − z₁) − 1, which keeps
+//! the normal matrix well conditioned; the space they span is that of the plain powers.
 
 use super::error::ControlError;
 use crate::setting::{SettingError, require};
@@ -31,12 +31,15 @@ pub enum Shapes {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PhysicalShapes {
-    /// Taper ξ: guideway or tailstock out of line, wear along the cut. −1 at the first station, 1 at the last.
+    /// Taper ξ: guideway or tailstock out of line, wear along the cut. −1 at the first station, 1
+    /// at the last.
     pub taper: bool,
-    /// Barrel 1 − ξ²: deflection between two alike supports, a bent guideway. 1 in the middle, 0 at the ends.
+    /// Barrel 1 − ξ²: deflection between two alike supports, a bent guideway. 1 in the middle, 0 at
+    /// the ends.
     pub barrel: bool,
-    /// Deflection of a shaft clamped in the chuck (z = 0) and supported by a rigid tailstock (z = `length_mm`) under
-    /// a load that travels with the tool, z³(L − z)²(4L − z), scaled to 1 at its largest.
+    /// Deflection of a shaft clamped in the chuck (z = 0) and supported by a rigid tailstock (z =
+    /// `length_mm`) under a load that travels with the tool, z³(L − z)²(4L − z), scaled to 1 at its
+    /// largest.
     pub deflection: bool,
     /// Chuck face to tailstock, mm.
     pub length_mm: f64,
@@ -59,7 +62,7 @@ impl Shapes {
         }
     }
 
-    /// What each shape is called, in the order of the design's columns.
+    /// Names of the shapes, in the order of the design's columns.
     pub fn names(self) -> Vec<String> {
         let Self::Physical(p) = self else {
             return (0..self.count()).map(|degree| format!("P{degree}")).collect();
@@ -69,7 +72,7 @@ impl Shapes {
         all.iter().filter(|(_, used)| *used).map(|(name, _)| (*name).to_owned()).collect()
     }
 
-    /// What the shapes are called in reports.
+    /// Description of the shapes for reports.
     pub fn describe(self) -> String {
         match self {
             Self::Line => "line".into(),
@@ -79,7 +82,7 @@ impl Shapes {
         }
     }
 
-    /// Shape functions at the stations: one row a station, one column a shape.
+    /// Shape functions at the stations: one row per station, one column per shape.
     ///
     /// # Errors
     /// [`ControlError::TooFewStations`] where there are fewer stations than shapes.

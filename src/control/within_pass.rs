@@ -1,18 +1,19 @@
-//! Control within a pass: what the gauge behind the tool finds is taken off the stations ahead of
-//! it.
+//! Control within a pass: the deviation that the gauge measures behind the tool is corrected at the
+//! stations ahead of it.
 //!
 //! A station k behind the tool was cut with offset o_k and reads e_k = D_k - r. With the plan's
 //! offset p_k it would have read δ_k = e_k + g·(o_k - p_k), g the plant gain: the deviation of this
-//! pass from its plan, free of what control has already done. The delay of the gauge's distance is
-//! thus no loop delay: the correction of the stations ahead, o = p + γ·δ/g, does not feed on itself
-//! and is stable for any 0 < γ ≤ 1. It assumes that δ goes on as it was over the newest field
-//! (drift, wear, force; not the sag's shape, which the plan already has from the pass before).
+//! pass from its plan, without the corrections already made. The distance of the gauge behind the
+//! tool is thus no delay in a loop: the correction of the stations ahead, o = p + γ·δ/g, does not
+//! act back on δ and is stable for any 0 < γ ≤ 1. It assumes that δ continues as over the newest
+//! field (drift, wear, force; not the shape of the sag, which the plan already includes from the
+//! pass before).
 
 use super::settings::WithinPassSettings;
 use crate::numerics::robust::central_median;
 use crate::profile::DiameterProfile;
 
-/// A pass under way.
+/// A pass in progress.
 #[derive(Clone, Debug)]
 pub struct WithinPass {
     settings: WithinPassSettings,
@@ -25,7 +26,7 @@ pub struct WithinPass {
 }
 
 impl WithinPass {
-    /// Begins a pass with the offsets planned.
+    /// Begins a pass with the planned offsets.
     pub fn begin(settings: WithinPassSettings, plant_gain: f64, planned_mm: &[f64]) -> Self {
         Self {
             settings,
@@ -41,8 +42,8 @@ impl WithinPass {
         &self.applied_mm
     }
 
-    /// What the machine makes of the offsets decided: stations that may still be changed are cut
-    /// with these.
+    /// Puts the offsets in force as the machine rounds them: stations that may still be changed are
+    /// cut with these.
     pub fn put_in_force(&mut self, in_force_mm: &[f64], stations_z_mm: &[f64], ahead: impl Fn(f64) -> bool) {
         for (k, (in_force, z_mm)) in in_force_mm.iter().zip(stations_z_mm).enumerate() {
             if !self.read[k] && ahead(*z_mm) {
@@ -51,8 +52,8 @@ impl WithinPass {
         }
     }
 
-    /// Takes the stations read so far; `ahead` states which may still be changed. New offsets,
-    /// where stations were newly read.
+    /// Takes the stations read so far; `ahead` states which may still be changed. Returns new
+    /// offsets where stations were newly read.
     pub fn decide(
         &mut self,
         nominal_mm: f64,
@@ -84,7 +85,7 @@ mod tests {
     use crate::profile::{Diameter, Reading, Reason, Station};
 
     /// Ten stations cut from the far end, each of which comes out `bias(k)` too large, read two
-    /// stations late: the correction meets a constant deviation at once and does not overshoot
+    /// stations late: the correction removes a constant deviation at once and does not overshoot
     /// while its own effect is on the way.
     fn cut(gain: f64, bias: impl Fn(usize) -> f64) -> Vec<f64> {
         let planned = vec![0.003; 10];

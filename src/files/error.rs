@@ -9,12 +9,12 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// Something stands there that must not be replaced.
+    /// Something exists there that must not be replaced.
     #[error("{}: {what}", path.display())]
     Refused {
         /// The output.
         path: PathBuf,
-        /// What it is, and what would be right.
+        /// What it is, and a remedy.
         what: String,
     },
     /// Another process writes it.
@@ -30,7 +30,7 @@ pub enum OutputError {
     Failed {
         /// The output.
         path: PathBuf,
-        /// The cause underneath.
+        /// The underlying cause.
         cause: io::Error,
     },
 }
@@ -44,7 +44,7 @@ impl OutputError {
         |cause| Self::Failed { path: path.to_owned(), cause }
     }
 
-    /// Whether the command line is at fault, and not the disk.
+    /// Whether the error lies in the command line, not in the disk.
     pub fn is_refusal(&self) -> bool {
         !matches!(self, Self::Failed { .. })
     }

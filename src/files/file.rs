@@ -13,8 +13,8 @@ use super::place::{self, Place, is_same_file};
 /// Whether an output has taken stdout.
 static STDOUT_IS_TAKEN: AtomicBool = AtomicBool::new(false);
 
-/// An output file that this process has claimed: what may not be written is refused before any work
-/// is done. Dropped unwritten, it leaves what was there.
+/// An output file claimed by this process: one that may not be written is refused before any work
+/// is done. If dropped unwritten, it leaves the old file as it was.
 #[derive(Debug)]
 pub struct OutputFile {
     named: PathBuf,
@@ -29,7 +29,7 @@ enum To {
 }
 
 impl OutputFile {
-    /// Claims `path`, which must be none of the command's `inputs`; makes the folder above it.
+    /// Claims `path`, which must not be one of the command's `inputs`; creates its parent folder.
     ///
     /// # Errors
     /// An input, a folder, a block device, the file that stdout goes to, stdout twice, an output
@@ -60,7 +60,7 @@ impl OutputFile {
                 }
                 let temporary = place::temporary(&target);
                 if temporary.is_dir() {
-                    // A folder of that name was being filled when its command was killed.
+                    // A killed command was filling a folder of that name.
                     let _lock = Lock::take(&temporary.join(LOCK_NAME), path)?;
                     std::fs::remove_dir_all(&temporary).map_err(OutputError::failed(path))?;
                 }
@@ -71,7 +71,7 @@ impl OutputFile {
         Ok(Self { named, to })
     }
 
-    /// Whether it is the process's stdout, which then must carry nothing else.
+    /// Whether it is the process's stdout, which must then have no other output.
     pub fn is_stdout(&self) -> bool {
         matches!(self.to, To::Stdout)
     }
@@ -84,10 +84,10 @@ impl OutputFile {
         self.write_with(|out| out.write_all(bytes))
     }
 
-    /// Writes it piece by piece; under its own name it appears when it is whole.
+    /// Writes it piece by piece; it appears under its own name once complete.
     ///
     /// # Errors
-    /// As [`Self::write`], and what `pieces` fails with.
+    /// As [`Self::write`], and the errors of `pieces`.
     pub fn write_with(
         self,
         pieces: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -97,7 +97,7 @@ impl OutputFile {
             To::Stdout => {
                 let mut out = BufWriter::new(io::stdout().lock());
                 match pieces(&mut out).and_then(|()| out.flush()) {
-                    // A reader that has gone has what it wanted.
+                    // A reader that has closed the pipe needs no more.
                     Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
                     written => written,
                 }

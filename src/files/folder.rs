@@ -1,4 +1,4 @@
-//! A folder that a command fills, whole or not at all.
+//! An output folder that appears complete or not at all.
 
 use std::fs::DirEntry;
 use std::io;
@@ -10,8 +10,8 @@ use super::names::{LOCK_NAME, TEMPORARY};
 use super::place::{behind_links, folder_of, temporary};
 
 /// A folder, absent or empty before, that is filled under a temporary name: beside its place where
-/// it is absent, inside it where it stands (it may be a mount point, or have a mode of its own).
-/// Dropped before [`OutputFolder::finish`], it leaves nothing.
+/// it is absent, inside it where it exists (it may be a mount point, or have a mode of its own). If
+/// dropped before [`OutputFolder::finish`], it leaves nothing.
 #[derive(Debug)]
 pub struct OutputFolder {
     named: PathBuf,
@@ -19,14 +19,14 @@ pub struct OutputFolder {
     staging: PathBuf,
     stands: bool,
     finished: bool,
-    /// Held until the folder is whole.
+    /// Held until the folder is complete.
     _lock: Lock,
 }
 
-/// Attempts to claim a folder whose last holder is just moving it into its place.
+/// Attempts to claim a folder that its last holder is just moving into place.
 const ATTEMPTS: usize = 3;
 
-/// Refuses what is neither absent nor an empty folder; whether it stands.
+/// Refuses a path that is neither absent nor an empty folder; returns whether it exists.
 fn check(named: &Path, target: &Path) -> Result<bool, OutputError> {
     if named == Path::new("-") {
         return Err(OutputError::refused(named, "is stdout; a folder is needed"));
@@ -48,7 +48,7 @@ fn check(named: &Path, target: &Path) -> Result<bool, OutputError> {
 }
 
 impl OutputFolder {
-    /// Claims `path` and clears what a killed command left of it.
+    /// Claims `path` and clears the remains of a killed command.
     ///
     /// # Errors
     /// Anything but an absent or empty folder; one that another process fills; a disk or
@@ -71,25 +71,25 @@ impl OutputFolder {
         let stands = check(path, target)?;
         let staging = if stands { target.join(format!("{TEMPORARY}partial")) } else { temporary(target) };
         if staging.is_file() {
-            // A file of that name was being written when its command was killed.
+            // A killed command was writing a file of that name.
             drop(Lock::take(&staging, path)?);
         }
         std::fs::create_dir_all(&staging).map_err(OutputError::failed(path))?;
         let lock = Lock::take(&staging.join(LOCK_NAME), path)?;
         let (named, target) = (path.to_owned(), target.to_owned());
         let folder = Self { named, target, staging, stands, finished: false, _lock: lock };
-        // Whoever held it may have finished since.
+        // Its last holder may have finished since.
         check(path, &folder.target)?;
         clear(&folder.staging)?;
         Ok(folder)
     }
 
-    /// Where its files are written until it is finished.
+    /// The folder in which its files are written until it is finished.
     pub fn staging(&self) -> &Path {
         &self.staging
     }
 
-    /// Writes a file, whose name may have folders.
+    /// Writes a file; its name may contain folders.
     ///
     /// # Errors
     /// Where the disk or the permissions refuse.
@@ -116,8 +116,8 @@ impl OutputFolder {
                 Ok(())
             })
         } else {
-            // The lock goes with it and is held until it is removed: no other process takes the
-            // folder for one left behind.
+            // The lock moves with it and is held until it is removed, so that no other process
+            // takes the folder for remains.
             std::fs::rename(&self.staging, &self.target)
                 .and_then(|()| std::fs::remove_file(self.target.join(LOCK_NAME)))
         };
@@ -129,14 +129,14 @@ impl OutputFolder {
 
 impl Drop for OutputFolder {
     fn drop(&mut self) {
-        // A folder that was moved is nothing of this process's any more under its temporary name.
+        // After the move, nothing under the temporary name belongs to this process.
         if !self.finished {
             let _ = std::fs::remove_dir_all(&self.staging);
         }
     }
 }
 
-/// Makes a folder, a link to nothing followed.
+/// Creates a folder, following a dangling link.
 ///
 /// # Errors
 /// Where the disk or the permissions refuse.
@@ -144,7 +144,7 @@ pub fn make_folder(path: &Path) -> Result<(), OutputError> {
     behind_links(path).and_then(std::fs::create_dir_all).map_err(OutputError::failed(path))
 }
 
-/// Removes all that a folder holds but for its lock.
+/// Removes all contents of a folder except its lock.
 ///
 /// # Errors
 /// Where the disk or the permissions refuse.
@@ -152,8 +152,8 @@ pub fn clear(folder: &Path) -> Result<(), OutputError> {
     each_entry(folder, &|entry| remove(entry)).map_err(OutputError::failed(folder))
 }
 
-/// Removes what lies under temporary names in a folder and those in it, but for its lock: whatever
-/// a killed command left.
+/// Removes everything under temporary names in a folder and its subfolders, except its lock: the
+/// remains of a killed command.
 ///
 /// # Errors
 /// Where the disk or the permissions refuse.

@@ -10,10 +10,10 @@ use super::place::is_open_file;
 /// Longest name of a holder that is read, bytes.
 const LONGEST_HOLDER: u64 = 300;
 
-/// Attempts to lock a file that others move away.
+/// Attempts to lock a file that other processes move away.
 const ATTEMPTS: usize = 100;
 
-/// A locked file that names its holder; removed when the lock ends, unless it was moved away.
+/// A locked file with the name of its holder; removed when the lock ends, unless it was moved away.
 #[derive(Debug)]
 pub struct Lock {
     path: PathBuf,
@@ -21,7 +21,7 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Takes the lock at `path`, making the file, for the output `of`.
+    /// Takes the lock at `path`, creating the file, for the output `of`.
     ///
     /// # Errors
     /// [`OutputError::Held`] where another process has it; [`OutputError::Failed`] where the file
@@ -39,7 +39,7 @@ impl Lock {
                 Err(TryLockError::WouldBlock) => {
                     return Err(OutputError::Held { path: of.to_owned(), holder: holder(&mut file) });
                 }
-                // A file system without locks: as before there were any.
+                // A file system without locks: continue without one.
                 Err(TryLockError::Error(cause)) => tracing::debug!("{}: no lock: {cause}", path.display()),
                 Ok(()) => {}
             }
@@ -63,14 +63,14 @@ impl Lock {
         self.file.flush()
     }
 
-    /// The locked file, emptied, to be written.
+    /// The locked file, truncated, for writing.
     pub(super) fn emptied(&mut self) -> std::io::Result<&mut File> {
         self.file.set_len(0)?;
         self.file.rewind()?;
         Ok(&mut self.file)
     }
 
-    /// Where it lies.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -78,8 +78,8 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // Removed while it is still held: no other process has it then. Where it was moved away,
-        // there is nothing of it to remove.
+        // Removed while the lock is still held, so that no other process has it. A file that was
+        // moved away is not removed.
         if is_open_file(&self.path, &self.file) {
             let _ = std::fs::remove_file(&self.path);
         }

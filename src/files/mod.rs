@@ -1,19 +1,19 @@
-//! Outputs of every command: one place that decides what may be written, and how.
+//! Outputs of every command: the one place that decides which files may be written, and how.
 //!
-//! A file is written under a temporary name beside its place and renamed, so that no reader sees
-//! half of it and the file before stays until the new one is whole. A link is followed and stays a
-//! link, the mode of the file before is kept. What is no file (`/dev/null`, a FIFO, a terminal) is
-//! written through; `-` and `/dev/stdout` are the process's own stdout, which takes one output.
+//! A file is written under a temporary name beside its place and renamed, so that no reader gets
+//! half a file and the old one stays until the new one is complete. A link is followed and stays a
+//! link, the mode of the old file is kept. Other targets (`/dev/null`, a FIFO, a terminal) are
+//! written directly; `-` and `/dev/stdout` are the process's own stdout, which takes one output.
 //! Refused are the command's own inputs, the file that stdout or stderr goes to, block devices, and
-//! what another process is writing.
+//! outputs that another process is writing.
 //!
-//! Temporary names are fixed, and whoever writes holds an OS lock on them (`flock`; gone with its
-//! holder, however it ended). So a second process gets the name of the holder, and what a killed
-//! one left is found unlocked and cleared by the next.
+//! Temporary names are fixed, and the writing process holds an OS lock on them (`flock`, released
+//! when the process ends in any way). A second process therefore gets the name of the holder, and
+//! the next one finds the remains of a killed process unlocked and clears them.
 //!
-//! [`OutputFile`] is one file, [`OutputFolder`] a folder that stands in its place once it is
-//! finished; `place` decides what may be written, `lock` and `names` keep others out. `error`
-//! separates what is refused from what fails.
+//! [`OutputFile`] is one file, [`OutputFolder`] a folder that appears in its place once it is
+//! finished; `place` decides what may be written, `lock` and `names` exclude other processes.
+//! `error` separates refusals from failures.
 
 mod error;
 mod file;

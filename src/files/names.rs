@@ -1,4 +1,4 @@
-//! Fixed names of what is written but not yet whole.
+//! Fixed names of outputs that are not yet complete.
 
 /// How all temporary names begin.
 pub const TEMPORARY: &str = ".tmp-";

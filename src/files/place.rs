@@ -1,4 +1,4 @@
-//! What stands where an output is to go.
+//! The target of an output.
 
 use std::fs::{File, Metadata};
 use std::io;
@@ -7,25 +7,25 @@ use std::path::{Path, PathBuf};
 use super::error::OutputError;
 use super::names::TEMPORARY;
 
-/// Links followed before they are taken for a circle.
+/// Most links followed; more are taken for a cycle.
 const MOST_LINKS: usize = 40;
 
 /// Where an output goes.
 pub(super) enum Place {
     /// The process's own stdout.
     Stdout,
-    /// Something that is no file and takes bytes: a FIFO, a terminal, `/dev/null`.
+    /// Something other than a file that takes bytes: a FIFO, a terminal, `/dev/null`.
     Through(PathBuf),
-    /// A file, or where one will be, links followed; its mode where there is one.
+    /// A file, existing or new, links followed.
     File {
         /// The path behind all links.
         path: PathBuf,
-        /// What is there.
+        /// Metadata of the existing file, if any.
         before: Option<Metadata>,
     },
 }
 
-/// What stands at `path`, links followed.
+/// The target at `path`, links followed.
 ///
 /// # Errors
 /// A folder, a block device, a file without permission to write.
@@ -62,13 +62,13 @@ fn is_stdout(path: &Path) -> bool {
     ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name))
 }
 
-/// The path behind all links; what it names may be absent.
+/// The path behind all links; the target may be absent.
 pub(super) fn behind_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MOST_LINKS {
         match std::fs::read_link(&path) {
             Ok(next) => path = folder_of(&path).join(next),
-            // No link, or nothing there.
+            // Not a link, or absent.
             Err(_) => return Ok(path),
         }
     }
@@ -108,7 +108,7 @@ fn same(a: &Metadata, b: &Metadata) -> bool {
     (a.dev(), a.ino()) == (b.dev(), b.ino())
 }
 
-/// Without numbers of files: by its name alone.
+/// Without inode numbers: by name alone.
 #[cfg(not(unix))]
 fn same(a: &Metadata, b: &Metadata) -> bool {
     a.len() == b.len() && a.modified().ok() == b.modified().ok()
@@ -126,10 +126,10 @@ fn is_block_device(_: &Metadata) -> bool {
 }
 
 /// Replaces a file in a folder that this process has locked: under a temporary name, then renamed;
-/// makes the folder above it.
+/// creates its parent folder.
 ///
 /// # Errors
-/// Where the disk or the permissions refuse; nothing half-written stays under `path`.
+/// Where the disk or the permissions refuse; no partial file remains under `path`.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     let (target, before) = match of(path)? {
         Place::File { path, before } => (path, before),
@@ -145,7 +145,7 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     })
 }
 
-/// Gives a whole temporary file the mode of the one before and its name.
+/// Gives a complete temporary file the mode and the name of the old one.
 pub(super) fn put(temporary: &Path, target: &Path, before: Option<&Metadata>) -> io::Result<()> {
     if let Some(before) = before {
         std::fs::set_permissions(temporary, before.permissions())?;

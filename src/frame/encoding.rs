@@ -1,16 +1,17 @@
-//! How the grey values of a file stood for light before they were made proportional to it.
+//! Encoding of light in the grey values of a file, before they were made proportional to it.
 
 use std::fmt;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Curves that differ by less at the quarters are the same: half a step of an 8-bit table is .002,
-/// and a power of .45455 differs from sRGB by .0036.
+/// Difference at the quarters below which two curves are the same: half a step of an 8-bit table
+/// is 0.002, and a power of 0.45455 differs from sRGB by 0.0036.
 const SAME: f64 = 2.5e-3;
 
-/// Light where the file's grey value stands at 1/4, 1/2 and 3/4 of full scale, as a share of that at full
-/// scale: what distinguishes one encoding from another, whatever it is called. Linear is 1/4, 1/2, 3/4.
+/// Light where the file's grey value stands at 1/4, 1/2 and 3/4 of full scale, as a share of that
+/// at full scale: what distinguishes one encoding from another, whatever it is called. Linear is
+/// 1/4, 1/2, 3/4.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Encoding {
@@ -30,7 +31,7 @@ impl Encoding {
     /// sRGB (IEC 61966-2-1): ((v + .055)/1.055)^2.4 at .25, .5 and .75.
     pub const SRGB: Self = Self { light_at_quarters: [0.050_876, 0.214_041, 0.522_522] };
 
-    /// Of the curve that gives light for a grey value, both as shares of full scale.
+    /// The encoding of a curve of light over grey value, both as shares of full scale.
     pub fn of(light: impl Fn(f64) -> f64) -> Self {
         Self { light_at_quarters: [0.25, 0.5, 0.75].map(light) }
     }
@@ -41,12 +42,12 @@ impl Encoding {
         pairs.into_iter().all(|(a, b)| (a - b).abs() <= SAME)
     }
 
-    /// Whether grey values stand in proportion to the light.
+    /// Whether grey values are proportional to the light.
     pub fn is_linear(&self) -> bool {
         self.is_same(&Self::LINEAR)
     }
 
-    /// Names a share that is no share of light, or shares that do not grow.
+    /// The first share that is outside 0 to 1 or does not increase.
     pub fn impossible(&self) -> Option<f64> {
         let [a, b, c] = self.light_at_quarters;
         let wrong = [a, b, c].into_iter().find(|l| !(0.0..=1.0).contains(l));

@@ -138,7 +138,7 @@ pub struct FrameEdges {
     /// Columns over which `u_shared_px` is shared, at the upper and lower edge.
     pub shared_length: [f32; 2],
     /// The part of `u_shared_px` that a systematic residual of the edge model states, one for every
-    /// [`RESIDUAL_BLOCK`] columns of the upper and lower edge.
+    /// `RESIDUAL_BLOCK` columns of the upper and lower edge.
     pub model_uncertainty_px: [Vec<f32>; 2],
     /// The part of `u_shared_px` that the unknown shape of what is clipped of the upper and lower
     /// edge states, px, √2 for their common lens included; 0 where nothing is clipped.

@@ -22,8 +22,8 @@ pub struct GaugeSettings {
     pub polarity: Polarity,
     /// Smallest shadow taken for a part, px across; anything smaller is dirt. At least 4.
     pub min_diameter_px: f64,
-    /// Which of several shadows is the part; without it the largest, a bright line inside it spanned, and a frame in which two equal
-    /// shadows may be the walls of one tube refused.
+    /// Which of several shadows is the part; without it the largest, a bright line inside it
+    /// spanned, and a frame in which two equal shadows may be the walls of one tube refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub which: Option<Which>,
     /// Least contrast A/σ_n at mid-edge for which edges are measured. At least 4.
@@ -32,11 +32,12 @@ pub struct GaugeSettings {
     pub max_slope: f64,
     /// Probability that a good column fails the residual test. 1e-12 ..= 0.01.
     pub residual_false_alarm: f64,
-    /// Largest departure of an edge from its neighbours' local line, px, beyond six standard uncertainties.
-    /// It must exceed the roughness of the surfaces measured. Above 0.
+    /// Largest departure of an edge from its neighbours' local line, px, beyond six standard
+    /// uncertainties. It must exceed the roughness of the surfaces measured. Above 0.
     pub outlier_px: f64,
-    /// Largest rms residual that the edge model may leave in the best fitting fifth of a frame's columns, as a share of the
-    /// contrast, where noise does not explain it; beyond it the frame is refused. Above 0, at most 1.
+    /// Largest rms residual that the edge model may leave in the best fitting fifth of a frame's
+    /// columns, as a share of the contrast, where noise does not explain it; beyond it the frame is
+    /// refused. Above 0, at most 1.
     pub max_residual_rel: f64,
     /// Whether columns that matter touches are refused.
     pub rejection: Rejection,
@@ -87,8 +88,8 @@ pub enum Polarity {
     BrightOnDark,
 }
 
-/// Which of several shadows is measured. All count that have both edges in the field, run along half of the largest one's columns or
-/// more, and are at least `min_diameter_px` thick.
+/// Which of several shadows is measured. All count that have both edges in the field, run along
+/// half of the largest one's columns or more, and are at least `min_diameter_px` thick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Which {
@@ -106,8 +107,9 @@ pub enum Which {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Rejection {
-    /// Refused by residual, levels, neighbours along the shaft and the axis: an edge that leaves its place while the other one
-    /// does not is matter on the part. Where the part itself is one-sided (keyways, flats, threads), take `by_edge`.
+    /// Refused by residual, levels, neighbours along the shaft and the axis: an edge that leaves
+    /// its place while the other one does not is matter on the part. Where the part itself is
+    /// one-sided (keyways, flats, threads), take `by_edge`.
     #[default]
     Full,
     /// Refused by residual, levels and neighbours, each edge by itself.
@@ -122,13 +124,15 @@ pub enum Rejection {
 pub enum EsfModel {
     /// Gaussian blur.
     Gaussian {},
-    /// As measured or computed: light over the distance from the geometric edge. Its width is scaled to the frame's blur.
+    /// As measured or computed: light over the distance from the geometric edge. Its width is
+    /// scaled to the frame's blur.
     Table(EsfSamples),
-    /// That of the job's own optics (`[optics.esf]`), in focus on the finished part: a table is made of it where a job or a calibration
-    /// with `[simulate]` is read; a gauge by itself has no optics to ask.
+    /// That of the job's own optics (`[optics.esf]`), in focus on the finished part: a table is
+    /// made of it where a job or a calibration with `[simulate]` is read; a gauge by itself has no
+    /// optics to ask.
     Optics {},
-    /// Learnt from the first frame of a stream, where both edges travel through all sub-pixel phases; else the Gaussian.
-    /// It has no absolute zero: calibrate with it.
+    /// Learnt from the first frame of a stream, where both edges travel through all sub-pixel
+    /// phases; else the Gaussian. It has no absolute zero: calibrate with it.
     Learnt {},
 }
 
@@ -156,7 +160,8 @@ impl Default for EsfModel {
 pub struct EsfSamples {
     /// Distances from the geometric edge into the light, px, rising. 8 or more.
     pub distance_px: Vec<f64>,
-    /// Light there as a share of the bright field: 0 at the first and 1 at the last distance, within 0.02.
+    /// Light there as a share of the bright field: 0 at the first and 1 at the last distance,
+    /// within 0.02.
     pub light: Vec<f64>,
 }
 
@@ -235,7 +240,8 @@ impl Default for Noise {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StationSettings {
-    /// Least fraction of the station's columns that must be measured, averaged over its frames. Above 0, at most 1.
+    /// Least fraction of the station's columns that must be measured, averaged over its frames.
+    /// Above 0, at most 1.
     pub min_fill: f64,
     /// Least number of spindle angles. At least 1.
     pub min_angles: usize,
@@ -380,10 +386,11 @@ impl Noise {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PlausibilitySettings {
-    /// Largest change of a diameter from turn to turn, mm. Nothing is cut meanwhile: 5 µm are 17 K on 25 mm of steel. Above 0.
+    /// Largest change of a diameter from turn to turn, mm. Nothing is cut meanwhile: 5 µm are 17 K
+    /// on 25 mm of steel. Above 0.
     pub turn_limit_mm: f64,
-    /// Largest departure of a diameter's change from pass to pass from the change commanded, mm: by how much more or less than
-    /// before the shaft yields. Above 0.
+    /// Largest departure of a diameter's change from pass to pass from the change commanded, mm: by
+    /// how much more or less than before the shaft yields. Above 0.
     pub pass_limit_mm: f64,
     /// Standard uncertainties by which a change must also exceed what noise explains. 1 ..= 10.
     pub coverage: f64,

@@ -10,12 +10,13 @@ use crate::render::settings::Optics;
 /// Samples in the standard deviation of the sharpest detail: a cubic between them errs by
 /// (1/16)⁴/384·max|F⁗| = 2e-8.
 const STEPS_PER_SHARP: f64 = 16.0;
-/// Most steps of a table; a laser's rings reach far.
+/// Most steps of a table; the diffraction rings of a laser extend far.
 const MOST_STEPS: f64 = 20_000.0;
-/// Light beyond which a table has the rings of coherent light without a lens, as the gauge has it.
+/// Relative light above which a table contains the rings of coherent light without a lens; the
+/// gauge uses the same value.
 const RINGED: f64 = 1.25;
 
-/// How a table is handed to the gauge: steps, distance from which ripples fade out, farthest
+/// Sampling of a table for the gauge: step, distance from which ripples fade out, farthest
 /// distance, px.
 #[derive(Clone, Copy, Debug)]
 struct Sampling {
@@ -30,8 +31,7 @@ const PLAIN: Sampling = Sampling { step_px: 0.05, fade_px: 44.0, reach_px: 60.0 
 /// one; the finest ring in them is 4 px wide.
 const RINGS: Sampling = Sampling { step_px: 0.1, fade_px: 152.0, reach_px: 192.0 };
 
-/// An edge-spread function, light over distance, of optics as they are meant: nothing that a seed
-/// draws.
+/// An edge-spread function, light over distance, of the nominal optics, without random deviations.
 pub struct NominalEdge {
     table: EsfTable,
     place: TablePlace,
@@ -39,11 +39,11 @@ pub struct NominalEdge {
 }
 
 impl NominalEdge {
-    /// Of a cylinder of `radius_mm` whose axis lies `axis_y_mm` before the plane of focus, at a
-    /// nominal `pixel_mm` on the object.
+    /// The edge of a cylinder of `radius_mm` whose axis lies `axis_y_mm` in front of the plane of
+    /// focus, at a nominal `pixel_mm` on the object.
     ///
     /// # Errors
-    /// Optics whose table cannot be had.
+    /// Optics whose table cannot be computed.
     pub fn new(optics: &Optics, pixel_mm: f64, radius_mm: f64, axis_y_mm: f64) -> Result<Self, RenderError> {
         let extent = Extent { pixel_mm, depth_mm: axis_y_mm.abs(), radius_mm: (radius_mm, radius_mm) };
         let table = EsfTable::new(&optics.esf, optics, &extent)?;
@@ -55,7 +55,7 @@ impl NominalEdge {
         self.table.light(&self.place, distance_um / self.pixel_um)
     }
 
-    /// From where to where it differs from shadow and light, µm on the object.
+    /// Range in which it differs from shadow and light, µm on the object.
     pub fn range_um(&self) -> (f64, f64) {
         let stretched = self.place.scale_px / self.table.scale_px;
         let all = self.table.sources().iter().map(EdgeSpread::range_um);
@@ -82,7 +82,7 @@ impl NominalEdge {
         (distance_um, light)
     }
 
-    /// As a gauge fits it, at a scale.
+    /// The model that a gauge fits, at a scale.
     pub fn model(&self, um_per_px: f64) -> EsfModel {
         let (from, to) = self.range_um();
         sampled_edge(from / um_per_px, to / um_per_px, |d_px| self.light(d_px * um_per_px))
@@ -90,7 +90,7 @@ impl NominalEdge {
 }
 
 /// Samples over a range of an edge in px, widened by a pixel so that the ends are flat. Ripples
-/// that reach farther than a table may (a laser's) fade out from where no window reads them.
+/// that extend beyond the largest table (a laser's) fade out beyond the windows.
 pub fn sampled_edge(from_px: f64, to_px: f64, light: impl Fn(f64) -> f64) -> EsfModel {
     let sample = |sampling: Sampling| {
         let Sampling { step_px, fade_px, reach_px } = sampling;

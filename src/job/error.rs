@@ -1,11 +1,11 @@
-//! The stages' refusals as settings of a job that cannot be right.
+//! Errors of the stages as refused settings of a job.
 
 use crate::control::ControlError;
 use crate::nc::NcError;
 use crate::render::RenderError;
 use crate::setting::SettingError;
 
-/// A renderer's refusal as one of the job.
+/// An error of the renderer as one of the job.
 pub fn from_render(error: RenderError) -> SettingError {
     match error {
         RenderError::Setting(error) => error,

@@ -11,17 +11,17 @@ use crate::process::FeedDirection;
 use crate::render::motion::Motion;
 use crate::setting::SettingError;
 
-/// Room between the tool and the field's edge, mm: chip and insert stand out from the tip.
+/// Clearance between the tool and the field's edge, mm: chip and insert extend beyond the tip.
 const CLEAR_OF_TOOL_MM: f64 = 2.0;
 
 /// Limits of a tabulated expansion, µm/(m·K): 11.5 ± 1 of steels in gauging practice (ISO 1).
 const LIMIT_EXPANSION_UM_PER_M_K: f64 = 1.0;
 
-/// Angles of a burst that are put in another order at most: the search takes the third power of it.
+/// Most angles of a burst that are reordered: the time of the search grows with the third power.
 const MOST_ORDERED: usize = 64;
 
 /// The angles of a burst over half a turn in the order they are taken, each with the turns since
-/// the burst's integer turn; at least `period` turns lie between two.
+/// the burst's integer turn; at least `period` turns lie between two frames.
 fn burst_turns(angles: usize, period: f64) -> Vec<(usize, f64)> {
     let part = 1.0 / (2.0 * angles.max(1) as f64);
     let mut turned = 0.0;
@@ -39,10 +39,10 @@ fn burst_turns(angles: usize, period: f64) -> Vec<(usize, f64)> {
         .collect()
 }
 
-/// An order in which the shaft's bending, which drifts as the tool goes on, looks like nothing that
-/// turns: the place of an angle in the order has next to no first harmonic over the angles. In the
-/// order of the angles half a turn would take a drift for cos φ. Swaps that lessen the harmonic are
-/// taken until none does.
+/// An order of angles in which the shaft's bending, which drifts as the tool advances, does not
+/// resemble a bow that turns with the part: the place of an angle in the order has almost no first
+/// harmonic over the angles. In ascending order, a drift over half a turn would look like cos φ.
+/// Angles are swapped while a swap reduces the harmonic.
 fn order_of_angles(angles: usize) -> Vec<usize> {
     // place[i]: when angle i is taken
     let mut place: Vec<f64> = (0..angles).map(|i| i as f64).collect();
@@ -126,14 +126,14 @@ impl Job {
         }
     }
 
-    /// What moves while a pass is cut: spindle and carriage by the cutting data, the rest as
-    /// `[motion]` has it.
+    /// Motion while a pass is cut: spindle and carriage from the cutting data, the rest from
+    /// `[motion]`.
     pub fn cutting_motion(&self, follow: &FollowPlan) -> Motion {
         Motion { spindle_rpm: follow.spindle_rpm, carriage_mm_s: follow.carriage_mm_s, ..self.motion.clone() }
     }
 
-    /// What is known of the part while it is scanned: its temperature, and its material's expansion
-    /// where that counts.
+    /// Conditions of the part while it is scanned: its temperature, and its material's expansion
+    /// where that matters.
     pub fn part_conditions(&self) -> Conditions {
         let (rise, limit) = (self.scan.part_rise_k, self.scan.limit_part_rise_k);
         let exact = Conditions::default();
@@ -179,7 +179,7 @@ impl Job {
         }
         let least = 0.5 * f64::from(self.camera.columns) * self.nominal_mm_per_px() + CLEAR_OF_TOOL_MM;
         let behind = self.scan.behind_tool_mm;
-        // What is no number lies nowhere.
+        // NaN is refused as well.
         if !(behind >= least) {
             let why = format!(
                 "{behind} mm: the tool would stand in the field and hide the edge there; at least {least:.1} mm (half the field, and \

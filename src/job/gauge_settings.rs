@@ -1,4 +1,4 @@
-//! The gauge's settings of a job, the edge of its own optics put in.
+//! The gauge's settings of a job, with the edge of the job's own optics.
 
 use super::Job;
 use super::edge::NominalEdge;
@@ -11,7 +11,7 @@ impl Job {
     /// `[gauge.esf.optics]`: in focus, on the finished part.
     ///
     /// # Errors
-    /// Optics whose table cannot be had.
+    /// Optics whose table cannot be computed.
     pub fn gauge_settings(&self) -> Result<GaugeSettings, SettingError> {
         if self.gauge.esf != (EsfModel::Optics {}) {
             return Ok(self.gauge.clone());

@@ -17,18 +17,20 @@ pub struct Part {
     pub stock_diameter_mm: f64,
     /// Nominal diameter r(k) of every pass, mm, falling.
     pub nominal_diameter_mm: Vec<f64>,
-    /// Added to the nominal of the last pass: where in its tolerance the part shall lie, mm; 0 unless set.
+    /// Added to the nominal of the last pass: where in its tolerance the part shall lie, mm; 0
+    /// unless set.
     pub aim_mm: f64,
     /// Length of a station, mm.
     pub station_mm: f64,
-    /// Middles of the stations, mm from the chuck face, ascending, where they do not lie side by side from end to end: each
-    /// takes `station_mm` and lies inside the part.
+    /// Middles of the stations, mm from the chuck face, ascending, where they do not lie side by
+    /// side from end to end: each takes `station_mm` and lies inside the part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub station_z_mm: Option<Vec<f64>>,
     /// Tolerance of the finished part; without one no verdict is given.
     #[serde(default)]
     pub tolerance: Option<Tolerance>,
-    /// Probability with which conformity to the tolerance must be proven at every station (ISO 14253-1), 0.5 to 1.
+    /// Probability with which conformity to the tolerance must be proven at every station (ISO
+    /// 14253-1), 0.5 to 1.
     pub conformance_probability: f64,
 }
 
@@ -53,15 +55,16 @@ impl Part {
         self.nominal_diameter_mm.len()
     }
 
-    /// What pass `pass` (from 1) aims at, mm: its nominal, the last one with the aim added.
+    /// Target diameter of pass `pass` (from 1), mm: its nominal; for the last pass with the aim
+    /// added.
     pub fn target_mm(&self, pass: u32) -> f64 {
         let index = (pass as usize).saturating_sub(1).min(self.passes().saturating_sub(1));
         let aim = if index + 1 == self.passes() { self.aim_mm } else { 0.0 };
         self.nominal_diameter_mm.get(index).copied().unwrap_or(self.stock_diameter_mm) + aim
     }
 
-    /// Middles of the stations, mm from the chuck face: those listed, else side by side from the
-    /// chuck face on, where a rest shorter than a station at the end is left out.
+    /// Middles of the stations, mm from the chuck face: those listed, otherwise side by side from
+    /// the chuck face; a remainder shorter than a station at the end is left out.
     pub fn station_z_mm(&self) -> Vec<f64> {
         if let Some(listed) = &self.station_z_mm {
             return listed.clone();
@@ -91,7 +94,7 @@ impl Part {
         ))
     }
 
-    /// A word where the last pass aims at a limit of its tolerance: half of all parts would lie
+    /// A warning where the last pass aims at a limit of its tolerance: half of all parts would lie
     /// outside.
     pub(super) fn aims_at_a_limit(&self) -> Option<String> {
         let (lower, upper) = self.tolerance?.limits_mm();
@@ -160,7 +163,7 @@ impl Part {
             );
             return Err(SettingError::at("part.tolerance", why));
         }
-        // What is no number does not lie below.
+        // NaN is refused as well.
         if !(t.lower_mm < t.upper_mm) {
             return Err(SettingError::at(
                 "part.tolerance.lower_mm",

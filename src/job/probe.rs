@@ -1,4 +1,4 @@
-//! What a job that measures with a touch probe needs.
+//! Checks of a job that measures with a touch probe.
 
 use super::scan::Masters;
 use crate::probe::ProbeSettings;

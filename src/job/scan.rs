@@ -11,16 +11,20 @@ use serde::{Deserialize, Serialize};
 pub struct Scan {
     /// Positions of the carriage along z; together their fields must cover the part.
     pub fields: usize,
-    /// Spindle angles of every field, equally spaced over half a turn (a caliper diameter repeats after 180°).
+    /// Spindle angles of every field, equally spaced over half a turn (a caliper diameter repeats
+    /// after 180°).
     pub angles: usize,
-    /// Whether the stock is scanned before the first pass. Its form is copied into the first pass in part: a controller
-    /// that has seen it need not guess what was copied and what is the shaft's own yielding.
+    /// Whether the stock is scanned before the first pass. Its form is copied into the first pass
+    /// in part: a controller that has seen it need not guess what was copied and what is the
+    /// shaft's own yielding.
     pub stock: StockScan,
-    /// Whether the part is scanned after the pass, tool clear, or by a gauge that follows the tool while it cuts.
+    /// Whether the part is scanned after the pass, tool clear, or by a gauge that follows the tool
+    /// while it cuts.
     pub when: ScanWhen,
     /// Distance of the field's centre behind the tool while it cuts, mm.
     pub behind_tool_mm: f64,
-    /// Temperature of the part above 20 °C while it is scanned, K, as a thermometer shows: diameters are given at 20 °C (ISO 1).
+    /// Temperature of the part above 20 °C while it is scanned, K, as a thermometer shows:
+    /// diameters are given at 20 °C (ISO 1).
     pub part_rise_k: f64,
     /// Limits of its error, ± K.
     pub limit_part_rise_k: f64,
@@ -72,7 +76,8 @@ pub struct Masters {
     pub pins: Vec<MasterCertificate>,
     /// Frames taken of each pin.
     pub frames_each: usize,
-    /// Frames taken of the first pin after every scan, for the guard against a gauge that drifts; 0 for none.
+    /// Frames taken of the first pin after every scan, for the guard against a gauge that drifts; 0
+    /// for none.
     pub check_frames: usize,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::setting::SettingError;
 
-/// Stations may touch; what rounding leaves of a decimal list is no overlap, mm.
+/// Overlap of neighbouring stations that is rounding of decimals, mm; stations may touch.
 const SAME_MM: f64 = 1e-6;
 /// Most stations that a list may hold.
 const MOST: usize = 100_000;
@@ -20,7 +20,7 @@ pub(super) fn check(listed: &[f64], length: f64, station_mm: f64) -> Result<(), 
         return Err(SettingError::at("part.station_z_mm", text));
     }
     for (i, &z) in listed.iter().enumerate() {
-        // What is no number lies nowhere.
+        // NaN is refused as well.
         if !(z - half >= -SAME_MM && z + half <= length + SAME_MM) {
             let text = format!(
                 "{z} mm: a station of part.station_mm = {} mm must lie inside the part, its middle between {half} and {} mm",
@@ -49,8 +49,8 @@ pub(super) fn check(listed: &[f64], length: f64, station_mm: f64) -> Result<(), 
     Ok(())
 }
 
-/// Of field centres, those whose field shows something of a listed station, its middle at most
-/// `reach` (mm) away; all of them where no station is listed.
+/// The field centres whose field shows part of a listed station, with its middle at most `reach`
+/// (mm) away; all of them where no station is listed.
 pub(super) fn fields_that_show(listed: Option<&[f64]>, field_z_mm: Vec<f64>, reach: f64) -> Vec<f64> {
     let Some(listed) = listed else { return field_z_mm };
     field_z_mm.into_iter().filter(|field| listed.iter().any(|z| (z - field).abs() <= reach)).collect()

@@ -1,11 +1,11 @@
 //! What the model-based controller takes from its own job: the part's length and diameter, its
-//! material and the force that this material should take.
+//! material and the cutting force expected for that material.
 //!
-//! Only what stands on the drawing and in handbooks goes over: the nominal sizes, the material's
+//! Only data from the drawing and from handbooks are passed on: the nominal sizes, the material's
 //! table row and the specific cutting force k_c = kc1.1·h^(−mc) (see `process::material`). Where
 //! the process cuts by Kienzle's law, the controller's power law is its tangent, in logarithms, at
-//! the first pass' depth; else Table 1 of the slender-shaft paper (45 steel) is multiplied by the
-//! ratio of the two materials' k_c at the first pass' mean chip.
+//! the first pass' depth; otherwise Table 1 of the slender-shaft paper (45 steel) is multiplied by
+//! the ratio of the two materials' k_c at the first pass' mean chip.
 
 use super::part::Part;
 use crate::control::Workpiece;
@@ -21,12 +21,11 @@ use crate::process::{FITTED_TO, ForceLaw, ProcessSettings, ToolSettings};
 const U_LN_UNKNOWN: f64 = 0.7;
 
 /// Least exponent of the depth: with a lead angle of 90° the radial force stops growing once the
-/// nose is engaged, and a law without any slope would make the controller see no error copying at
-/// all.
+/// nose is engaged, and a law without slope would predict no error copying at all.
 const LEAST_EXPONENT: f64 = 0.05;
 
-/// The part of a job as its controller assumes it, and a word where the force could not follow the
-/// material.
+/// The part of a job as its controller assumes it, and a warning where the force could not be
+/// adapted to the material.
 pub(super) fn workpiece(
     part: &Part,
     process: &ProcessSettings,
@@ -81,7 +80,8 @@ fn by_ratio(w: Workpiece, cut: &Cut<'_>, material: &Material) -> Option<Workpiec
     Some(Workpiece { coefficient_n: w.coefficient_n * ratio * tool.passive, ..w })
 }
 
-/// The tangent of Kienzle's law; wear, rake and the ratio of the normal force stay a handbook's.
+/// The tangent of Kienzle's law; wear, rake and the ratio of the normal force keep their handbook
+/// values.
 fn by_kienzle(w: Workpiece, law: &KienzleLaw, cut: &Cut<'_>, material: &Material) -> Option<Workpiece> {
     let handbook = KienzleLaw { kc11_n_per_mm2: law.kc11_n_per_mm2, mc: law.mc, ..KienzleLaw::default() };
     let edge = handbook.at(cut.feed_mm, cut.tool, material)?;
@@ -104,7 +104,7 @@ mod tests {
     use crate::control::ModelSettings;
     use crate::process::MaterialSettings;
 
-    /// What of a job the workpiece is made from.
+    /// The inputs of a workpiece from a job.
     #[derive(Default)]
     struct Job {
         part: Part,
@@ -142,7 +142,7 @@ mod tests {
         let chip = 0.1 * 0.25 / (0.4 * (1.0_f64 - 0.25 / 0.4).acos());
         let ratio = 1160.0 / 2220.0 * chip.powf(0.14 - 0.26);
         assert!((w.coefficient_n / 4764.2 / ratio - 1.0).abs() < 1e-12 && word.is_none(), "{w:?}");
-        // A key that the table gives stays.
+        // A key set in the table is kept.
         let table =
             ModelSettings { coefficient_n: Some(900.0), length_mm: Some(80.0), ..ModelSettings::default() };
         let seen = table.for_workpiece(&w).workpiece();
@@ -156,7 +156,7 @@ mod tests {
         assert!(word.is_some_and(|w| w.contains("EN AW-6082") && w.contains("control.model.coefficient_n")));
     }
 
-    /// The tangent meets Kienzle's law and its slope at the first pass.
+    /// The tangent agrees with Kienzle's law and its slope at the first pass.
     #[test]
     fn kienzles_law_is_met_at_the_first_pass() {
         let mut job = job("42CrMo4");

@@ -1,10 +1,10 @@
-//! What differs from control to control.
+//! The differences between controls.
 
 use serde::{Deserialize, Serialize};
 
 use super::machine::{ChangePosition, Spindle, SpindleOrientation};
 
-/// The control a program is for.
+/// The control that a program is written for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Dialect {
@@ -19,8 +19,7 @@ pub enum Dialect {
 /// Longest alarm text that a Fanuc screen shows.
 const LONGEST_ALARM: usize = 26;
 
-/// LinuxCNC gives up an orientation after this, s: a spindle of a lathe turns to an angle in one or
-/// two.
+/// Time limit of an orientation on LinuxCNC, s: a lathe spindle takes one or two seconds.
 const ORIENT_LIMIT_S: f64 = 10.0;
 
 impl Dialect {
@@ -91,7 +90,7 @@ impl Dialect {
         }
     }
 
-    /// Tool call; it makes offset `offset` act where the control has offset numbers.
+    /// Tool call, which also activates offset `offset` where the control has offset numbers.
     pub(super) fn tool(self, tool: u32, offset: u32) -> Vec<String> {
         match self {
             Self::Fanuc | Self::Gsk => vec![format!("T{tool:02}{offset:02}")],
@@ -124,8 +123,8 @@ impl Dialect {
         lines
     }
 
-    /// `wear_x`, and where the answer stands. Numbers of Fanuc's parameters as in its parameter
-    /// manuals for lathes.
+    /// Where to look up `wear_x`. Numbers of Fanuc's parameters as in its parameter manuals for
+    /// lathes.
     pub(super) fn look_up_wear_x(self) -> &'static str {
         match self {
             Self::Gsk => {
@@ -139,7 +138,7 @@ impl Dialect {
         }
     }
 
-    /// `geometry_offset`, and where the answer stands.
+    /// Where to look up `geometry_offset`.
     pub(super) fn look_up_geometry_offset(self) -> &'static str {
         match self {
             Self::Gsk => {
@@ -153,7 +152,7 @@ impl Dialect {
         }
     }
 
-    /// `spindle`, and where the answer stands.
+    /// Where to look up `spindle`.
     pub(super) fn look_up_spindle(self) -> &'static str {
         "spindle = \"M03\" or \"M04\" (the sense in which the part meets the tool's edge: given by where the turret \
          stands, in the machine builder's manual)"
@@ -167,8 +166,8 @@ impl Dialect {
         }
     }
 
-    /// The spindle turns to an angle and is held there; LinuxCNC waits for it where Q gives a time
-    /// limit.
+    /// The spindle turns to an angle and is held there; LinuxCNC waits for it, at most the seconds
+    /// of Q.
     pub(super) fn orient(self, orientation: SpindleOrientation, opposite: bool) -> String {
         let angle = number(orientation.angle(opposite), 3);
         match self {
@@ -193,7 +192,7 @@ impl Dialect {
         }
     }
 
-    /// A move that ends at the probe's touch.
+    /// The code of a move that ends when the probe touches.
     pub(super) fn probing_move(self) -> &'static str {
         match self {
             Self::Fanuc | Self::Gsk => "G31",
@@ -201,7 +200,7 @@ impl Dialect {
         }
     }
 
-    /// `probe.skip_variable`, and where the answer stands.
+    /// Where to look up `probe.skip_variable`.
     pub(super) fn look_up_skip_variable(self) -> &'static str {
         "probe.skip_variable = the # variable in which G31 leaves X of the touch (table of system variables in the \
          control's manual)"
@@ -259,7 +258,7 @@ fn negated(op: &str) -> &'static str {
     }
 }
 
-/// Upper-case ASCII without what would end a comment.
+/// Upper-case ASCII without characters that would end a comment.
 fn plain(text: &str) -> String {
     let keep = |c: char| if c.is_ascii_alphanumeric() || " .,:-+=/".contains(c) { c } else { ' ' };
     text.chars().map(keep).collect::<String>().to_ascii_uppercase()

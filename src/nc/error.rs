@@ -24,24 +24,24 @@ pub enum NcError {
         /// Largest diameter allowed.
         high_mm: f64,
     },
-    /// The control leaves open what the machine's data do not state.
+    /// The machine's data lack what differs between machines with this control.
     #[error(
         "{dialect} leaves open what the machine's data must state (nc --machine FILE, [nc.machine]): {missing}"
     )]
     Unstated {
         /// The dialect.
         dialect: &'static str,
-        /// Keys, and where the answer stands.
+        /// Keys, and where to look up their values.
         missing: String,
     },
-    /// A block of the finished program does what it must not.
+    /// A block of the finished program makes a forbidden move.
     #[error("the program is refused: block {block} ({text}): {what}")]
     Block {
         /// Number of the line, from 1.
         block: usize,
         /// The line.
         text: String,
-        /// What it does.
+        /// Why it is refused.
         what: String,
     },
 }

@@ -1,4 +1,4 @@
-//! The comments at the head of a program: what the operator must check before the start.
+//! The comments at the head of a program: points that the operator must check before the start.
 
 use super::dialect::number;
 use super::machine::{Centre, Direction, Spindle, Tailstock};
@@ -90,8 +90,8 @@ impl Skeleton<'_> {
         }
     }
 
-    /// The probe, and what holds the spindle under it, at its angle and, where asked for, at the
-    /// opposite one, too.
+    /// The probe, and how the spindle is held under it, at its angle and, where asked for, at the
+    /// opposite one as well.
     fn probed_with(&self, probe: &NcProbe, both: bool) -> [String; 2] {
         let correction = if probe.stored_correction {
             format!("{CORRECTION} of its qualification")
@@ -116,7 +116,7 @@ impl Skeleton<'_> {
         [about, held]
     }
 
-    /// What is cut, and what is not.
+    /// The extent of the cut, and what stays uncut.
     fn extent(&self) -> Vec<String> {
         let (s, route) = (self.settings, &self.route);
         let cut = format!("cuts in feed from Z {} to Z {}", mm(route.z_first), mm(route.z_last));
@@ -124,7 +124,7 @@ impl Skeleton<'_> {
         vec![cut, format!("stays uncut: Z 0 to {least}, nose fillet to Z {full}")]
     }
 
-    /// Whether the part is measured after this cut, and against what.
+    /// Whether the part is measured after this cut, and against which limits.
     fn judged(&self) -> Vec<String> {
         let s = self.settings;
         let mut texts = Vec::new();
@@ -169,7 +169,7 @@ impl Skeleton<'_> {
         texts
     }
 
-    /// What the machine's data do not state.
+    /// Assumptions in place of data that the machine's table lacks.
     fn assumed(&self, smallest_mm: f64, cuts: bool) -> Vec<String> {
         let s = self.settings;
         let mut texts = Vec::new();

@@ -1,9 +1,9 @@
-//! What stands around the part, and how the control reads offsets: the keys of `machine.toml` that
+//! The surroundings of the part, and how the control reads offsets: the keys of `machine.toml` that
 //! have no default.
 //!
 //! Lengths are mm, X is a diameter, Z runs from the face that clamps the part (0) towards the
-//! tailstock. What is not stated here is taken on the safe side where it can be bounded, and named
-//! in the program's header.
+//! tailstock. Where a value is missing, a safe bound is assumed if there is one, and listed in the
+//! program's header.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -79,7 +79,7 @@ fn nineteen() -> u32 {
 }
 
 impl SpindleOrientation {
-    /// M codes that mean something else in every program.
+    /// M codes that have another meaning in every program.
     const TAKEN: [u32; 7] = [0, 2, 3, 4, 5, 6, 30];
 
     pub(super) fn validate(&self) -> Result<(), SettingError> {

@@ -6,12 +6,13 @@
 //! #805 = #802   + #803   (10)      #811 = #801 − #805    (8)
 //! ```
 //!
-//! #800, #801: diameters at the start (x = 1/6) and the end (x = 1) of what was probed, x from the free end as a share
-//! of the length; #802 = b, #803 = a. The paper prints 7 and 8 before 9 and 10, which they need,
-//! and writes the results back into #800 and #801, so that every run of the program would
-//! compensate again: here the order is 9, 10, 7, 8, the results go into #810 and #811, and #820
-//! with the part's and pass's number lets the correction be used once. Before the cut the
-//! corrections are checked against a limit; after it the part is measured again.
+//! #800, #801: diameters at the first (x = 1/6) and the last (x = 1) probed place, x from the free
+//! end as a share of the length; #802 = b, #803 = a. The paper prints 7 and 8 before 9 and 10,
+//! which they need, and writes the results back into #800 and #801, so that every run of the
+//! program would compensate again: here the order is 9, 10, 7, 8, the results go into #810
+//! and #811, and #820 with the part's and pass's number ensures that the correction is used only
+//! once. Before the cut the corrections are checked against a limit; after it the part is measured
+//! again.
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
@@ -24,7 +25,7 @@ use super::skeleton::{self, Skeleton};
 use super::turning::Written;
 use crate::plan::CuttingData;
 
-/// Start of what was probed, as a share of the length: the paper's first point.
+/// First probed place as a share of the length: the paper's first point.
 const X_START: f64 = 1.0 / 6.0;
 /// Decimals of b and a in a program: six significant digits in the paper.
 const COEFFICIENT_DECIMALS: usize = 6;
@@ -50,7 +51,7 @@ pub struct MacroProgram<'a> {
     pub settings: &'a NcSettings,
 }
 
-/// What the variables hold when the program has run.
+/// Values of the variables at the end of the program.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct MacroValues {
     /// #804, in the unit of the fit.
@@ -87,8 +88,8 @@ impl MacroProgram<'_> {
     /// The program's text, replayed from every start position.
     ///
     /// # Errors
-    /// Settings out of range, a cone beyond the correction limit, what the control leaves open, a
-    /// block that touches.
+    /// Settings out of range, a cone beyond the correction limit, machine data that are missing, a
+    /// block that collides.
     pub fn write(&self, dialect: Dialect) -> Result<Written<MacroValues>, NcError> {
         let (s, v) = (self.settings, self.values());
         s.validate()?;
@@ -200,7 +201,7 @@ impl MacroProgram<'_> {
         lines
     }
 
-    /// Alarms where the cone is too far from the diameters aimed at.
+    /// Alarms where the cone departs too far from the target diameters.
     pub(super) fn limits(&self, dialect: Dialect) -> Vec<String> {
         let limit = number(self.settings.correction_limit_mm, 4);
         let mut lines = Vec::new();
@@ -217,7 +218,8 @@ impl MacroProgram<'_> {
         skeleton.route.z_first.min(skeleton.route.z_last)
     }
 
-    /// The last point of the part lies at the chuck: the cone ends clear of it, on the same line.
+    /// The last point of the part lies at the chuck: the cut ends clear of it, on the line of the
+    /// cone.
     pub(super) fn far_end(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
         let length = self.piece.length_mm;
         let share = (length - Self::z_at_chuck(skeleton)) / length;
@@ -225,7 +227,8 @@ impl MacroProgram<'_> {
         vec![skeleton.dialect.comment("the cone at the chuck"), format!("#813=[#810+[#811-#810]*{rest}]")]
     }
 
-    /// From the free end to the chuck, level in the air beyond the end face; or the other way.
+    /// From the free end to the chuck, level in the air beyond the end face; or in the opposite
+    /// direction.
     pub(super) fn points(&self, skeleton: &Skeleton<'_>) -> Vec<(String, f64)> {
         let (length, route) = (self.piece.length_mm, &skeleton.route);
         let sixth = round3(length * (1.0 - X_START));

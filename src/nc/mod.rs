@@ -3,24 +3,25 @@
 //! X is a diameter, Z runs along the spindle from the chuck face, as in the rest of the crate. A
 //! correction o(z) splits into its mean ō and its shape: on a control whose wear register can be
 //! written from a program (Fanuc) the mean goes there, before the tool call that activates it, and
-//! the shape goes into G01 knots; elsewhere the path carries both. No path ever holds what the
-//! register holds. What rounding leaves of the offsets is given back to the controller.
+//! the shape goes into G01 knots; elsewhere the path holds both. No share of a correction is in
+//! both the path and the register. The offsets after rounding are returned to the controller.
 //!
 //! Every program moves to its change position first, X alone and then Z, calls the tool only there,
 //! comes down to the part in the air, enters and leaves the stock radially in feed and cuts the
-//! part from end to end. Before it is handed out it is read again by [`replay`] and moved, from
-//! every side, among the solids that stand around the part.
+//! part from end to end. Before it is returned it is run by [`replay`] from many start positions
+//! among the solids that stand around the part.
 //!
-//! What could be verified: programs of the `linuxcnc` dialect are read by LinuxCNC's stand-alone
-//! interpreter in the tests. `fanuc` is written for G-code system A with custom macro B, `gsk` for
-//! the GSK 980TD family, both from common usage, not checked against the makers' manuals; neither
-//! was run on a control, and the user alarm G65 H99 of `gsk` is unverified. Run such programs dry,
-//! above the part, first.
+//! Verification: the tests run programs of the `linuxcnc` dialect through LinuxCNC's stand-alone
+//! interpreter. `fanuc` is written for G-code system A with custom macro B, `gsk` for the GSK 980TD
+//! family, both from common usage, not checked against the makers' manuals; neither has been run on
+//! a control, and the user alarm G65 H99 of `gsk` is unverified. Run such programs dry, above the
+//! part, first.
 //!
-//! `settings`, `machine`, `probe_settings` and `stated` are the machine's data; `route`, `path` and
-//! `skeleton` plan, `dialect` words the blocks, `turning`, `macro_program` and `probing_program`
-//! are the programs, `surroundings` the solids. A new dialect is a variant of [`Dialect`] with its
-//! words and its rows in `replay`; a new program a file beside `turning`.
+//! `settings`, `machine`, `probe_settings` and `stated` hold the machine's data; `route`, `path`
+//! and `skeleton` plan, `dialect` writes the blocks, `turning`, `macro_program` and
+//! `probing_program` are the programs, `surroundings` the solids. A new dialect is a variant of
+//! [`Dialect`] with its words and its match arms in `replay`; a new program is a file beside
+//! `turning`.
 
 mod dialect;
 mod error;

@@ -1,4 +1,4 @@
-//! The path of a turning pass: knots along z, what rounding makes of them, and the list of a dry
+//! The path of a turning pass: knots along z, the offsets after rounding, and the list of a dry
 //! run.
 
 use super::dialect::Dialect;
@@ -7,14 +7,14 @@ use super::machine::WearX;
 use super::settings::NcSettings;
 use crate::plan::{DiameterOffset, PassPlan};
 
-/// A path over the stations; programs run on level to the ends of the cut.
+/// A path over the stations; beyond the outer ones programs continue level to the ends of the cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
     /// (Z, X) of every knot from the tailstock to the chuck, as they stand in the program, mm.
     pub knots: Vec<(f64, f64)>,
-    /// What the wear register adds to X, mm of diameter (−ō, rounded; 0 without one).
+    /// Value that the wear register adds to X, mm of diameter (−ō, rounded; 0 without a register).
     pub wear_mm: f64,
-    /// The offsets that are really in force at the plan's stations.
+    /// The offsets in force at the plan's stations, after rounding.
     pub in_force: DiameterOffset,
 }
 
@@ -22,14 +22,15 @@ impl Path {
     /// Splits, samples and rounds the commanded diameters of a pass.
     ///
     /// # Errors
-    /// Offsets that are not the stations', too large, or a path that leaves its range.
+    /// Offsets for other stations, too large ones, or a path that leaves its range.
     pub fn new(plan: &PassPlan, settings: &NcSettings, dialect: Dialect) -> Result<Self, NcError> {
         settings.validate()?;
         check(plan, settings)?;
         let decimals = dialect.x_decimals();
         let wear_mm = if settings.uses_wear_register(dialect) {
             let mean = plan.offset.o_mm.iter().sum::<f64>() / plan.offset.o_mm.len() as f64;
-            // a register in radius holds half of it: what its rounding leaves goes into the path
+            // a register in radius holds half of it: the remainder of its rounding goes into the
+            // path
             let unit = settings.wear_x.map_or(1.0, WearX::diameter_per_unit);
             unit * round(-mean / unit, decimals)
         } else {
@@ -37,7 +38,8 @@ impl Path {
         };
         let mut count = settings.least_knots;
         loop {
-            // where even knots do not do, those of stations that lie unevenly do
+            // where even knots do not suffice (stations at uneven distances), those of the stations
+            // are added
             let at_stations = count > 4 * plan.station_z_mm.len();
             let knots = sample(plan, wear_mm, count, decimals, at_stations);
             let path = Self { in_force: in_force(plan, &knots, wear_mm), knots, wear_mm };
@@ -50,7 +52,7 @@ impl Path {
         }
     }
 
-    /// Largest difference between the offsets in force and those asked for, mm of diameter.
+    /// Largest difference between the offsets in force and those requested, mm of diameter.
     pub fn largest_departure(&self, plan: &PassPlan) -> f64 {
         let differences = self.in_force.o_mm.iter().zip(&plan.offset.o_mm).map(|(a, b)| (a - b).abs());
         differences.fold(0.0, f64::max)
@@ -102,8 +104,7 @@ fn round(value: f64, decimals: usize) -> f64 {
     (value * scale).round() / scale
 }
 
-/// Even knots from the last station to the first; with `at_stations` those of the stations among
-/// them.
+/// Even knots from the last station to the first; with `at_stations`, also one at every station.
 fn sample(plan: &PassPlan, wear: f64, count: usize, decimals: usize, at_stations: bool) -> Vec<(f64, f64)> {
     let z = &plan.station_z_mm;
     let (first, last) = (z[0], z[z.len() - 1]);
@@ -138,7 +139,7 @@ fn in_force(plan: &PassPlan, knots: &[(f64, f64)], wear: f64) -> DiameterOffset 
     DiameterOffset { o_mm: plan.station_z_mm.iter().map(at).collect() }
 }
 
-/// What a dry run lists: every station's old and new offset, and why.
+/// The list of a dry run: every station's old and new offset, and the reason.
 pub fn dry_run(old: &DiameterOffset, plan: &PassPlan, path: &Path, reason: &str) -> String {
     let mut text = format!(
         "pass {}: {} knots, wear register {:+.4} mm, largest departure from the offsets asked for {:.5} mm\n\

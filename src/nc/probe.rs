@@ -2,9 +2,9 @@
 //!
 //! The programmed point of the probe is the lowest point of its ball in X and the middle of the
 //! ball in Z. A cycle comes down from the clear diameter in a move that ends at the touch (`G31`,
-//! `G38.2`), keeps the position of the touch in a macro variable, goes up radially and along the
-//! part at the clear diameter: what lies in the way stops it in its measuring feed. Spindle and
-//! coolant stand still, the feed is per minute.
+//! `G38.2`), keeps the position of the touch in a macro variable, retracts radially and moves along
+//! the part at the clear diameter. Before the touch it moves in its measuring feed, so that an
+//! obstacle triggers the probe. Spindle and coolant stand still, the feed is per minute.
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
@@ -13,15 +13,16 @@ use super::replay::{Convex, Surface};
 use super::route::round3;
 use super::skeleton::Skeleton;
 
-/// The paper's places: x = 1/6 … 1 from the free end, as shares of the length.
+/// Number of the paper's places: x = 1/6 … 1 from the free end, as shares of the length.
 const PLACES: u32 = 6;
 /// Most places that fit into the variables and labels of a program.
 const MOST_PLACES: usize = 12;
-/// First variables of what is found before and after the cut.
+/// First variables of the results before and after the cut.
 pub(super) const BEFORE: u32 = 841;
 pub(super) const AFTER: u32 = 861;
-/// What a qualification leaves: correction, effective diameter of the ball, standard deviation of a
-/// touch, run-out of the reference (mm), and the number of the probe's tool.
+/// Variables with the results of a qualification: correction, effective diameter of the ball,
+/// standard deviation of a touch, run-out of the reference (mm), and the number of the probe's
+/// tool.
 pub(super) const CORRECTION: u32 = 880;
 pub(super) const BALL: u32 = 881;
 pub(super) const DEVIATION: u32 = 882;
@@ -63,7 +64,7 @@ impl NcProbe {
     }
 }
 
-/// A cycle along the part: what is expected, and where its results go.
+/// A cycle along the part: expected diameter and variables of the results.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cycle<'a> {
     /// Places, Z falling, mm.
@@ -76,7 +77,7 @@ pub(super) struct Cycle<'a> {
 
 /// A number as it follows a variable in an expression.
 pub(super) fn signed(value: f64) -> String {
-    // a correction of zero is taken off like any other
+    // a correction of zero is subtracted like any other
     let sign = if value > 0.0 { '+' } else { '-' };
     format!("{sign}{}", number(value.abs(), 5))
 }
@@ -88,7 +89,7 @@ impl Skeleton<'_> {
     }
 
     /// Alarms where the correction is taken from a qualification of this probe and there is none,
-    /// or another one than the probe's data let expect.
+    /// or where it departs from the probe's stated correction.
     pub(super) fn qualified(&self) -> Vec<String> {
         let Some(probe) = self.settings.probe.filter(|p| p.stored_correction && self.probes()) else {
             return Vec::new();
@@ -121,7 +122,7 @@ impl Skeleton<'_> {
     }
 
     /// Places that the probe touches, Z falling, mm: those of the part, else the paper's six, the
-    /// one at the chuck moved to where ball and body are clear of what is not cut and of the room
+    /// one at the chuck moved to where ball and body are clear of the uncut length and of the space
     /// behind Z 0.
     ///
     /// # Errors
@@ -187,7 +188,7 @@ impl Skeleton<'_> {
     pub(super) fn read(&self, probe: &NcProbe) -> String {
         let variable = probe.variable(self.dialect);
         match self.dialect {
-            // its #5061 is a radius, under G7, too
+            // its #5061 is a radius, even under G7
             Dialect::Linuxcnc => format!("2.*#{variable}"),
             Dialect::Fanuc | Dialect::Gsk => format!("#{variable}"),
         }
@@ -202,11 +203,11 @@ impl Skeleton<'_> {
         format!("[{read}{}]", signed(-probe.correction_mm))
     }
 
-    /// Limits that a probed diameter must keep so that conformity is proven: the tolerance less U
-    /// at both ends.
+    /// Limits that a probed diameter must keep so that conformity is proven: the tolerance reduced
+    /// by U at both ends.
     ///
     /// # Errors
-    /// Where U leaves nothing of the tolerance.
+    /// Where U takes up the whole tolerance.
     pub(super) fn proven_limits(probe: &NcProbe, limits: (f64, f64)) -> Result<(f64, f64), NcError> {
         let (low, high) = (limits.0 + probe.expanded_u_mm, limits.1 - probe.expanded_u_mm);
         if low < high {
@@ -218,7 +219,7 @@ impl Skeleton<'_> {
         )))
     }
 
-    /// Probes the part after the cut; at the change position its alarms, where a tolerance is
+    /// Probes the part after the cut; then its alarms at the change position, where a tolerance is
     /// given.
     ///
     /// # Errors
@@ -243,10 +244,11 @@ impl Skeleton<'_> {
         Ok(lines)
     }
 
-    /// What a probe meets in a replay, where the part before and after the cut is as ordered.
+    /// The surface that a probe touches in a replay, where the part before and after the cut is
+    /// nominal.
     pub(super) fn surface(&self, nominal_mm: f64) -> Option<Surface> {
         self.settings.probe?;
-        // what the correction removes is gone: the part is as aimed at, or in the middle of its
+        // after the correction the part has its target diameter, or that in the middle of its
         // tolerance
         let after = self.limits_mm.map_or(nominal_mm, |(low, high)| 0.5 * (low + high));
         let [before, after] = [self.piece.before_mm, after].map(|d| vec![(0.0, d)]);

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::setting::{SettingError, require};
 
-/// Farther than anything in a lathe, mm.
+/// A length beyond all dimensions of a lathe, mm.
 pub(super) const FAR_MM: f64 = 1e4;
 
 /// `[nc.probe]`: what a program needs to know of the probe.
@@ -14,10 +14,11 @@ pub(super) const FAR_MM: f64 = 1e4;
 pub struct NcProbe {
     /// Tool number of the probe, 1-99; on fanuc and gsk its offset has the same number.
     pub tool: u32,
-    /// X that a touch reads on a master less the master's diameter, mm: setting and pre-travel, from a calibration at the
-    /// measuring feed.
+    /// X that a touch reads on a master less the master's diameter, mm: setting and pre-travel,
+    /// from a calibration at the measuring feed.
     pub correction_mm: f64,
-    /// Expanded uncertainty (k = 2) of a probed diameter, mm: taken off both limits of the tolerance (ISO 14253-1).
+    /// Expanded uncertainty (k = 2) of a probed diameter, mm: taken off both limits of the
+    /// tolerance (ISO 14253-1).
     pub expanded_u_mm: f64,
     /// Diameter of the ball, mm.
     #[serde(default = "ball")]
@@ -25,8 +26,8 @@ pub struct NcProbe {
     /// Measuring feed, mm/min.
     #[serde(default = "feed")]
     pub feed_mm_per_min: f64,
-    /// How far below the expected surface a probing move ends where nothing is touched, mm (radial): less than the stylus may
-    /// be deflected.
+    /// How far below the expected surface a probing move ends where nothing is touched, mm
+    /// (radial): less than the stylus may be deflected.
     #[serde(default = "reach")]
     pub reach_mm: f64,
     /// Diameter of the stem, mm.
@@ -38,11 +39,12 @@ pub struct NcProbe {
     /// Diameter of the body, mm.
     #[serde(default = "body")]
     pub body_mm: f64,
-    /// Variable in which the control leaves X of the touch: #5061 of fanuc; gsk has no default; 5061 of linuxcnc is fixed.
+    /// Variable in which the control leaves X of the touch: #5061 of fanuc; gsk has no default;
+    /// 5061 of linuxcnc is fixed.
     #[serde(default)]
     pub skip_variable: Option<u32>,
-    /// Whether programs take the correction that the qualification left in #880, instead of `correction_mm`, and stop where no
-    /// qualification of this probe has run.
+    /// Whether programs take the correction that the qualification left in #880, instead of
+    /// `correction_mm`, and stop where no qualification of this probe has run.
     #[serde(default)]
     pub stored_correction: bool,
     /// The reference that the qualification (`--form qualify`) touches.
@@ -67,7 +69,7 @@ pub struct ProbeReference {
 }
 
 fn touches() -> u32 {
-    // the standard deviation is known to a third
+    // the relative uncertainty of a standard deviation of five is about a third, 1/√(2(n − 1))
     5
 }
 
@@ -129,7 +131,7 @@ impl NcProbe {
         let right = "a feed of 1 to 2000 mm/min";
         let feed = self.feed_mm_per_min;
         require((1.0..=2000.0).contains(&feed), "nc.probe.feed_mm_per_min", feed, right)?;
-        // a move without a touch must end outside the range in which a result is taken
+        // a move without a touch must end outside the range in which a result is accepted
         let least = 0.75 * correction_limit_mm;
         let right = "at least 0.75 of nc.correction_limit_mm, at most 5 mm";
         let reach = self.reach_mm;

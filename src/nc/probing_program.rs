@@ -2,16 +2,18 @@
 //! inverse, probes again and raises an alarm.
 //!
 //! ```text
-//! Σε, Σxε over the places     #830, #831       x from the free end, as a share of the length (the paper's positions)
-//! b = (nΣxε − ΣxΣε)/(nΣx² − (Σx)²)  (5)  #802       ε = probed − diameter before the pass  (3)
-//! a = (Σε − bΣx)/n                  (6)  #803       then equations 9, 10, 7, 8 as in [`MacroProgram`]
+//! Σε, Σxε over the places                    #830, #831
+//! ε = probed − diameter before the pass      (3)
+//! b = (nΣxε − ΣxΣε)/(nΣx² − (Σx)²)           (5)  #802
+//! a = (Σε − bΣx)/n                           (6)  #803
 //! ```
 //!
-//! Nothing of it comes from a run: the offsets are made at the machine. Every result goes into a
-//! variable of its own (the paper's `#800 = #800 − #804` would compensate again at every run),
-//! `#820` lets the program cut a part's pass once. What is found before the cut stands in
-//! #841-#852, after it in #861-#872. The paper's precondition holds: the pass before must have had
-//! the speed, feed and depth of this one.
+//! x from the free end as a share of the length (the paper's positions); then equations 9, 10, 7, 8
+//! as in [`MacroProgram`]. It needs no run: the offsets are computed on the machine. Every result
+//! goes into a variable of its own (the paper's `#800 = #800 − #804` would compensate again at
+//! every run), and `#820` ensures that the program cuts a part's pass only once. The results before
+//! the cut are in #841-#852, those after it in #861-#872. As in the paper, the pass before must
+//! have had the speed, feed and depth of this one.
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
@@ -46,9 +48,8 @@ pub struct ProbingProgram<'a> {
     pub settings: &'a NcSettings,
 }
 
-/// Errors of the part before the pass that a replay goes through, as shares of
-/// `nc.correction_limit_mm`: at the free end, in the middle, at the chuck. Constant, tapered both
-/// ways, bowed.
+/// Errors of the part before the pass in the replays, as shares of `nc.correction_limit_mm`: at the
+/// free end, in the middle, at the chuck. Constant, tapered both ways, bowed.
 const ERRORS: [[f64; 3]; 5] =
     [[0.0, 0.0, 0.0], [0.5, 0.5, 0.5], [-0.5, -0.1, 0.3], [0.4, 0.0, -0.4], [0.0, 0.3, 0.1]];
 
@@ -58,8 +59,8 @@ impl ProbingProgram<'_> {
     /// and where the part is out of tolerance.
     ///
     /// # Errors
-    /// No probe in the settings, what the control leaves open, places that cannot be touched, a
-    /// block that touches.
+    /// No probe in the settings, machine data that are missing, places that cannot be touched, a
+    /// block that collides.
     pub fn write(&self, dialect: Dialect) -> Result<Written<Vec<f64>>, NcError> {
         let (skeleton, probe) = self.prepare(dialect)?;
         let places = skeleton.places(&probe)?;
@@ -68,8 +69,8 @@ impl ProbingProgram<'_> {
         Ok(Written { text, cut: places, uncut: skeleton.uncut() })
     }
 
-    /// What a program of this pass is replayed among, where the part before it has diameters
-    /// `before`, (Z, mm), Z ascending, and the cut leaves it as aimed at.
+    /// The working space for a replay of this pass, where the part before it has the diameters
+    /// `before`, (Z, mm), Z ascending, and afterwards its target diameter.
     ///
     /// # Errors
     /// As [`Self::write`], but for the replay.
@@ -105,7 +106,7 @@ impl ProbingProgram<'_> {
         Ok((skeleton, probe))
     }
 
-    /// The cut with a line: the variables that it begins with are set by the fit.
+    /// The cut for a fitted line, which sets the variables at its start.
     fn cone(&self, line: LineFit) -> MacroProgram<'_> {
         MacroProgram {
             line,

@@ -1,22 +1,24 @@
-//! A program that qualifies the probe on a reference diameter, and leaves what it finds in macro
+//! A program that qualifies the probe on a reference diameter, and stores the results in macro
 //! variables.
 //!
 //! The reference (a ring, disc or cylinder whose outer diameter is certified) stands in the part's
-//! place. It is touched n times at one place, down from above as every part is touched; where the
-//! control can hold the spindle, n times more with the spindle turned by 180°, so that the run-out
-//! of the reference cancels in the mean.
+//! place. It is touched n times at one place, from above, as every part is; where the control can
+//! hold the spindle, n times more with the spindle turned by 180°, so that the run-out of the
+//! reference cancels in the mean.
 //!
 //! ```text
-//! mean of X of the touches, less the diameter          #880   setting, pre-travel and delay: what a probed X is corrected by
-//! ball + #880                                          #881   diameter of the ball as it acts, pre-travel in it
-//! sqrt(sum of (touch - mean of its side)^2 / freedom)  #882   standard deviation of one touch
-//! half the difference of both sides' means             #883   indicated run-out of the reference; 0 from one side alone
-//! number of the probe's tool                           #884   last of all: programs with `stored_correction` ask for it
+//! #880  mean of X of the touches, less the diameter: correction of a probed X
+//!       (setting, pre-travel and delay)
+//! #881  ball + #880: effective diameter of the ball, pre-travel included
+//! #882  sqrt(sum of (touch - mean of its side)^2 / freedom): standard deviation of one touch
+//! #883  half the difference of both sides' means: indicated run-out of the reference; 0 from one
+//!       side alone
+//! #884  number of the probe's tool, written last; programs with `stored_correction` check it
 //! ```
 //!
 //! The touches stand in #885-#893 and #894-#902. #884 is cleared first, so that a program that
-//! stops with an alarm leaves no qualification: a touch farther than `correction_limit_mm` from
-//! what the probe's data let expect; 2 x #882 above the stated U.
+//! stops with an alarm leaves no qualification: a touch farther than `correction_limit_mm` from the
+//! position expected from the probe's data, or 2 x #882 above the stated U.
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
@@ -77,7 +79,7 @@ impl<'a> Qualification<'a> {
     /// its alarm.
     ///
     /// # Errors
-    /// What the control leaves open, a place that cannot be touched, a block that touches.
+    /// Machine data that are missing, a place that cannot be touched, a block that collides.
     pub fn write(&self, dialect: Dialect) -> Result<Written<Qualified>, NcError> {
         let skeleton = self.skeleton(dialect)?;
         self.reaches()?;
@@ -98,8 +100,8 @@ impl<'a> Qualification<'a> {
         Ok(Written { text, cut: Qualified { z_mm, touches }, uncut })
     }
 
-    /// What the program is replayed among. `surface` is what the probe meets, of which an empty
-    /// `before` is the reference.
+    /// The working space for a replay. `surface` is what the probe touches; an empty `before`
+    /// stands for the reference.
     ///
     /// # Errors
     /// As [`Self::write`], but for the replay.
@@ -128,7 +130,7 @@ impl<'a> Qualification<'a> {
         if self.settings.spindle_orientation.is_some() { 2 } else { 1 }
     }
 
-    /// Whether ball and body are clear of the ends of the reference, and of the room behind Z 0
+    /// Whether ball and body are clear of the ends of the reference, and of the space behind Z 0
     /// where the chuck is not stated.
     fn reaches(&self) -> Result<(), NcError> {
         let (z, ball) = (self.reference.z_mm(), 0.5 * self.probe.ball_mm);
@@ -145,7 +147,7 @@ impl<'a> Qualification<'a> {
 
     fn working_space_of<'s>(&self, skeleton: &Skeleton<'s>, surface: Surface) -> WorkingSpace<'s> {
         let mut working_space = skeleton.working_space(vec![(0.0, self.reference.diameter_mm)]);
-        // nothing is cut: any feed but the probe's is too deep, and no length must be covered
+        // nothing is cut: any feed other than the probe's is a fault, and no length must be covered
         working_space.cut = CommandedCut::default();
         let before = match &surface.before[..] {
             [] => vec![(0.0, self.reference.diameter_mm)],

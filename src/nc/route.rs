@@ -9,9 +9,9 @@
 //!        0                                            L
 //! ```
 //!
-//! The programmed point is the side of the nose that leads: the one towards the chuck where the
-//! tool travels towards the chuck, and the other one where it travels to the tailstock. So no part
-//! of the nose passes `least_z_mm`, and its lowest point passes the end face, in both directions.
+//! The programmed point is the leading side of the nose: the one towards the chuck where the tool
+//! travels towards the chuck, the other one where it travels to the tailstock. So no part of the
+//! nose passes `least_z_mm`, and its lowest point passes the end face, in both directions.
 
 use super::error::NcError;
 use super::machine::{ChangePosition, Direction, Tailstock};
@@ -20,14 +20,14 @@ use super::settings::NcSettings;
 /// Nose radius where none is stated, mm: the largest that is usual for finishing (ISO 1832 corner
 /// codes 04 and 08).
 pub(super) const NOSE_RADIUS_MM: f64 = 0.8;
-/// Path between end face and tool where a centre stands, mm: air for the nose, short enough to stay
-/// off the cone.
+/// Path beyond the end face where a centre stands, mm: long enough to clear the nose, short enough
+/// to stay off the cone.
 const GAP_AT_CENTRE_MM: f64 = 0.5;
-/// Quill that is assumed where none is stated, mm of diameter: above what lathes for parts of these
-/// sizes have.
+/// Quill that is assumed where none is stated, mm of diameter: larger than on lathes for parts of
+/// these sizes.
 pub(super) const QUILL_MM: f64 = 80.0;
-/// Room between the change position and everything that stands around the part, mm of diameter or
-/// of Z.
+/// Distance between the change position and everything that stands around the part, mm of diameter
+/// or of Z.
 const ROOM_AT_CHANGE_MM: f64 = 20.0;
 
 /// The part as it stands in the machine before the pass.
@@ -35,7 +35,7 @@ const ROOM_AT_CHANGE_MM: f64 = 20.0;
 pub struct Workpiece {
     /// Length from the face that clamps it to its end face, mm.
     pub length_mm: f64,
-    /// Diameter of the blank, mm: what is left where no pass cuts.
+    /// Diameter of the blank, mm, which remains where no pass cuts.
     pub stock_mm: f64,
     /// Diameter before the pass, mm.
     pub before_mm: f64,
@@ -78,7 +78,7 @@ impl Workpiece {
         Ok(())
     }
 
-    /// Largest diameter of what is turned, mm.
+    /// Largest diameter of the turned part, mm.
     pub(super) fn largest_mm(&self) -> f64 {
         self.stock_mm.max(self.before_mm)
     }
@@ -88,14 +88,15 @@ impl Workpiece {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Route {
     pub(super) change: ChangePosition,
-    /// Diameter at which the tool travels above the part.
+    /// Diameter at which the tool travels above the part, mm.
     pub(super) clear_mm: f64,
-    /// Programmed Z of the first and the last point of the cut.
+    /// Programmed Z of the first and the last point of the cut, mm.
     pub(super) z_first: f64,
     pub(super) z_last: f64,
-    /// Nose radius, stated or assumed.
+    /// Nose radius, stated or assumed, mm.
     pub(super) nose_mm: f64,
-    /// From here to the end face the nose's lowest point reaches the programmed diameter.
+    /// Z from which, up to the end face, the nose's lowest point reaches the programmed diameter,
+    /// mm.
     pub(super) full_from_mm: f64,
 }
 
@@ -134,7 +135,7 @@ pub(super) fn round3(value: f64) -> f64 {
     (value * 1e3).round() / 1e3
 }
 
-/// Above everything that is stated or assumed, beyond the end face.
+/// A change position above all stated and assumed solids, beyond the end face.
 fn assumed_change(piece: &Workpiece, settings: &NcSettings, clear_mm: f64) -> ChangePosition {
     let quill = match settings.tailstock {
         Some(Tailstock::Absent) => 0.0,

@@ -1,4 +1,4 @@
-//! What a program needs of the machine: the `[nc.machine]` table.
+//! Data of the machine that a program needs: the `[nc.machine]` table.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -36,23 +36,27 @@ pub struct NcSettings {
     pub part_number: u32,
     /// Clear of the stock's diameter on approach and retract, mm of diameter.
     pub clearance_mm: f64,
-    /// Path beyond the end face of the part, in the air, mm; at most 0.5 mm of it where a centre stands there.
+    /// Path beyond the end face of the part, in the air, mm; at most 0.5 mm of it where a centre
+    /// stands there.
     pub lead_in_mm: f64,
     /// Not used any more: the path ends at `least_z_mm`. Read so that older files stay valid.
     pub lead_out_mm: f64,
-    /// Least Z that the nose of the tool may reach, mm from the chuck face: what lies below stays uncut.
+    /// Least Z that the nose of the tool may reach, mm from the chuck face: what lies below stays
+    /// uncut.
     pub least_z_mm: f64,
     /// Spindle speed limit under constant cutting speed, 1/min.
     pub speed_limit_per_min: u32,
     /// Least number of knots.
     pub least_knots: usize,
-    /// Knots are added until the path is within this of the offsets at every station, mm of diameter.
+    /// Knots are added until the path is within this of the offsets at every station, mm of
+    /// diameter.
     pub knot_tolerance_mm: f64,
     /// Largest correction at a knot, mm of diameter.
     pub correction_limit_mm: f64,
     /// Re-measure after the cut and raise an alarm outside the limits.
     pub remeasure: Option<Remeasure>,
-    /// A touch probe in the tool carrier: the part is probed after its last pass, and `--form probing` measures before it.
+    /// A touch probe in the tool carrier: the part is probed after its last pass, and `--form
+    /// probing` measures before it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probe: Option<NcProbe>,
     /// How the control takes X of a wear offset; no default for fanuc and gsk.
@@ -61,11 +65,12 @@ pub struct NcSettings {
     pub geometry_offset: Option<GeometryOffset>,
     /// Sense of the spindle; no default for fanuc and gsk, M03 for linuxcnc.
     pub spindle: Option<Spindle>,
-    /// Angle at which the spindle is held while the part is probed; it is not fixed where this is not stated.
+    /// Angle at which the spindle is held while the part is probed; it is not fixed where this is
+    /// not stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spindle_orientation: Option<SpindleOrientation>,
-    /// Where tools are changed: the reference point (G28) of fanuc and gsk as seen from the part, a place to go to for
-    /// linuxcnc.
+    /// Where tools are changed: the reference point (G28) of fanuc and gsk as seen from the part, a
+    /// place to go to for linuxcnc.
     pub change_position: Option<ChangePosition>,
     /// Nose radius of the tool, mm; 0.8 where it is not stated.
     pub nose_radius_mm: Option<f64>,

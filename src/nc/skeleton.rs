@@ -1,5 +1,5 @@
-//! What every program has around its cut: head, guard, change position, tool, spindle, approach,
-//! retract, end.
+//! The parts common to all programs, around the cut: head, guard, change position, tool, spindle,
+//! approach, retract, end.
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
@@ -8,8 +8,8 @@ use super::route::{Route, Workpiece};
 use super::settings::NcSettings;
 use crate::plan::CuttingData;
 
-/// Variable that keeps part and pass of the program that ran last: common, kept at power-off on a
-/// Fanuc.
+/// Variable with part and pass of the program that ran last: a common variable, kept at power-off
+/// on a Fanuc.
 pub(super) const RAN_LAST: u32 = 820;
 
 /// A program without its cut.
@@ -21,7 +21,7 @@ pub(super) struct Skeleton<'a> {
     pub(super) route: Route,
     pub(super) cutting: CuttingData,
     pub(super) pass: u32,
-    /// What the wear register holds while the tool cuts, mm of diameter; 0 without one.
+    /// Value of the wear register while the tool cuts, mm of diameter; 0 without a register.
     pub(super) wear_mm: f64,
     pub(super) limits_mm: Option<(f64, f64)>,
     /// Whether the program begins by probing the part.
@@ -34,8 +34,8 @@ impl Skeleton<'_> {
         number(f64::from(self.settings.part_number) * 100.0 + f64::from(self.pass % 100), 0)
     }
 
-    /// A program cuts a part's pass once, with a probe that was qualified where it takes its
-    /// correction from there.
+    /// Guards at the start: a program cuts a part's pass only once, and only with a qualified probe
+    /// where it takes the probe's correction from the qualification.
     pub(super) fn once(&self, text: &str) -> Vec<String> {
         let mut lines = self.dialect.alarm_if(101, (&format!("#{RAN_LAST}"), "EQ", &self.identity()), text);
         lines.extend(self.qualified());
@@ -84,10 +84,10 @@ impl Skeleton<'_> {
         lines
     }
 
-    /// What follows the cut: measuring, where it is asked for, and the end.
+    /// The blocks after the cut: measuring, where requested, and the end.
     ///
     /// # Errors
-    /// Places that the probe cannot touch, a tolerance that it cannot prove.
+    /// Places that the probe cannot touch, a tolerance that U takes up.
     pub(super) fn after(&self, nominal_mm: f64) -> Result<Vec<String>, NcError> {
         let mut lines = self.after_cut();
         if let Some((probe, limits)) = self.probes_after() {
@@ -118,7 +118,7 @@ impl Skeleton<'_> {
     }
 }
 
-/// Checks what every form needs before a line is written.
+/// Checks that are common to all programs, before a line is written.
 pub(super) fn check(
     settings: &NcSettings,
     piece: &Workpiece,

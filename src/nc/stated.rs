@@ -1,4 +1,4 @@
-//! Whether the machine's data state what the control leaves open, and whether they are in range.
+//! Whether the machine's data are complete for the control, and whether they are in range.
 
 use super::dialect::Dialect;
 use super::error::NcError;
@@ -7,10 +7,10 @@ use super::settings::NcSettings;
 use crate::setting::{SettingError, require};
 
 impl NcSettings {
-    /// Whether everything is stated that the control leaves open.
+    /// Whether all data are stated that differ between machines with this control.
     ///
     /// # Errors
-    /// [`NcError::Unstated`] names each key and where the answer stands.
+    /// [`NcError::Unstated`] names each key and where to look up its value.
     pub fn check_stated(&self, dialect: Dialect) -> Result<(), NcError> {
         let missing: Vec<&str> = [
             self.wear_x.is_none().then(|| dialect.look_up_wear_x()),
@@ -35,7 +35,7 @@ impl NcSettings {
     }
 
     /// Whether the mean of a correction goes into the wear register: where the register can be
-    /// written and its number does not choose the geometry, too.
+    /// written and its number does not also choose the geometry.
     pub fn uses_wear_register(&self, dialect: Dialect) -> bool {
         dialect.has_wear_register() && self.geometry_offset != Some(GeometryOffset::ByOffset)
     }

@@ -1,9 +1,9 @@
-//! What stands around the part, as solids from the axis outwards; and the tool's outline.
+//! The surroundings of the part as solids from the axis outwards, and the tool's outline.
 //!
-//! What is not stated is taken on the safe side: nothing may move behind Z = 0, a centre stands in
+//! Where data are missing, safe assumptions hold: nothing may move behind Z = 0, a centre stands in
 //! the end face and grows at once to a large quill, a steady rest of the run takes up its place at
-//! every radius. A room under a solid counts as taken, so that from every clear place the way out
-//! in X is free.
+//! every radius. The space under a solid counts as occupied, so that from every clear place the way
+//! out in X is free.
 
 use super::machine::{Centre, Direction, Tailstock};
 use super::probe::{CORRECTION, QUALIFIED};
@@ -11,10 +11,10 @@ use super::replay::{CommandedCut, Convex, Solid, WorkingSpace};
 use super::route::{QUILL_MM, Route, Workpiece};
 use super::skeleton::{RAN_LAST, Skeleton};
 
-/// Farther than anything in a lathe, mm.
+/// A length beyond all dimensions of a lathe, mm.
 const FAR_MM: f64 = 1e4;
-/// Half width along Z of a steady rest whose place alone is known, mm: rollers and arms of common
-/// rests.
+/// Half width along Z of a steady rest of which only the place is stated, mm: rollers and arms of
+/// common rests.
 const HALF_STEADY_MM: f64 = 15.0;
 /// Largest point of a centre that is assumed at the end face, as a share of the part's diameter:
 /// above the countersinks that ISO 866 and DIN 332-1 give for shafts (a 1.6 mm centre hole, 3.35 mm

@@ -11,7 +11,7 @@ use super::settings::NcSettings;
 use super::skeleton::{self, Skeleton};
 use crate::plan::PassPlan;
 
-/// Points of a path that lie closer than this are one, mm: the increment of Z.
+/// Distance below which points of a path coincide, mm: the increment of Z.
 const SAME_Z_MM: f64 = 1e-3;
 
 /// A pass to be written.
@@ -25,16 +25,16 @@ pub struct TurningProgram<'a> {
     pub piece: &'a Workpiece,
     /// Lower and upper limit for the re-measurement, mm, where the part is finished by this pass.
     pub limits_mm: Option<(f64, f64)>,
-    /// Why these offsets: written into the header.
+    /// Reason for these offsets, written into the header.
     pub reason: &'a str,
 }
 
-/// A program that was replayed.
+/// A program that has passed its replay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Written<P> {
     /// Its text.
     pub text: String,
-    /// What it cuts.
+    /// The cut.
     pub cut: P,
     /// What stays uncut, in a sentence.
     pub uncut: String,
@@ -44,8 +44,8 @@ impl<'a> TurningProgram<'a> {
     /// The program's text and the path it cuts, replayed from every start position.
     ///
     /// # Errors
-    /// As [`Path::new`]; a part that does not fit the plan; what the control leaves open; a block
-    /// that touches.
+    /// As [`Path::new`]; a part that does not fit the plan; machine data that are missing; a block
+    /// that collides.
     pub fn write(&self, dialect: Dialect) -> Result<Written<Path>, NcError> {
         let (path, skeleton) = self.prepare(dialect)?;
         let mut lines = self.head(&skeleton, &path);
@@ -58,7 +58,7 @@ impl<'a> TurningProgram<'a> {
         Ok(Written { text, cut: path, uncut: skeleton.uncut() })
     }
 
-    /// What a program of this pass is replayed among.
+    /// The working space for a replay of this pass.
     ///
     /// # Errors
     /// As [`Self::write`], but for the replay.

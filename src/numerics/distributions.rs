@@ -17,7 +17,7 @@ pub(crate) fn phi_pdf(t: f64) -> f64 {
 /// Student's t for a two-sided probability.
 pub(crate) fn student(freedom: f64, probability: f64) -> f64 {
     if freedom > 1e5 {
-        // Student's t is the normal there to 1e-5.
+        // Student's t agrees with the normal distribution to 1e-5 there.
         return Normal::standard().inverse_cdf(0.5 + 0.5 * probability);
     }
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * probability))
@@ -37,7 +37,7 @@ pub(crate) fn upper_normal_quantile(probability: f64) -> f64 {
         / (1.0 + 1.432_788 * t + 0.189_269 * t * t + 0.001_308 * t * t * t)
 }
 
-/// z with Q(z) = share, by bisection: exact where [`upper_normal_quantile`] is quick.
+/// z with Q(z) = share, by bisection: exact, whereas [`upper_normal_quantile`] is an approximation.
 pub(crate) fn inverse_tail(share: f64) -> f64 {
     let (mut low, mut high) = (-8.0, 8.0);
     for _ in 0..50 {

@@ -1,5 +1,5 @@
-//! The straight line through points by least squares, about their means: no digits are lost where
-//! the abscissae lie far from 0.
+//! The straight line through points by least squares, about their means, so that no digits are lost
+//! where the abscissae are far from 0.
 
 /// y = mean_y + slope·(x − mean_x), with the sums that it comes from.
 #[derive(Clone, Copy, Debug)]
@@ -8,14 +8,14 @@ pub(crate) struct Line {
     pub(crate) mean_x: f64,
     /// Mean ordinate.
     pub(crate) mean_y: f64,
-    /// Σ(x − x̄)²: 0 of points above one another.
+    /// Σ(x − x̄)²: 0 where all x are equal.
     pub(crate) square: f64,
     /// Σ(x − x̄)(y − ȳ).
     cross: f64,
 }
 
 impl Line {
-    /// Through points; no numbers of none.
+    /// The line through points; NaN without points.
     pub(crate) fn through(points: impl Iterator<Item = (f64, f64)> + Clone) -> Self {
         let n = points.clone().count() as f64;
         let mean_x = points.clone().map(|p| p.0).sum::<f64>() / n;

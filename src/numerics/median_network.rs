@@ -1,5 +1,5 @@
-//! Medians of sixteen, eight blocks at once, by a sorting network (Batcher's odd-even merge sort):
-//! no branch depends on the data.
+//! Medians of blocks of sixteen values, eight blocks at once, by a sorting network (Batcher's
+//! odd-even merge sort): no branch depends on the data.
 
 /// Values of a block.
 pub(crate) const BLOCK: usize = 16;

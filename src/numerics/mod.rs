@@ -1,14 +1,14 @@
-//! Mathematics without state, for every room: distributions, lines, normal equations, a smoothing
+//! Mathematics without state, for every module: distributions, lines, normal equations, a smoothing
 //! spline, robust statistics, a median network.
 //!
-//! In: numbers and slices of them. Out: numbers, or a fit that is asked for values. No type here
-//! has a unit, keeps anything between calls or refers to another room, and the same arguments give
-//! the same bits on every thread.
+//! In: numbers and slices of them. Out: numbers, or a fit that can be evaluated. No type here has a
+//! unit, keeps state between calls or depends on another module, and the same arguments give the
+//! same bits on every thread.
 //!
-//! One more method is one more file, with the source of its formula, its range and its error in its
-//! head, and a test against an exact value. What two rooms compute alike belongs here; what one
-//! room needs with its own units stays with it. The f64 reference of the renderer keeps functions
-//! of its own, so that a fault here cannot hide in both.
+//! A new method is a new file, with the source of its formula, its range and its error at the top,
+//! and a test against an exact value. A computation that two modules share belongs here; one that
+//! needs a module's own units stays there. The f64 reference of the renderer has its own functions,
+//! so that a fault here cannot be in both.
 
 pub(crate) mod distributions;
 pub(crate) mod line;

@@ -12,7 +12,7 @@ pub(crate) struct NormalEquations<const N: usize> {
 }
 
 impl<const N: usize> NormalEquations<N> {
-    /// Of no point.
+    /// Without any point.
     pub(crate) fn new() -> Self {
         Self { normal: SMatrix::zeros(), right: SVector::zeros() }
     }
@@ -23,8 +23,8 @@ impl<const N: usize> NormalEquations<N> {
         self.right += terms * (weight * value);
     }
 
-    /// Coefficients by the inverse, where one is needed besides or the matrix is not known to be
-    /// definite.
+    /// Coefficients by the inverse, for callers that also need the inverse or whose matrix may not
+    /// be definite.
     pub(crate) fn by_inverse(&self) -> Option<SVector<f64, N>> {
         Some(self.normal.try_inverse()? * self.right)
     }

@@ -5,7 +5,8 @@ use std::sync::LazyLock;
 
 use crate::numerics::distributions::{phi_cdf, phi_pdf};
 
-/// Nodes a unit. The error of a cubic of step h is h⁴/384·max|f⁗| ≤ 6e-10, since |Φ⁗| ≤ 1.4 and
+/// Nodes per unit of t. The error of a cubic of step h is h⁴/384·max|f⁗| ≤ 6e-10, since |Φ⁗| ≤ 1.4
+/// and
 /// |φ⁗| ≤ 1.2.
 const PER_UNIT: f64 = 48.0;
 /// Beyond this Φ is 0 or 1 and φ is 0, to 1e-16.
@@ -18,7 +19,7 @@ static NODES: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     (0..count).map(|k| [phi_cdf(at(k)), phi_pdf(at(k))]).collect()
 });
 
-/// The table, taken once before a loop.
+/// A handle to the table, obtained once before a loop.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NormalTable(&'static [[f64; 2]]);
 

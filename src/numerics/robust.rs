@@ -1,4 +1,4 @@
-//! Statistics that a minority of wild values does not move.
+//! Statistics that are insensitive to a minority of outliers.
 
 use std::cmp::Ordering;
 
@@ -6,17 +6,16 @@ use std::cmp::Ordering;
 /// 1/Φ⁻¹(3/4).
 pub(crate) const MEDIAN_TO_SD: f64 = 1.4826;
 
-/// The same to all digits, where readings of stations are weighed.
+/// The same to the resolution of a double, for the weights of stations' readings.
 pub(crate) const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 
-/// Median, the upper one of the two middle values of an even number; leaves the values in another
-/// order.
+/// Median, the upper one of the two middle values of an even number; reorders the values.
 pub(crate) fn upper_median<T: Copy>(values: &mut [T], order: impl FnMut(&T, &T) -> Ordering) -> Option<T> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, order).1)
 }
 
-/// The same of a list; 0 of none.
+/// The same for a list; 0 for an empty one.
 pub(crate) fn median_of(mut values: Vec<f64>) -> f64 {
     upper_median(&mut values, f64::total_cmp).unwrap_or(0.0)
 }

@@ -65,8 +65,8 @@ impl SplineFit {
         }
     }
 
-    /// Solves with this weight of a second difference, in units of a knot's mean weight; with
-    /// `clamped` ends the spline leaves zero smoothly.
+    /// Solves with this weight of the squared second differences, in units of a knot's mean weight;
+    /// with `clamped` ends, value and slope are zero at the ends.
     pub(crate) fn solve(mut self, smoothing: f64, clamped: bool) -> Option<Spline> {
         let n = self.right.len();
         let weight = self.normal.trace() / n as f64;

@@ -1,11 +1,11 @@
-//! What a probe reads too much or too little, from masters of known diameter.
+//! The correction of a probe, from masters of calibrated diameter.
 
 use serde::{Deserialize, Serialize};
 
 use super::pairs::{Pair, mean_and_scatter};
 use super::settings::ProbeSettings;
 
-/// A probe that cannot be calibrated.
+/// Why a probe cannot be calibrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CalibrationError {
@@ -29,28 +29,28 @@ pub struct MasterTouches {
     pub diameter_mm: f64,
     /// Standard uncertainty of it, mm.
     pub u_mm: f64,
-    /// Two-point diameters as read.
+    /// Two-point diameters as indicated.
     pub pairs: Vec<Pair>,
 }
 
-/// What a two-point diameter by touches is corrected by: ball, pre-travel, delay, setting of the
-/// probe along x.
+/// The correction of a two-point diameter by touches: ball, pre-travel, delay, setting of the probe
+/// along x.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProbeCalibration {
-    /// Two-point diameter as read less the diameter, mm: `nc.probe.correction_mm` of a probe that
-    /// is set to its ball's lowest point, but for the ball's diameter.
+    /// Indicated two-point diameter less the diameter, mm: apart from the ball's diameter, the
+    /// `nc.probe.correction_mm` of a probe set to its ball's lowest point.
     pub probe_correction_mm: f64,
     /// Standard uncertainty of it, mm.
     pub u_correction_mm: f64,
-    /// Mean diameter of the masters, mm: where it holds best.
+    /// Mean diameter of the masters, mm, where the correction is best.
     pub master_mm: f64,
     /// Largest departure of a master from the mean of all, mm.
     pub largest_residual_mm: f64,
 }
 
 /// The mean over the masters. Their certificates count as one (a laboratory's own error is common
-/// to them); where masters disagree by more than their scatter, the disagreement counts.
+/// to them); where masters disagree by more than their scatter, the disagreement is included.
 ///
 /// # Errors
 /// No master, or one that was not touched.

@@ -1,16 +1,16 @@
 //! A touch-trigger probe in the tool carrier as a source of diameters, beside the camera.
 //!
 //! ```text
-//! TouchOrder -> the cell -> Touch (X that the control kept) -> two-point diameters -> DiameterProfile
+//! TouchOrder -> cell -> Touch (X stored by the control) -> two-point diameters -> DiameterProfile
 //! ```
 //!
-//! A touch reads the ball's centre where the control kept it, not where the ball met the part:
-//! between them lie the pre-travel ([`pretravel`]), the way of the machine until the signal is
-//! taken, and the ball's radius. What is common to part and master is taken out on masters
-//! ([`ProbeCalibration`]); what is not is in the uncertainty. Two touches make a two-point
-//! diameter: from one side with the spindle turned by 180° between them, or from both sides.
-//! Eccentricity and bow cancel in both; what stands still in the machine (sag, the straightness of
-//! the guideway) cancels from both sides alone.
+//! A touch yields the position of the ball's centre that the control stored, not the point of
+//! contact: they differ by the pre-travel ([`pretravel`]), the path of the machine until the signal
+//! is processed, and the ball's radius. Effects common to part and master are corrected by the
+//! calibration on masters ([`ProbeCalibration`]); all others are in the uncertainty. Two touches
+//! make a two-point diameter: from one side with the spindle turned by 180° between them, or from
+//! both sides. Eccentricity and bow cancel in both; effects at rest in the machine (sag,
+//! straightness of the guideway) cancel only with touches from both sides.
 //!
 //! `settings` is the `[probe]` table, `touch` a touch, `pairs` two of them; `profile` gives the
 //! stations' diameters with u.

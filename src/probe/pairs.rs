@@ -1,4 +1,4 @@
-//! Two-point diameters: the touches they need, and what two touches read.
+//! Two-point diameters: the touches that they need, and their evaluation.
 
 use super::settings::{ProbeSettings, Sides};
 use super::touch::{Side, Touch, TouchOrder};
@@ -14,7 +14,7 @@ pub struct Pair {
     pub id: u64,
     /// Time of the first touch, ns.
     pub t_ns: u64,
-    /// Sum of both distances from the axis as read, ball included, mm; none where a touch is
+    /// Sum of both indicated distances from the axis, ball included, mm; none where a touch is
     /// missing.
     pub read_mm: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! Force and pre-travel of a probe whose stylus stands on three seats.
+//! Force and pre-travel of a probe whose stylus rests on three seats.
 //!
 //! The stylus tilts about the line through two seats, which lies r/2 from its axis (seats 120°
 //! apart on a circle of radius r), when the moment of the touch about it exceeds that of the
@@ -9,10 +9,10 @@
 //! F·(n_q·L·cos α' + n_a·r/2) = S·r/2     F = S / (n_a + (2L/r)·n_q·cos α')
 //! ```
 //!
-//! across the stylus F rises by 2 from the middle of a lobe to between two: three lobes a turn.
-//! Until it tilts the stem bends, and the touch is signalled late by F·(n_q²·L³/3EI + n_a²·L/EA).
-//! This is the model of Estler et al., Error compensation for CMM touch trigger probes, Precision
-//! Engineering 19 (1996) 85-97, without friction and gravity.
+//! Across the stylus F rises by a factor of 2 from the middle of a lobe to between two lobes, of
+//! which there are three per turn. Until the stylus tilts its stem bends, and the signal is late by
+//! F·(n_q²·L³/3EI + n_a²·L/EA). This is the model of Estler et al., Error compensation for CMM
+//! touch trigger probes, Precision Engineering 19 (1996) 85-97, without friction and gravity.
 
 use super::settings::{ProbeSettings, Stylus};
 
@@ -62,7 +62,7 @@ impl Pretravel {
         self.spring_n / (along.max(0.0) + self.lever * across[0].hypot(across[1]) * cos)
     }
 
-    /// Way of the probe along `normal` from the touch to the signal, mm.
+    /// Travel of the probe along `normal` from the touch to the signal, mm.
     pub fn travel_mm(&self, normal: [f64; 3]) -> f64 {
         let (along, across) = self.shares(normal);
         let square = across[0].powi(2) + across[1].powi(2);

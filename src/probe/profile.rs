@@ -1,4 +1,4 @@
-//! From touches to one diameter a station.
+//! From touches to one diameter per station.
 
 use super::calibration::ProbeCalibration;
 use super::pairs::{Pair, mean_and_scatter};
@@ -6,8 +6,8 @@ use super::pretravel::Pretravel;
 use super::settings::{ProbeSettings, Sides};
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 
-/// A station that scatters more than this many times the pooled variance counts by itself: one good
-/// station in 1900 does so with one degree of freedom, fewer with more.
+/// A station whose variance exceeds the pooled one by more than this factor keeps its own: with one
+/// degree of freedom one good station in 1900 does, fewer with more.
 const FAR: f64 = 12.0;
 /// Median of χ² of one degree of freedom over its mean: the worst case, of fewest angles.
 const MEDIAN_OF_ONE: f64 = 0.455;
@@ -18,8 +18,8 @@ const MANY_FREEDOM: f64 = 1000.0;
 /// Diameters at 20 °C of the stations whose `count` pairs each follow one another, z ascending.
 ///
 /// The scatter of a station's angles (form, texture, the touches themselves) is pooled over the
-/// stations and gives the random part; what calibration, temperature, height, yielding and, from
-/// one side, axis, guideway and drift leave is common.
+/// stations and gives the random part; the contributions of calibration, temperature, height,
+/// yielding and, from one side, axis, guideway and drift are common.
 pub fn profile(
     settings: &ProbeSettings,
     calibration: &ProbeCalibration,
@@ -69,27 +69,27 @@ fn pooled(found: &[Option<(f64, f64, usize)>]) -> (f64, f64) {
     (kept().map(|f| f.0 * f.1).sum::<f64>() / freedom.max(1.0), freedom)
 }
 
-/// How far the part yields at most where it is softest, mm of diameter.
+/// Largest yield of the part under the touch, where it is softest, mm of diameter.
 fn yields_mm(settings: &ProbeSettings) -> f64 {
     let force = Pretravel::new(settings).force_n([1.0, 0.0, 0.0]);
     2e-3 * settings.part_yield_um_per_n * force
 }
 
-/// A two-point diameter as read, corrected and at 20 °C; of what the part may yield half is taken.
+/// A two-point diameter, corrected and at 20 °C, mm; half of the largest yield is added.
 pub fn corrected(settings: &ProbeSettings, calibration: &ProbeCalibration, read_mm: f64) -> f64 {
     let t = &settings.temperature;
     let grown = 1.0 + 1e-6 * t.expansion_um_per_m_k * (t.part_c - 20.0);
     (read_mm - calibration.probe_correction_mm + 0.5 * yields_mm(settings)) / grown
 }
 
-/// A master's diameter as read, corrected and at 20 °C, mm.
+/// A master's diameter, corrected and at 20 °C, mm.
 pub fn of_master(settings: &ProbeSettings, calibration: &ProbeCalibration, read_mm: f64) -> f64 {
     let t = &settings.temperature;
     let grown = 1.0 + 1e-6 * t.expansion_um_per_m_k * (t.master_c - 20.0);
     (read_mm - calibration.probe_correction_mm) / grown
 }
 
-/// Standard uncertainty that all stations share, mm.
+/// Standard uncertainty common to all stations, mm.
 fn u_common(settings: &ProbeSettings, calibration: &ProbeCalibration, d_mm: f64) -> f64 {
     common_parts(settings, calibration, d_mm).iter().fold(0.0, |u: f64, part| u.hypot(part.1))
 }

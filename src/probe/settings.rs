@@ -9,10 +9,12 @@ use crate::setting::{SettingError, require};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Stylus {
-    /// Radially, towards the axis: the usual place on a turret; a diameter is touched with the stylus' tip.
+    /// Radially, towards the axis: the usual place on a turret; a diameter is touched with the
+    /// stylus' tip.
     #[default]
     AlongX,
-    /// Across spindle and carrier's way (a Y axis, a B axis): a diameter is touched with the ball's side.
+    /// Across spindle and carrier's way (a Y axis, a B axis): a diameter is touched with the ball's
+    /// side.
     AlongY,
     /// Parallel to the spindle (a cranked stylus): a diameter is touched with the ball's side.
     AlongZ,
@@ -49,7 +51,8 @@ impl Default for ProbeTemperature {
     }
 }
 
-/// A touch-trigger probe and how it is used. Where the table stands, the closed loop takes its diameters from the probe.
+/// A touch-trigger probe and how it is used. Where the table stands, the closed loop takes its
+/// diameters from the probe.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ProbeSettings {
@@ -59,7 +62,8 @@ pub struct ProbeSettings {
     pub sides: Sides,
     /// Two-point diameters a station, at spindle angles equally spaced over half a turn.
     pub angles: usize,
-    /// Two-point diameters taken of every master pin, at spindle angles equally spaced over half a turn.
+    /// Two-point diameters taken of every master pin, at spindle angles equally spaced over half a
+    /// turn.
     pub master_diameters: usize,
     /// Diameter of the ball, mm.
     pub ball_mm: f64,
@@ -73,7 +77,8 @@ pub struct ProbeSettings {
     pub spring_n: f64,
     /// Radius of the circle on which the three seats lie, mm.
     pub seat_radius_mm: f64,
-    /// Direction of least force in the plane across the stylus, degrees: from x towards y or z, from y towards z.
+    /// Direction of least force in the plane across the stylus, degrees: from x towards y or z,
+    /// from y towards z.
     pub lobe_deg: f64,
     /// Measuring feed, mm/min.
     pub feed_mm_per_min: f64,
@@ -89,15 +94,18 @@ pub struct ProbeSettings {
     pub temperature: ProbeTemperature,
     /// Standard uncertainty of the ball's height beside the spindle's axis, µm.
     pub u_height_um: f64,
-    /// Standard uncertainty of where the part's axis lies along x, beside where the masters' lay, µm: sag, tailstock. Counts
-    /// where one side is touched.
+    /// Standard uncertainty of where the part's axis lies along x, beside where the masters' lay,
+    /// µm: sag, tailstock. Counts where one side is touched.
     pub u_axis_um: f64,
-    /// Standard uncertainty of the guideway's straightness along x between masters and part, µm. Counts where one side is
-    /// touched: tool and probe ride on the same guideway, so that its error is cut and not seen.
+    /// Standard uncertainty of the guideway's straightness along x between masters and part, µm.
+    /// Counts where one side is touched: tool and probe ride on the same guideway, so that its
+    /// error is cut and not seen.
     pub u_guideway_um: f64,
-    /// Standard uncertainty of the drift of the machine's X since the calibration, µm. Counts where one side is touched.
+    /// Standard uncertainty of the drift of the machine's X since the calibration, µm. Counts where
+    /// one side is touched.
     pub u_drift_um: f64,
-    /// Compliance of the part where it is softest, µm/N: it yields to the touch, more than a master does.
+    /// Compliance of the part where it is softest, µm/N: it yields to the touch, more than a master
+    /// does.
     pub part_yield_um_per_n: f64,
 }
 

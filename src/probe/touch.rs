@@ -1,4 +1,4 @@
-//! A touch, as it is asked for and as it comes back.
+//! A touch: the order and the result.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,7 @@ impl Side {
     }
 }
 
-/// A touch that is asked for.
+/// A touch to be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TouchOrder {
     /// Machine z of the ball, mm.
@@ -39,13 +39,13 @@ pub struct TouchOrder {
 /// A touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// What was asked for.
+    /// The order.
     pub order: TouchOrder,
     /// Running number.
     pub id: u64,
     /// Time of the signal, ns.
     pub t_ns: u64,
-    /// X of the ball's centre as the control kept it, from the axis of the spindle as it is set, mm
+    /// X of the ball's centre as stored by the control, from the nominal axis of the spindle, mm
     /// (radius); none where nothing was touched within reach.
     pub x_mm: Option<f64>,
 }

@@ -1,9 +1,9 @@
 //! Timoshenko beam under a load that travels with the tool, condensed from both ends.
 //!
 //! At the tool the shaft is cut into a left part (chuck to tool) and a right part (tool to
-//! tailstock). Each is known by what its cut face does under a load there: with q = (u, θ) the
-//! radial deflection and the rotation of the face, p = (F, M) the load, q = C·p. Lengthening a part
-//! by an element of length h, bending stiffness EI and shear stiffness κGA keeps that form,
+//! tailstock). Each is described by the compliance C of its cut face, q = C·p, with q = (u, θ) the
+//! radial deflection and the rotation of the face and p = (F, M) the load there. Lengthening a part
+//! by an element of length h, bending stiffness EI and shear stiffness κGA gives the compliance
 //!
 //! ```text
 //! C' = T·C·Tᵀ + [ h³/3EI + h/κGA   h²/2EI ]      T = [1 h]
@@ -11,10 +11,10 @@
 //! ```
 //!
 //! which is the elimination of a Timoshenko finite element's inner node, exact for piecewise
-//! constant sections. It is written in compliances because every sum is then one of positive terms:
-//! assembled stiffness matrices lose about (L/h)³ of the accuracy of a double, these lose none. A
-//! load at the tool meets both parts in parallel: u/F = [(C_left⁻¹ + C_right⁻¹)⁻¹]₁₁, so that all N
-//! positions of the load cost O(N).
+//! constant sections. It is written in compliances because every sum then has positive terms only:
+//! solving an assembled stiffness matrix amplifies rounding errors by about (L/h)³, this recursion
+//! does not. A load at the tool acts on both parts in parallel: u/F = [(C_left⁻¹ + C_right⁻¹)⁻¹]₁₁,
+//! so that all N positions of the load cost O(N).
 
 use nalgebra::{Matrix2, Vector2};
 
@@ -24,11 +24,11 @@ use super::section::Section;
 /// counted positive away from the support, so that left and right parts follow the same equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Part {
-    /// Only a force at the tip carries it (centre in the tailstock): the face can move freely along
-    /// the mechanism, and yields `compliance_mm_per_n` against a force whose moment about the tip
+    /// Supported by a force at the tip alone (centre in the tailstock): the face can rotate freely
+    /// about the tip, and yields by `compliance_mm_per_n` under a force whose moment about the tip
     /// vanishes.
     Hinged {
-        /// Deflection over force in that direction, mm/N; infinite for a free end.
+        /// Deflection per force in that direction, mm/N; infinite for a free end.
         compliance_mm_per_n: f64,
         /// Distance from the tip to the face, mm.
         lever_mm: f64,
@@ -135,7 +135,8 @@ fn held_and_hinged(held: &Matrix2<f64>, compliance: f64, lever: f64) -> f64 {
     if sum > 0.0 { product / sum } else { 0.0 }
 }
 
-/// A simply supported shaft: the force divides by levers, each side yields for its own share.
+/// A simply supported shaft: the force is divided by the lever rule, and each side yields under its
+/// own share.
 fn two_hinged(c: f64, a: f64, d: f64, b: f64) -> f64 {
     let length = a + b;
     if length > 0.0 { c * (b / length).powi(2) + d * (a / length).powi(2) } else { in_parallel(c, d) }

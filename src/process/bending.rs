@@ -1,10 +1,10 @@
 //! What bends the axis besides the radial force that sets the size: self weight, tailstock, chuck,
-//! and the force seen from both planes.
+//! and the force in both planes.
 //!
 //! x is up in the image and y towards the camera; angles in the plane across the spindle are
-//! counted from x towards y, the way the spindle turns. What stands still (weight, tailstock,
-//! force) and what turns with the part (the chuck's eccentricity, the thrust on a bow) are two
-//! lines.
+//! counted from x towards y, the sense in which the spindle turns. Two deflection lines are kept
+//! apart: one at rest (weight, tailstock, force) and one that turns with the part (the chuck's
+//! eccentricity, the thrust on a bow).
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,31 +21,33 @@ use crate::shaft::AxisKnot;
 /// Acceleration of free fall, m/s² (ISO 80000-3, conventional value).
 const GRAVITY_M_PER_S2: f64 = 9.80665;
 
-/// `[process.bending]`: how the axis lies in the machine; by default only the force bends the shaft, while it cuts.
+/// `[process.bending]`: how the axis lies in the machine; by default only the force bends the
+/// shaft, while it cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BendingSettings {
     /// Whether the shaft sags under its own weight (`process.material.density_kg_per_m3`).
     pub self_weight: bool,
-    /// Direction of gravity across the spindle, degrees from x (up in the image) towards y (towards the camera): 180 is down in the
-    /// image, 270 away from the camera.
+    /// Direction of gravity across the spindle, degrees from x (up in the image) towards y (towards
+    /// the camera): 180 is down in the image, 270 away from the camera.
     pub gravity_deg: f64,
-    /// Direction from the spindle's axis to the tool, degrees, counted alike. The radial force points away from it; the tangential one
-    /// against the motion of the surface there.
+    /// Direction from the spindle's axis to the tool, degrees, counted alike. The radial force
+    /// points away from it; the tangential one against the motion of the surface there.
     pub tool_deg: f64,
-    /// Whether the tailstock's thrust bends further what is bent or bowed (`process.support.tailstock_thrust_n`).
+    /// Whether the tailstock's thrust bends further what is bent or bowed
+    /// (`process.support.tailstock_thrust_n`).
     pub tailstock_push: bool,
     /// Offset of the tailstock's centre from the spindle's axis along x, µm.
     pub tailstock_x_um: f64,
     /// Offset of the tailstock's centre along y, µm.
     pub tailstock_y_um: f64,
-    /// Offset at which the chuck holds the part's axis after every pass, µm; turns with the spindle, while the other end runs true on
-    /// its centre.
+    /// Offset at which the chuck holds the part's axis after every pass, µm; turns with the
+    /// spindle, while the other end runs true on its centre.
     pub chuck_eccentricity_um: f64,
     /// Body angle of that offset, degrees.
     pub chuck_eccentricity_deg: f64,
-    /// Whether the diameter carries the tangential deflection too (equation 1 of the slender-shaft paper); its effect is of second
-    /// order.
+    /// Whether the diameter carries the tangential deflection too (equation 1 of the slender-shaft
+    /// paper); its effect is of second order.
     pub tangential_error: bool,
 }
 
@@ -71,7 +73,7 @@ impl BendingSettings {
         angle.check("bending.gravity_deg", self.gravity_deg)?;
         angle.check("bending.tool_deg", self.tool_deg)?;
         angle.check("bending.chuck_eccentricity_deg", self.chuck_eccentricity_deg)?;
-        // More than a millimetre is no misalignment but another machine.
+        // An offset of more than a millimetre is a mistake in the config, not a misalignment.
         let offset = Range::between(-1e3, 1e3);
         offset.check("bending.tailstock_x_um", self.tailstock_x_um)?;
         offset.check("bending.tailstock_y_um", self.tailstock_y_um)?;
@@ -107,13 +109,13 @@ fn direction(deg: f64) -> [f64; 2] {
     [cos, sin]
 }
 
-/// Weight of a solid round bar a length, N/mm.
+/// Weight of a solid round bar per unit length, N/mm.
 pub fn weight_n_per_mm(diameter_mm: f64, material: &Material) -> f64 {
     let area_mm2 = std::f64::consts::FRAC_PI_4 * diameter_mm * diameter_mm;
     1e-9 * material.density_kg_per_m3 * area_mm2 * GRAVITY_M_PER_S2
 }
 
-/// A shaft as it is held: diameters of equal elements from chuck to tailstock.
+/// A shaft in its supports: diameters of elements of equal length from chuck to tailstock.
 #[derive(Clone, Debug)]
 pub struct HeldShaft<'a> {
     /// Length of an element, mm.
@@ -130,7 +132,7 @@ pub struct HeldShaft<'a> {
     pub bending: &'a BendingSettings,
 }
 
-/// A cutting force at its place.
+/// A cutting force and the place where it acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceAt {
     /// Machine z of the tool, mm.
@@ -238,7 +240,7 @@ fn thrust_on_bow(bow: &[AxisKnot], offset: impl Fn(&AxisKnot) -> f64, thrust_n: 
         .collect()
 }
 
-/// The sum of two lines of an axis at the places of both; what is not given is straight.
+/// The sum of two lines of an axis at the z values of both; an empty line is straight.
 pub fn sum_of_lines(a: &[AxisKnot], b: &[AxisKnot]) -> Vec<AxisKnot> {
     if a.is_empty() || b.is_empty() {
         return [a, b].concat();
@@ -253,7 +255,7 @@ pub fn sum_of_lines(a: &[AxisKnot], b: &[AxisKnot]) -> Vec<AxisKnot> {
     places.into_iter().map(sum).collect()
 }
 
-/// A line at z, mm along x and y: linear between its knots, constant beyond; none is straight.
+/// A line at z, mm along x and y: linear between its knots, constant beyond; zero without knots.
 pub fn axis_at(knots: &[AxisKnot], z_mm: f64) -> [f64; 2] {
     let after = knots.partition_point(|k| k.z_mm <= z_mm);
     match (after.checked_sub(1).and_then(|i| knots.get(i)), knots.get(after)) {

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use crate::setting::SettingError;
 
-/// A value that a key below `[process]` does not take.
+/// The error for a value that is out of range for a key below `[process]`.
 pub(super) fn refuse(key: &str, value: impl Display, right: impl Display) -> SettingError {
     SettingError::of(format!("process.{key}"), value, right)
 }

@@ -7,14 +7,14 @@ use super::geometry::tangential_error_mm;
 use super::material::Material;
 use super::section::Section;
 
-/// What the cut of a pass looked like.
+/// Extremes of depth, force and deflection in a pass, and its notes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CutSummary {
     /// Number of the pass.
     pub pass: u32,
-    /// Smallest depth really cut, mm.
+    /// Smallest actual depth of cut, mm.
     pub min_depth_mm: f64,
-    /// Largest depth really cut, mm.
+    /// Largest actual depth of cut, mm.
     pub max_depth_mm: f64,
     /// Largest radial force, N.
     pub max_force_n: f64,
@@ -33,7 +33,7 @@ pub struct CutSummary {
     pub notes: Vec<String>,
 }
 
-/// Everything a pass needs; borrowed, so that an error leaves the workpiece alone.
+/// Inputs of a pass, borrowed, so that an error leaves the workpiece unchanged.
 pub(super) struct Cut<'a> {
     pub before: &'a [f64],
     pub commanded: &'a [f64],
@@ -46,20 +46,20 @@ pub(super) struct Cut<'a> {
     pub tangential_mm: Option<&'a [f64]>,
 }
 
-/// What a cut leaves, node by node.
+/// The result of a cut, node by node.
 #[derive(Clone, Debug)]
 pub(super) struct Passed {
     /// Diameter, mm.
     pub after: Vec<f64>,
     /// Depth that was cut, mm.
     pub depth_mm: Vec<f64>,
-    /// What the tool met.
+    /// Extremes over the pass.
     pub summary: CutSummary,
 }
 
 impl Cut<'_> {
-    /// Diameters after the pass, the tool travelling from the last node to the first, and what it
-    /// met.
+    /// Diameters after the pass, the tool travelling from the last node to the first, and the
+    /// extremes on the way.
     pub(super) fn towards_first(&self) -> Passed {
         let lefts = self.uncut_left_parts();
         let mut right = self.supports.tailstock;
@@ -69,7 +69,8 @@ impl Cut<'_> {
         let mut summary = CutSummary { min_depth_mm: f64::INFINITY, ..CutSummary::default() };
         for node in (0..after.len()).rev() {
             let behind = after.get(node + 1).copied();
-            // The element behind the tool: its near end is only known once this node is cut.
+            // The element behind the tool: the diameter of its near end results from the cut at
+            // this node.
             let probe = behind.map_or(right, |d| self.extended(right, d));
             let compliance = compliance_at_joint(&lefts[node], &probe);
             let depth = self.law.depth_mm(0.5 * (self.before[node] - self.commanded[node]), compliance);
@@ -87,7 +88,7 @@ impl Cut<'_> {
             }
             self.supports.rests_at(node, self.step_mm).for_each(|rest| right.support(rest));
         }
-        // The largest of both factors bounds the largest product from above.
+        // The product of both maxima is an upper bound of the largest product.
         let tangential = softest * self.law.components(summary.max_depth_mm).cutting_n;
         let thinnest = after.iter().copied().fold(f64::INFINITY, f64::min);
         summary.tangential_error_um = 1e3 * tangential_error_mm(thinnest, tangential);

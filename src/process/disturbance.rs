@@ -1,8 +1,8 @@
-//! What comes between command and cut: wear, drift, scatter, machine errors, heat, the blank's own
-//! form.
+//! What separates the cut from the command: wear, drift, scatter, machine errors, heat, the blank's
+//! own form.
 //!
-//! Every random quantity is drawn from (seed, purpose, pass) alone, so that controllers compared on
-//! one seed meet the same disturbances.
+//! Every random quantity is drawn from (seed, purpose, pass) alone, so that controllers compared
+//! with one seed are subject to the same disturbances.
 
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use schemars::JsonSchema;
@@ -27,11 +27,13 @@ pub struct GuidewayPoint {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DisturbanceSettings {
-    /// Recession of the edge over one pass, µm (radial); grows along the cut and stays for the next pass.
+    /// Recession of the edge over one pass, µm (radial); grows along the cut and stays for the next
+    /// pass.
     pub wear_um_per_pass: f64,
     /// Growth of the diameter from pass to pass by thermal drift of the machine, µm of diameter.
     pub drift_um_per_pass: f64,
-    /// Growth of the diameter while the machine warms up, µm of diameter, approached exponentially from a cold start.
+    /// Growth of the diameter while the machine warms up, µm of diameter, approached exponentially
+    /// from a cold start.
     pub warm_up_um: f64,
     /// Passes after which 1 − 1/e of the warming is reached.
     pub warm_up_passes: f64,
@@ -51,7 +53,8 @@ pub struct DisturbanceSettings {
     pub heat_start_k: f64,
     /// Temperature of the workpiece above 20 °C where the cut ends, K.
     pub heat_end_k: f64,
-    /// Temperature of the workpiece above 20 °C while it is scanned after the pass, K: what the gauge sees has grown.
+    /// Temperature of the workpiece above 20 °C while it is scanned after the pass, K: what the
+    /// gauge sees has grown.
     pub heat_scan_k: f64,
 }
 

@@ -9,10 +9,10 @@
 //!                   [  6h   (2-Φ)h²  -6h   (4+Φ)h²  ]
 //! ```
 //!
-//! is exact for constant sections (J. S. Przemieniecki, Theory of Matrix Structural Analysis,
-//! 1968). The system is block tridiagonal (half bandwidth 4) and solved by block elimination. It
-//! loses about (L/h)³ of a double's accuracy: fine for drawing a deflection line and for judging
-//! [`super::beam`], which the passes use.
+//! is exact for constant sections (J. S. Przemieniecki, Theory of Matrix Structural
+//! Analysis, 1968). The system is block tridiagonal (half bandwidth 4) and solved by block
+//! elimination. It amplifies rounding errors by about (L/h)³: accurate enough to draw a deflection
+//! line and to check [`super::beam`], which the passes use.
 
 use nalgebra::{Matrix2, Vector2};
 
@@ -100,8 +100,8 @@ impl System {
 }
 
 /// Radial deflection in mm of every node (`sections.len() + 1` of them, `step_mm` apart) under
-/// forces in N at nodes. `None` where the supports leave the shaft free to move, or a force stands
-/// at no node.
+/// forces in N at nodes. `None` where the supports leave the shaft free to move, or a force does
+/// not act at a node.
 pub fn deflection_line_mm(
     step_mm: f64,
     sections: &[Section],

@@ -1,8 +1,9 @@
 //! The power law's constants from measured forces, by least squares with confidence intervals.
 //!
-//! ln F = ln C + x·ln a_p + y·ln f + z·ln v is linear in (ln C, x, y, z); equal relative scatter of
-//! the forces makes equal weights right. A factor that the data do not vary cannot be estimated:
-//! its exponent is taken from the law given. Intervals are Student's t on n - p degrees of freedom.
+//! ln F = ln C + x·ln a_p + y·ln f + z·ln v is linear in (ln C, x, y, z); equal weights are right
+//! where the relative scatter of the forces is the same at every point. A factor that the data do
+//! not vary cannot be estimated: its exponent is taken from the given law. Intervals are Student's
+//! t on n - p degrees of freedom.
 
 use std::io::Read;
 
@@ -101,7 +102,7 @@ pub struct Estimate {
 /// A fitted power law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PowerFit {
-    /// The law, its range of validity that of the data.
+    /// The law, with the range of the data as its range of validity.
     pub law: PowerLaw,
     /// C, x, y, z with their intervals.
     pub estimates: Vec<Estimate>,

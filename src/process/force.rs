@@ -1,4 +1,4 @@
-//! Cutting force against what is really cut.
+//! Cutting force as a function of the actual depth of cut.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -45,9 +45,9 @@ pub struct FittedRange {
 }
 
 impl Default for FittedRange {
-    /// Where the slender-shaft paper bears the default law out: depths of Table 1, to which C and x
-    /// are fitted; feeds of Fig. 9, whose errors its y gives within 5 %; speeds of Table 2, whose
-    /// own z is the same.
+    /// Where data of the slender-shaft paper support the default law: depths of Table 1, to which C
+    /// and x are fitted; feeds of Fig. 9, whose errors follow from y within 5 %; speeds of Table 2,
+    /// whose own z is the same.
     fn default() -> Self {
         Self { depth_mm: [0.10, 0.38], feed_mm_per_rev: [0.05, 0.35], speed_m_per_min: [30.0, 100.0] }
     }
@@ -64,8 +64,8 @@ impl FittedRange {
 
 /// F = C·a_p^x·f^y·v^z, the radial force in N, with a_p in mm, f in mm/r and v in m/min.
 ///
-/// The default is Table 1 of the slender-shaft paper (Xue et al., 2023; 45 steel), x and C fitted, y and z from
-/// handbooks.
+/// The default is Table 1 of the slender-shaft paper (Xue et al., 2023; 45 steel), x and C fitted,
+/// y and z from handbooks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PowerLaw {
@@ -83,8 +83,8 @@ pub struct PowerLaw {
     pub feed_ratio: f64,
     /// Range of the data behind the numbers.
     pub fitted: FittedRange,
-    /// The tool behind the numbers (the slender-shaft paper's insert): another tool's forces follow by the handbook's factors,
-    /// see [`super::tool_factors`].
+    /// The tool behind the numbers (the slender-shaft paper's insert): another tool's forces follow
+    /// by the handbook's factors, see [`super::tool_factors`].
     pub fitted_tool: ToolSettings,
 }
 
@@ -103,7 +103,7 @@ impl Default for PowerLaw {
     }
 }
 
-/// A force law at fixed feed, speed and tool: a function of the depth alone.
+/// A force law at given feed, speed and tool: a function of the depth alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthLaw {
     shape: Shape,
@@ -124,7 +124,7 @@ impl DepthLaw {
         Self { factor: self.factor * factor, ..self }
     }
 
-    /// Radial force in N at a depth in mm; none without contact.
+    /// Radial force in N at a depth in mm; zero without contact.
     pub fn force_n(&self, depth_mm: f64) -> f64 {
         let plain = match &self.shape {
             _ if depth_mm <= 0.0 => 0.0,
@@ -160,9 +160,9 @@ impl DepthLaw {
         }
     }
 
-    /// The depth really cut, mm, where the tool is set `set_mm` deep and the shaft yields
-    /// `compliance_mm_per_n`: the root of a + w·F(a) = a₀. Newton's method kept inside its bracket,
-    /// to 1e-13 mm or a double's end.
+    /// The actual depth of cut a, mm, where the tool is set a₀ = `set_mm` deep and the shaft has
+    /// the compliance w = `compliance_mm_per_n`: the root of a + w·F(a) = a₀. Newton's method kept
+    /// inside its bracket, to 1e-13 mm or the resolution of a double.
     pub fn depth_mm(&self, set_mm: f64, compliance_mm_per_n: f64) -> f64 {
         if set_mm <= 0.0 {
             return 0.0;
@@ -201,12 +201,12 @@ impl PowerLaw {
         self.at(cutting).force_n(depth_mm)
     }
 
-    /// The law at the cutting data given, with the tool that it was fitted to.
+    /// The law at the given cutting data, with the tool that it was fitted to.
     pub fn at(&self, cutting: &CuttingData) -> DepthLaw {
         self.with_factors(cutting, &ToolFactors::ONE)
     }
 
-    /// The law at the cutting data given, with another tool.
+    /// The law at the given cutting data, with another tool.
     pub fn with_tool(&self, cutting: &CuttingData, tool: &ToolSettings) -> DepthLaw {
         self.with_factors(cutting, &ToolFactors::of(tool).over(&ToolFactors::of(&self.fitted_tool)))
     }
@@ -246,7 +246,7 @@ impl PowerLaw {
 }
 
 impl ForceLaw {
-    /// The law at the cutting data, tool and material given. Without any data for the material the
+    /// The law at the given cutting data, tool and material. Without any data for the material the
     /// force is zero; [`super::ProcessSettings::validate`] refuses that.
     pub fn at(&self, cutting: &CuttingData, tool: &ToolSettings, material: &Material) -> DepthLaw {
         match self {
@@ -258,9 +258,9 @@ impl ForceLaw {
         }
     }
 
-    /// A word where the law was fitted to another material than is cut: Table 1 is of 45 steel, and
-    /// its numbers do not follow `process.material`; a coefficient of one's own is taken to be of
-    /// one's own material.
+    /// A note where the law was fitted to another material than the one cut: Table 1 is for 45
+    /// steel, and its numbers do not follow `process.material`; a coefficient set in the config is
+    /// assumed to belong to the material set there.
     pub fn of_another_material(&self, material: &Material) -> Option<String> {
         let table_1 =
             matches!(self, Self::Power(law) if law.coefficient_n == PowerLaw::table_1().coefficient_n);

@@ -1,4 +1,4 @@
-//! The components of the force at the edge, as a lathe has them.
+//! The components of the cutting force in the directions of a lathe.
 
 use serde::Serialize;
 

@@ -10,10 +10,10 @@
 //! F_p = ρ·kc1.1·f^(1-mc)·[ r·sin^(2-mc)κ_e/(2-mc) + l·sin^(1-mc)κ_r·cos κ_r ]
 //! ```
 //!
-//! with l the engaged length of the straight edge. So the shallower the cut, the more of the force
-//! is radial, and with κ_r = 90° the radial force does not grow any more once a_p reaches r. Valid
-//! for f well below r and for chips thicker than the edge rounding. (O. Kienzle, VDI-Z 94, 1952;
-//! edge integration as in G. Boothroyd and W. Knight, Fundamentals of Machining.)
+//! with l the engaged length of the straight edge. The shallower the cut, the larger the radial
+//! share of the force; with κ_r = 90° the radial force stops growing once a_p reaches r. Valid for
+//! f well below r and for chips thicker than the edge rounding. (O. Kienzle, VDI-Z 94, 1952; edge
+//! integration as in G. Boothroyd and W. Knight, Fundamentals of Machining.)
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -37,10 +37,11 @@ pub struct KienzleLaw {
     pub kc11_n_per_mm2: Option<f64>,
     /// mc; the material's value where it is left out.
     pub mc: Option<f64>,
-    /// ρ: force normal to the edge over cutting force. Handbooks give 0.3 to 0.5 for sharp tools; wear raises it.
+    /// ρ: force normal to the edge over cutting force. Handbooks give 0.3 to 0.5 for sharp tools;
+    /// wear raises it.
     pub normal_ratio: f64,
-    /// Factor on all components for speed and wear; rake and inclination of the tool have factors of their own
-    /// ([`super::tool_factors`]).
+    /// Factor on all components for speed and wear; rake and inclination of the tool have factors
+    /// of their own ([`super::tool_factors`]).
     pub correction: f64,
 }
 
@@ -75,7 +76,7 @@ impl KienzleLaw {
         depth_mm * feed_mm / (tool.nose_radius_mm * engaged + straight)
     }
 
-    /// The law on a tool at a feed; `None` where neither config nor material give a value.
+    /// The law on a tool at a feed; `None` where neither the config nor the material has a value.
     pub fn at(&self, feed_mm: f64, tool: &ToolSettings, material: &Material) -> Option<EdgeLaw> {
         let kc11 = self.kc11_n_per_mm2.or(material.kienzle.map(|k| k.kc11_n_per_mm2))?;
         let mc = self.mc.or(material.kienzle.map(|k| k.mc))?;
@@ -86,14 +87,15 @@ impl KienzleLaw {
             normal_ratio: self.normal_ratio,
             nose_radius_mm: tool.nose_radius_mm,
             sin_lead: lead.sin(),
-            // cos 90° in doubles is 6e-17; the straight edge then has no radial share at all.
+            // cos 90° is 6e-17 in doubles; the radial share of the straight edge is exactly zero
+            // there.
             cos_lead: if tool.lead_angle_deg == 90.0 { 0.0 } else { lead.cos() },
             factors: ToolFactors::beside_the_edge(tool),
         })
     }
 }
 
-/// Kienzle's law on a tool at a feed: forces against depth alone.
+/// Kienzle's law for a tool at a feed: forces as functions of the depth alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeLaw {
     per_length_n: f64,
@@ -102,7 +104,7 @@ pub struct EdgeLaw {
     nose_radius_mm: f64,
     sin_lead: f64,
     cos_lead: f64,
-    /// Rake and inclination.
+    /// Factors for rake and inclination.
     factors: ToolFactors,
 }
 

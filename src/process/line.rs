@@ -1,8 +1,9 @@
-//! The whole deflection line of a held shaft in one plane, exact for pieces of constant section.
+//! The whole deflection line of a supported shaft in one plane, exact for pieces of constant
+//! section.
 //!
-//! Along a piece with bending stiffness EI, shear stiffness κGA, axial compression P and load q a
-//! length, the state (u, ψ, M, V) of deflection, rotation of the section, moment and transverse
-//! force follows
+//! Along a piece with bending stiffness EI, shear stiffness κGA, axial compression P and load q per
+//! unit length, the state (u, ψ, M, V) of deflection, rotation of the section, moment and
+//! transverse force follows
 //!
 //! ```text
 //! u' = ψ + V/κGA      ψ' = M/EI      M' = -V - P·u'      V' = -q
@@ -11,8 +12,9 @@
 //! (Timoshenko; with EI·u'''' + P·u'' = q for κGA = ∞: S. Timoshenko, J. Gere, Theory of Elastic
 //! Stability, 1961, ch. 1). Its transfer over a piece is a matrix exponential: a polynomial for P =
 //! 0, a series otherwise. The state is carried from the chuck with the unknown reactions as further
-//! columns; what the supports demand gives them. Loads and supports stand anywhere, not only where
-//! pieces meet. [`super::beam`] gives the deflection at a travelling load alone, in O(N).
+//! columns; the conditions at the supports determine them. Loads and supports can be anywhere, not
+//! only where pieces meet. [`super::beam`] gives the deflection at a travelling load alone, in
+//! O(N).
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
@@ -26,11 +28,11 @@ pub struct Span {
     pub length_mm: f64,
     /// Stiffness.
     pub section: Section,
-    /// Load a length along +u, N/mm: the piece's own weight in this plane.
+    /// Load per unit length along +u, N/mm: the piece's own weight in this plane.
     pub load_n_per_mm: f64,
 }
 
-/// A force across the shaft.
+/// A transverse force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointForce {
     /// Where, mm from the chuck face.
@@ -42,7 +44,7 @@ pub struct PointForce {
 /// What bends a shaft in one plane besides its own weight.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Action {
-    /// Forces at places.
+    /// Point forces.
     pub forces: Vec<PointForce>,
     /// Axial compression, N.
     pub thrust_n: f64,
@@ -78,17 +80,17 @@ fn transfer(h: f64, span: &Span, thrust_n: f64) -> Transfer {
     sum
 }
 
-/// The state along the shaft as a sum over unknowns: column 0 is without them.
+/// The state along the shaft as a linear function of the unknowns; column 0 is the constant term.
 struct Carried {
     /// Rows u, ψ, M, V; columns 1 and the unknowns.
     state: DMatrix<f64>,
-    /// Conditions found on the way: coefficients of the unknowns and the right-hand side.
+    /// Conditions at the supports: coefficients of the unknowns and the right-hand side.
     rows: Vec<(Vec<f64>, f64)>,
 }
 
 impl Carried {
-    /// From the chuck on; unknowns are its force, its moment (a hinge: its rotation) and one
-    /// reaction a rest.
+    /// Starts at the chuck; the unknowns are its force, its moment (at a hinge: its rotation) and
+    /// one reaction per rest.
     fn from_chuck(chuck: &Part, chuck_mm: f64, unknowns: usize) -> Self {
         let mut state = DMatrix::zeros(4, unknowns + 1);
         state[(0, 0)] = chuck_mm;
@@ -121,13 +123,13 @@ impl Carried {
         }
     }
 
-    /// Σ weights·state = 0 at this place.
+    /// Adds the condition Σ weights·state = `right` at this place.
     fn demand(&mut self, weights: [f64; 4], right: f64) {
         let value = |column: usize| (0..4).map(|row| weights[row] * self.state[(row, column)]).sum::<f64>();
         self.rows.push(((1..self.state.ncols()).map(value).collect(), right - value(0)));
     }
 
-    /// A radial support with a reaction of its own (unknown `index`): u = -c·R.
+    /// A radial support with the reaction R (unknown `index`): u = -c·R.
     fn rest(&mut self, index: usize, compliance_mm_per_n: f64) {
         self.demand([1.0, 0.0, 0.0, 0.0], 0.0);
         if let Some((coefficients, _)) = self.rows.last_mut() {
@@ -156,7 +158,8 @@ impl Carried {
     /// The unknowns; `None` for a mechanism or at the buckling load.
     fn solve(&self) -> Option<DVector<f64>> {
         let n = self.rows.len();
-        // Equations and unknowns in units of their own: scaled, so that pivots compare.
+        // Equations and unknowns have different units: they are scaled, so that pivots are
+        // comparable.
         let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
         let columns: Vec<f64> = (0..n).map(|j| largest(&mut self.rows.iter().map(|r| r.0[j]))).collect();
         if columns.contains(&0.0) {
@@ -174,7 +177,7 @@ impl Carried {
     }
 }
 
-/// What stands at a place inside the shaft.
+/// A load or a support inside the shaft.
 #[derive(Clone, Copy)]
 enum Event {
     Force(f64),

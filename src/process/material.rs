@@ -6,8 +6,8 @@
 //! 100 m/min, rake angle 6°, sharp tool, uncertain by 10-20 %. Where a second, independent table
 //! was found they are compared with it in a test (chuck maker Röhm, RN-1391, Table 2: k_c over the
 //! feed at a lead angle of 45°, for 42CrMo4, 16MnCr5 and EN-GJL-250: within 5 %). Elastic constants
-//! and expansion are those of the standards named in each row. A material without `kienzle` has no
-//! value here that we could trace.
+//! and expansion are those of the standards named in each row. A material without `kienzle` has
+//! none because no value with a source was found.
 
 /// Main values of the specific cutting force k_c = kc1.1·h^(-mc), h in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +60,7 @@ const fn steel(name: &'static str, kc11: f64, mc: f64) -> Material {
     }
 }
 
-/// The materials known.
+/// All materials.
 pub const MATERIALS: [Material; 9] = [
     steel("C45", 2220.0, 0.14),
     steel("C60", 2130.0, 0.18),

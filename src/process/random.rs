@@ -1,11 +1,11 @@
-//! Independent streams of one seed, and the kernel that gives noise a correlation length.
+//! Independent random streams of one seed, and the smoothing kernel for correlated noise.
 
 use rand_pcg::Pcg64;
 
 /// Half width of the smoothing kernel in standard deviations: 1e-3 of the peak.
 const KERNEL_REACH: f64 = 3.7;
 
-/// What a stream of random numbers is for; keeps streams of one seed apart.
+/// The purpose of a stream of random numbers, which separates the streams of one seed.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Stream {
     /// Heights of the surface.

@@ -1,5 +1,5 @@
-//! The `[process]` table: what is cut, how it is held, how it yields and what the tool leaves on
-//! it.
+//! The `[process]` table: force law, material, tool, supports, bending, surface texture, pass and
+//! disturbances.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -97,7 +97,8 @@ pub struct SteadyRestSettings {
     pub stiffness_n_per_um: f64,
 }
 
-/// How the workpiece is held: clamped in the chuck at z = 0, on a live centre in the tailstock at z = L.
+/// How the workpiece is held: clamped in the chuck at z = 0, on a live centre in the tailstock at
+/// z = L.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SupportSettings {
@@ -141,7 +142,8 @@ impl SupportSettings {
     }
 }
 
-/// The surface that a pass leaves: correlated residual heights and small lobes, drawn from (seed, pass) alone.
+/// The surface that a pass leaves: correlated residual heights and small lobes, drawn from (seed,
+/// pass) alone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TextureSettings {
@@ -153,7 +155,8 @@ pub struct TextureSettings {
     pub correlation_deg: f64,
     /// Root mean square amplitude of each lobe of orders 2 to 5, µm.
     pub lobe_um: f64,
-    /// Draws the helical feed marks, f²/8r high, as well (a fine grid: tens of MB for a long shaft).
+    /// Draws the helical feed marks, f²/8r high, as well (a fine grid: tens of MB for a long
+    /// shaft).
     pub feed_marks: bool,
 }
 

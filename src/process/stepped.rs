@@ -8,7 +8,7 @@ use super::section::Section;
 pub struct Piece {
     /// Length, mm.
     pub length_mm: f64,
-    /// Section while the tool has not passed.
+    /// Section ahead of the tool.
     pub ahead: Section,
     /// Section behind the tool (which travels towards the chuck).
     pub behind: Section,
@@ -76,8 +76,8 @@ impl SteppedShaft {
     }
 }
 
-/// A part from its support over `pieces` up to `reach_mm`, with the rests (ascending, at most
-/// `reach_mm` away) on it.
+/// The part from its support over `pieces` to `reach_mm`, with its steady rests (ascending, at most
+/// `reach_mm` away).
 fn grown(
     support: Part,
     pieces: impl Iterator<Item = (f64, Section)>,

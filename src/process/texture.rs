@@ -1,7 +1,7 @@
 //! The surface that a pass leaves: correlated heights and small lobes, from (seed, pass) alone.
 //!
 //! White Gaussian noise on a grid of z and θ is smoothed by a separable Gaussian kernel of standard
-//! deviation half the correlation length (periodic in θ) and scaled to the rms asked for. The
+//! deviation half the correlation length (periodic in θ) and scaled to the configured rms. The
 //! autocorrelation of noise smoothed by a Gaussian of standard deviation s is exp(-τ²/4s²), which
 //! is 1/e at τ = 2s.
 
@@ -48,8 +48,8 @@ fn kernel_f32(sd_nodes: f64) -> Vec<f32> {
 }
 
 /// The same surface with the helix that a tool of nose radius r leaves at a feed f: heights s²/2r,
-/// s the distance along z from the middle of the mark, f²/8r at the crests. The valleys lie on the
-/// radius that was cut.
+/// s the distance along z from the middle of the mark, f²/8r at the crests. The valleys lie at the
+/// radius of the cut.
 pub(super) fn with_feed_marks(
     surface: Option<&SurfaceTexture>,
     length_mm: f64,
@@ -89,7 +89,8 @@ fn smooth_ring<'a>(row: &'a [f32], kernel: &'a [f32]) -> impl Iterator<Item = f3
     })
 }
 
-/// One row, smoothed along z; `rows` carries the kernel's reach as margin before and after.
+/// One row, smoothed along z; `rows` includes margins as wide as the kernel's reach before and
+/// after.
 fn smooth_rows<'a>(
     rows: &'a [f32],
     row: usize,

@@ -12,7 +12,8 @@ use crate::setting::SettingError;
 pub struct ToolSettings {
     /// Nose radius, mm; handbook factors on the force from 0.5 to 5 mm, extrapolated beyond.
     pub nose_radius_mm: f64,
-    /// Lead (cutting edge) angle κ_r of the straight edge, degrees; handbook factors on the force from 30 to 90°, held beyond.
+    /// Lead (cutting edge) angle κ_r of the straight edge, degrees; handbook factors on the force
+    /// from 30 to 90°, held beyond.
     pub lead_angle_deg: f64,
     /// Rake angle γ, degrees; handbook factors on the force from -15 to 20°, held beyond.
     pub rake_deg: f64,
@@ -20,8 +21,8 @@ pub struct ToolSettings {
     pub relief_deg: f64,
     /// Minor cutting edge angle κ'_r, degrees: with the nose radius, the height of the feed marks.
     pub minor_angle_deg: f64,
-    /// Inclination λ_s of the major cutting edge (ISO 3002-1), degrees; handbook factors on the force from -15 to 5°,
-    /// held beyond.
+    /// Inclination λ_s of the major cutting edge (ISO 3002-1), degrees; handbook factors on the
+    /// force from -15 to 5°, held beyond.
     pub inclination_deg: f64,
 }
 
@@ -44,8 +45,7 @@ impl ToolSettings {
         let key = |name: &str| format!("{prefix}.{name}");
         Range::POSITIVE.check(&key("nose_radius_mm"), self.nose_radius_mm)?;
         Range::between(15.0, 90.0).check(&key("lead_angle_deg"), self.lead_angle_deg)?;
-        // Inserts are made from -15° to 30°; a wedge of less than 45° between rake and relief
-        // breaks.
+        // Inserts are made with rakes from -15° to 30°; a wedge angle below 45° is too weak to cut.
         Range::between(-15.0, 30.0).check(&key("rake_deg"), self.rake_deg)?;
         Range::between(0.5, 20.0).check(&key("relief_deg"), self.relief_deg)?;
         Range::between(0.5, 90.0).check(&key("minor_angle_deg"), self.minor_angle_deg)?;

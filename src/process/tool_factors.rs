@@ -2,21 +2,22 @@
 //! marks.
 //!
 //! A handbook's force is that of a reference tool (lead angle κ_r 45°, rake γ 10°, inclination λ_s
-//! 0°, nose radius 2 mm) times one factor an angle: K = K_κ·K_γ·K_λ·K_r. Carbide on steel: A. G.
-//! Kosilova, R. K. Meshcheryakov (eds), Spravochnik tekhnologa-mashinostroitelya, vol. 2,
+//! 0°, nose radius 2 mm) times one factor per parameter: K = K_κ·K_γ·K_λ·K_r. Carbide on steel: A.
+//! G. Kosilova, R. K. Meshcheryakov (eds), Spravochnik tekhnologa-mashinostroitelya, vol. 2,
 //! Mashinostroenie 1985, table 23; the rake of 20° from Ai Xing, Xiao Shigang, Qiexiao yongliang
 //! jianming shouce (Concise handbook of cutting data), 1994, which reprints the others. λ_s is ISO
 //! 3002's (the handbook's has the opposite sign). The row of nose radii is given there for
-//! high-speed steel and is used for carbide too, linear in logarithms, for want of another.
+//! high-speed steel and is used for carbide too, interpolated linearly in logarithms, because no
+//! other is at hand.
 //!
-//! What of it could be checked in public text (the books themselves were not at hand): a worked
+//! The books themselves were not at hand; some entries could be checked in public text. A worked
 //! example that cites table 23, p. 275 (ukrbukva.net 56407, p. 18) has the entries on F_c for 90°,
-//! 10°, 0° and, interpolated in logarithms, r = .8 mm. No public text with the entries on F_p and
+//! 10°, 0° and, interpolated in logarithms, r = 0.8 mm. No public text with the entries on F_p and
 //! F_f was found. Two facts support those of F_p: the paper's Table 2 follows the handbook's law
 //! with this insert's product of factors within 3 % (`reproduce 003`, row table2.handbook; the
 //! paper computed its forces by such a formula), and makers of inserts give the same directions
-//! (ZCC-CT catalogue 2019, p. 451: a larger lead angle and a smaller nose take radial force off a
-//! slender shaft). The paper's nose of .4 mm lies below the table and is extrapolated.
+//! (ZCC-CT catalogue 2019, p. 451: a larger lead angle and a smaller nose reduce the radial force
+//! on a slender shaft). The paper's nose radius of 0.4 mm lies below the table and is extrapolated.
 //!
 //! Those tables have no factor for relief (α) and minor cutting edge angle (κ'_r): between 4° and
 //! 15° of relief and beyond 3° of minor angle the force does not depend on them within the scatter
@@ -77,11 +78,11 @@ fn power(table: &[Line], x: f64) -> [f64; 3] {
 }
 
 impl ToolFactors {
-    /// No change.
+    /// All factors 1.
     pub const ONE: Self = Self { cutting: 1.0, feed: 1.0, passive: 1.0 };
 
-    /// All factors of a tool against the handbook's reference tool. Angles outside the tables (κ_r
-    /// 30-90°, γ -15 to 20°, λ_s -15 to 5°) take the table's end.
+    /// All factors of a tool relative to the handbook's reference tool. Angles outside the tables
+    /// (κ_r 30-90°, γ -15 to 20°, λ_s -15 to 5°) take the table's end.
     pub fn of(tool: &ToolSettings) -> Self {
         let all = [
             held(&LEAD, tool.lead_angle_deg),
@@ -93,7 +94,7 @@ impl ToolFactors {
     }
 
     /// The factors of a tool whose edge is integrated (Kienzle): lead angle and nose radius are in
-    /// the integral, rake and inclination are left, against the 6° and 0° of the tabulated kc1.1.
+    /// the integral, rake and inclination remain, relative to the 6° and 0° of the tabulated kc1.1.
     pub fn beside_the_edge(tool: &ToolSettings) -> Self {
         let at = |rake: f64, inclination: f64| {
             Self::product(&[held(&RAKE, rake), held(&INCLINATION, inclination)])
@@ -101,7 +102,7 @@ impl ToolFactors {
         at(tool.rake_deg, tool.inclination_deg).over(&at(TABULATED_RAKE_DEG, 0.0))
     }
 
-    /// These factors against another tool's; exactly 1 for the same tool.
+    /// These factors relative to another tool's; exactly 1 for the same tool.
     #[must_use]
     pub fn over(&self, other: &Self) -> Self {
         Self {
@@ -143,7 +144,7 @@ pub fn largest_feed_mm_per_rev(height_mm: f64, most_mm_per_rev: f64, tool: &Tool
     if feed_mark_mm(high, tool) <= height_mm {
         return high;
     }
-    // To a double's end.
+    // 80 halvings exhaust the resolution of a double.
     for _ in 0..80 {
         let middle = 0.5 * (low + high);
         (low, high) = if feed_mark_mm(middle, tool) <= height_mm { (middle, high) } else { (low, middle) };
@@ -173,7 +174,7 @@ mod tests {
         assert_near(ToolFactors::of(&reference), [1.0; 3]);
         let steep = ToolSettings { lead_angle_deg: 90.0, ..reference };
         assert_near(ToolFactors::of(&steep), [0.89, 0.50, 1.17]);
-        // r = .8 mm: .91 on F_c, as users of the handbook interpolate it in logarithms.
+        // r = 0.8 mm: 0.91 on F_c, as users of the handbook interpolate it in logarithms.
         let small = ToolSettings { nose_radius_mm: 0.8, ..reference };
         assert!((ToolFactors::of(&small).cutting - 0.91).abs() < 5e-4);
         // Half way between 0° and -5°, and beyond the end of the table.
@@ -183,7 +184,8 @@ mod tests {
         assert_eq!(ToolFactors::beside_the_edge(&sharp), ToolFactors::ONE);
     }
 
-    /// The marks by brute force: the profile is the lower envelope of tools a feed apart.
+    /// The height of the marks by brute force: the profile is the lower envelope of tool tips one
+    /// feed apart.
     fn by_envelope(feed: f64, tool: &ToolSettings) -> f64 {
         let (r, minor) = (tool.nose_radius_mm, tool.minor_angle_deg.to_radians());
         let edge = |x: f64| {
@@ -211,7 +213,7 @@ mod tests {
         for (minor_angle_deg, feed) in [(15.0, 0.1), (15.0, 0.35), (5.0, 0.2), (3.0, 0.3)] {
             let tool = ToolSettings { minor_angle_deg, ..ToolSettings::default() };
             let (ours, drawn) = (feed_mark_mm(feed, &tool), by_envelope(feed, &tool));
-            // f²/8r is the circle's height to (f/2r)²/4 of itself.
+            // f²/8r is the circle's height with a relative error of (f/2r)²/4.
             let limit = if feed > 0.3 * tool.nose_radius_mm { 2e-3 } else { 5e-3 };
             assert!((ours / drawn - 1.0).abs() < limit, "{minor_angle_deg}° {feed}: {ours} against {drawn}");
             let back = largest_feed_mm_per_rev(ours, 1.0, &tool);

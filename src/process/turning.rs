@@ -1,11 +1,11 @@
-//! One turning pass: the commanded profile and the diameters left behind.
+//! One turning pass: the commanded profile and the diameters that result.
 //!
-//! The tool is commanded to the diameter b(z) and travels along the shaft, which is already thin
-//! behind it and still thick ahead. At every node the depth really cut a = (D_before - D)/2 solves
-//! a + w·F(a) = (D_before - b)/2 with the compliance w of the half-cut shaft, and D = b + 2·w·F(a).
-//! Errors of the diameter before therefore show again in the diameter after (error copying),
-//! reduced by w·F'/(1 + w·F'). Wear, drift and machine errors displace b. Diameters are those of
-//! the unloaded shaft at 20 °C.
+//! The tool is commanded to the diameter b(z) and travels along the shaft, which has its new
+//! diameter behind it and its old one ahead. At every node the actual depth of cut a = (D_before -
+//! D)/2 solves a + w·F(a) = (D_before - b)/2 with the compliance w of the half-cut shaft, and D =
+//! b + 2·w·F(a). Errors of the diameter before are therefore copied into the diameter after (error
+//! copying), reduced by w·F'/(1 + w·F'). Wear, drift and machine errors displace b. Diameters are
+//! those of the unloaded shaft at 20 °C.
 
 pub(super) mod followed;
 
@@ -29,7 +29,7 @@ pub enum ProcessError {
     /// A setting outside its range.
     #[error(transparent)]
     Settings(#[from] crate::setting::SettingError),
-    /// A blank that cannot be turned.
+    /// A blank without extent.
     #[error(
         "a blank of diameter {diameter_mm} mm and length {length_mm} mm cannot be turned; both must be above 0"
     )]
@@ -65,7 +65,7 @@ pub enum ProcessError {
         /// The limit, mm.
         minimum_chip_mm: f64,
     },
-    /// Tailstock thrust and feed force exceed what the shaft carries.
+    /// Tailstock thrust and feed force exceed the buckling load of the shaft.
     #[error(
         "the shaft would buckle in pass {pass}: {axial_n:.0} N of tailstock thrust and feed force against {critical_n:.0} N \
          (Euler, clamped and hinged, Ø{diameter_mm:.3} mm); lower process.support.tailstock_thrust_n or turn it shorter"
@@ -216,8 +216,8 @@ impl TurningProcess {
         Ok(Self { cuts, since_cold, wear_mm, ..fresh })
     }
 
-    /// Cuts a pass and gives the shaft that remains. On an error the workpiece is as before. What
-    /// the first pass used outside its range is logged as a warning.
+    /// Cuts a pass and returns the shaft that remains. On an error the workpiece is unchanged.
+    /// Models that the first pass used outside their range are logged as a warning.
     ///
     /// # Errors
     /// A plan that contradicts itself, a depth of cut below the minimum chip, a shaft that buckles.
@@ -230,7 +230,7 @@ impl TurningProcess {
         Ok(self.shaft(plan))
     }
 
-    /// As [`Self::cut`], without drawing the surface: [`Self::diameter_mm`] holds the result.
+    /// As [`Self::cut`], without generating the surface: [`Self::diameter_mm`] returns the result.
     ///
     /// # Errors
     /// As [`Self::cut`].
@@ -278,9 +278,9 @@ impl TurningProcess {
         Ok((passed, law))
     }
 
-    /// Displaces the tool's path by what the axis has moved away from the tool without any force
-    /// (weight, tailstock), and gives how far it has moved across; `None` where nothing moves it
-    /// and only the force counts.
+    /// Displaces the tool's path by the displacement of the axis away from the tool without any
+    /// cutting force (weight, tailstock), and returns its displacement across, mm; `None` where the
+    /// axis is straight without force.
     fn displace(&self, commanded: &mut [f64]) -> Option<Vec<f64>> {
         let bending = &self.settings.bending;
         let still = !bending.self_weight && bending.tailstock_x_um == 0.0 && bending.tailstock_y_um == 0.0;
@@ -293,7 +293,7 @@ impl TurningProcess {
         for (node, diameter) in commanded.iter_mut().enumerate() {
             let [ux, uy] = bending::axis_at(&at_tool, node as f64 * self.step_mm);
             *diameter -= 2.0 * (ux * x + uy * y);
-            // The way the force pushes: against the surface's motion.
+            // In the direction of the tangential force: against the surface's motion.
             across.push(ux * y - uy * x);
         }
         Some(across)
@@ -308,7 +308,7 @@ impl TurningProcess {
         }
     }
 
-    /// Growth of the workpiece by its temperature while it is cut, at every node.
+    /// Factor of thermal growth of the workpiece while it is cut, at every node.
     fn heat_growth(&self) -> Vec<f64> {
         self.node_z_mm().map(|z| self.growth(self.rise_k(self.share_cut(z)))).collect()
     }
@@ -319,13 +319,13 @@ impl TurningProcess {
         d.heat_start_k + (d.heat_end_k - d.heat_start_k) * share
     }
 
-    /// Factor on every length at a temperature above 20 °C.
+    /// Factor on every length at `rise_k` above 20 °C.
     fn growth(&self, rise_k: f64) -> f64 {
         1.0 + 1e-6 * self.material.expansion_um_per_m_k * rise_k
     }
 
-    /// Diameter that the edge stands at: the command, linear between station middles with the end
-    /// pieces continued, displaced by wear, guideway, drift and scatter.
+    /// Diameter at which the edge stands, mm: the command, linear between station middles with the
+    /// end pieces continued, displaced by wear, guideway, drift and scatter.
     fn tool_path(&self, plan: &PassPlan) -> Vec<f64> {
         let d = &self.settings.disturbance;
         let stations: Vec<f64> = plan.commanded_mm().collect();
@@ -343,7 +343,7 @@ impl TurningProcess {
             .collect()
     }
 
-    /// Refuses a chip below the minimum, or states it where the force law is extrapolated.
+    /// Refuses a chip below the minimum, or adds a note where the force law is extrapolated.
     fn check_chip(
         &self,
         pass: u32,
@@ -386,7 +386,7 @@ impl TurningProcess {
         Err(ProcessError::Buckling { pass, axial_n, critical_n, diameter_mm })
     }
 
-    /// The workpiece with the surface that the pass leaves.
+    /// The workpiece with the surface after the pass.
     fn shaft(&self, plan: &PassPlan) -> Shaft {
         let settings = &self.settings.texture;
         let length_mm = self.step_mm * (self.diameter_mm.len() - 1) as f64;

@@ -1,4 +1,4 @@
-//! What the renderer refuses and what can fail under it.
+//! Errors of the renderer.
 
 use thiserror::Error;
 
@@ -14,39 +14,39 @@ pub enum RenderError {
     /// The shaft does not fit the field of view.
     #[error("{what}")]
     Field {
-        /// What sticks out, by how much, and what would fit.
+        /// The part outside the field, by how much, and what would fit.
         what: String,
     },
     /// The shaft cannot be drawn.
     #[error("shaft: {what}")]
     Shaft {
-        /// What is wrong with it and what would be right.
+        /// What is wrong with it, and the valid values.
         what: String,
     },
-    /// No adapter of the kind asked for.
+    /// No adapter of the requested kind.
     #[error("no {wanted} adapter: {why}; `doctor` lists what is missing, `--backend cpu` needs none")]
     NoAdapter {
-        /// The backend asked for.
+        /// The requested backend.
         wanted: &'static str,
-        /// What the driver answered.
+        /// The driver's message.
         why: String,
     },
     /// The adapter cannot hold a frame of this size.
     #[error("{what}")]
     TooLarge {
-        /// What it asks for and what the adapter has.
+        /// The size needed and the adapter's limit.
         what: String,
     },
     /// The device refused or was lost.
     #[error("the rendering device failed: {what}")]
     Device {
-        /// What the driver answered.
+        /// The driver's message.
         what: String,
     },
 }
 
 impl RenderError {
-    /// A setting refused.
+    /// An error for a setting.
     pub(crate) fn setting(
         key: &'static str,
         found: &(impl ToString + ?Sized),
@@ -57,7 +57,7 @@ impl RenderError {
     }
 }
 
-/// Refuses a number that is not finite or lies outside `low..=high`.
+/// Refuses a number that is not finite or outside `low..=high`.
 pub(crate) fn within(key: &'static str, value: f64, low: f64, high: f64) -> Result<(), RenderError> {
     if value.is_finite() && (low..=high).contains(&value) {
         return Ok(());

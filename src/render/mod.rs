@@ -2,15 +2,15 @@
 //!
 //! In: a [`Shaft`](crate::shaft::Shaft), the settings of an optical setup ([`settings`]) and the
 //! seed of its departures. Out: frames in counts, with the true rows of both edges.
-//! [`OpticalSetup::resolve`] draws the true setup, [`Scene::new`] puts a shaft before it,
-//! [`Renderer::render`] takes a frame.
+//! [`OpticalSetup::resolve`] draws the true setup, [`Scene::new`] places a shaft in it,
+//! [`Renderer::render`] renders a frame.
 //!
 //! From the body to the pixel: [`form`] (a body from the `[shaft]` table), [`silhouette`] (its
 //! outline in f64), [`optics`] (edge spread, lens), [`motion`], [`contamination`], `sensor`;
 //! [`scene`] joins them into the job of one frame, and [`kernel`] (the shader and its CPU twin) or
-//! [`gpu`] computes it. The twin ([`shadowgraph`]) is compared with [`reference`], which shares no
-//! code with it. A new effect on the light goes into the folder of its cause, gets a table in
-//! [`settings`], and enters a frame in [`scene`]; a folder imports only folders that
+//! [`gpu`] computes it. The twin ([`shadowgraph`]) is compared with [`reference`](mod@reference),
+//! which shares no code with it. A new effect on the light goes into the folder of its cause, has a
+//! table in [`settings`], and enters a frame in [`scene`]; a folder imports only folders that
 //! `tests/architecture.rs` lists before it.
 
 pub mod contamination;

@@ -1,4 +1,4 @@
-//! Motion during the exposure: the edge's path, its mean, and what it does to the edge spread.
+//! Motion during the exposure: the edge's path, its mean, and its effect on the edge spread.
 //!
 //! The edge of a column moves across itself by
 //!
@@ -7,9 +7,9 @@
 //! ```
 //!
 //! feed and carriage motion past a sloped edge (v), run-out (f = spindle), lobes (f = order ×
-//! spindle), vibration. The camera sees the mean over the light's time: the edge at mean s̄ blurred
-//! by the distribution of s - s̄. A steady motion is a box of variance (vT)²/12, many periods of a
-//! vibration an arcsine of variance A²/2; what lies between is followed in time. A strobe is an
+//! spindle), vibration. The image is the mean over the light's time: the edge at mean s̄ blurred by
+//! the distribution of s - s̄. A steady motion is a box of variance (vT)²/12, many periods of a
+//! vibration an arcsine of variance A²/2; cases in between are integrated over time. A strobe is an
 //! exposure of its own, shorter and later.
 
 use std::f64::consts::{PI, TAU};
@@ -21,14 +21,14 @@ use super::error::{RenderError, within};
 use crate::render::optics::edge_spread::quadrature::{gauss_legendre, panels};
 use crate::render::optics::edge_spread::{EdgeSpread, Shifts};
 
-/// Nodes a panel of at most half a radian of the fastest motion: followed to 1e-12 of its
+/// Nodes per panel of at most half a radian of the fastest motion: accurate to 1e-12 of its
 /// amplitude.
 const NODES: usize = 4;
 
-/// Periods from which a sinusoid's phase no longer matters and the arcsine takes its place.
+/// Periods from which a sinusoid's phase no longer matters and the arcsine distribution is used.
 const MANY_PERIODS: f64 = 64.0;
 
-/// Periods up to which a vibration is followed through an exposure that is drawn.
+/// Periods up to which a vibration is integrated over time in a rendered exposure.
 const FOLLOWED_PERIODS: f64 = 8.0;
 
 /// Nodes of the arcsine.
@@ -76,9 +76,9 @@ pub struct Motion {
 /// The time during which light is collected, µs after the start of exposure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightTime {
-    /// Begins.
+    /// Start.
     pub start_us: f64,
-    /// Lasts.
+    /// Duration.
     pub length_us: f64,
 }
 
@@ -113,7 +113,7 @@ impl Motion {
         Ok(())
     }
 
-    /// When light is collected.
+    /// The time during which light is collected.
     pub fn light_time(&self, exposure_us: f64) -> LightTime {
         match self.strobe {
             Some(s) => LightTime { start_us: s.delay_us, length_us: s.pulse_us },
@@ -133,11 +133,11 @@ impl Motion {
         gauss_legendre(nodes.max(1)).into_iter().map(pose).collect()
     }
 
-    /// Instants over the light's time at which to draw, with weights that add up to one; a single
-    /// one where nothing moves.
+    /// Instants over the light's time at which the scene is evaluated, with weights that add up to
+    /// one; a single one where nothing moves.
     ///
-    /// Four Gauss nodes to two radians of the fastest motion, a form of `undulations` a revolution
-    /// included; vibrations of more than 8 periods enter as arcsines.
+    /// Four Gauss nodes per two radians of the fastest motion, including a form of `undulations`
+    /// per revolution; vibrations of more than 8 periods enter as arcsine distributions.
     pub fn instants(&self, exposure_us: f64, undulations: f64) -> Vec<Pose> {
         let time = self.light_time(exposure_us);
         let periods = |v: &Vibration| v.frequency_hz * time.length_us * 1e-6;
@@ -197,12 +197,12 @@ impl Motion {
     }
 }
 
-/// Where shaft and camera stand at an instant of an exposure, against its start.
+/// Positions of shaft and camera at an instant of an exposure, relative to its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Turn of the spindle, degrees.
     pub angle_deg: f64,
-    /// Way of the carriage along z, mm.
+    /// Travel of the carriage along z, mm.
     pub z_mm: f64,
     /// The shaft's height by vibration, mm up in the image.
     pub lift_mm: f64,
@@ -213,7 +213,7 @@ pub struct Pose {
 /// A motion of the edge tied to the spindle: A·sin(k·φ + phase).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turning {
-    /// Undulations a revolution.
+    /// Undulations per revolution.
     pub undulations: f64,
     /// Amplitude, µm.
     pub amplitude_um: f64,
@@ -224,12 +224,12 @@ pub struct Turning {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Wave {
     amplitude_um: f64,
-    /// Periods a µs.
+    /// Periods per µs.
     per_us: f64,
     phase_rad: f64,
 }
 
-/// How an edge moves, µm up in the image over µs.
+/// The motion of an edge, µm up in the image over µs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EdgePath {
     um_per_us: f64,
@@ -243,7 +243,7 @@ impl EdgePath {
         self.um_per_us * t_us + self.waves.iter().map(wave).sum::<f64>()
     }
 
-    /// Mean position over the light's time, µm: where the blurred edge stands. Closed form.
+    /// Mean position over the light's time, µm, which is that of the blurred edge. Closed form.
     pub fn mean_um(&self, time: LightTime) -> f64 {
         let middle = time.start_us + 0.5 * time.length_us;
         let wave = |w: &Wave| {
@@ -256,8 +256,8 @@ impl EdgePath {
 
     /// Positions over the light's time with weights, µm.
     ///
-    /// Waves of more than 64 periods enter as arcsines, the rest and the steady motion are followed
-    /// in time.
+    /// Waves of more than 64 periods enter as arcsine distributions; the others and the steady
+    /// motion are integrated over time.
     pub fn shifts(&self, time: LightTime) -> Shifts {
         let (fast, slow): (Vec<Wave>, Vec<Wave>) =
             self.waves.iter().partition(|w| (w.per_us * time.length_us).abs() > MANY_PERIODS);

@@ -1,5 +1,5 @@
-//! One renderer for the process: a wgpu device, or the CPU twin where there is none or it is asked
-//! for.
+//! One renderer for the process: a wgpu device, or the CPU twin where there is none or it is
+//! requested.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -25,7 +25,7 @@ pub enum BackendChoice {
     Cpu,
 }
 
-/// A renderer; may be shared between threads, draws one frame at a time on a device.
+/// A renderer; may be shared between threads, renders one frame at a time on a device.
 #[derive(Debug)]
 pub struct Renderer {
     engine: Engine,
@@ -36,14 +36,14 @@ pub struct Renderer {
     strict: bool,
 }
 
-/// What became of a device in mid-run.
+/// State of the device during a run.
 #[derive(Debug)]
 struct Loss {
     why: String,
     adapter: String,
 }
 
-/// Fault injection: the device is lost after so many frames.
+/// Fault injection: number of frames after which the device is lost.
 const LOSE_DEVICE_AFTER: &str = "SHADOWGAUGE_LOSE_DEVICE_AFTER";
 
 /// Fault injection: the adapter's largest buffer, bytes.
@@ -56,17 +56,17 @@ enum Engine {
 }
 
 impl Renderer {
-    /// Opens the backend asked for and logs which adapter it is.
+    /// Opens the requested backend and logs the adapter.
     ///
     /// # Errors
-    /// When Vulkan or GL is asked for and offers no adapter. `auto` takes a hardware adapter, else
-    /// the CPU twin; software adapters only where Vulkan or GL is asked for.
+    /// When Vulkan or GL is requested and offers no adapter. `auto` chooses a hardware adapter,
+    /// otherwise the CPU twin; software adapters are used only where Vulkan or GL is requested.
     ///
-    /// A device that fails later does not end the run: it goes on with the CPU twin, reports that
-    /// once and in [`Self::adapter_name`]. To try that, `SHADOWGAUGE_LOSE_DEVICE_AFTER=N` destroys
-    /// the device after N frames. Frames larger than the adapter's buffers are drawn by the twin,
-    /// which is reported once (`SHADOWGAUGE_LARGEST_BUFFER=BYTES` to try it). No pixel format is
-    /// beyond an adapter: images are plain buffers of packed words.
+    /// A device that fails later does not end the run: it continues on the CPU twin, which is
+    /// reported once and in [`Self::adapter_name`]. To test that, `SHADOWGAUGE_LOSE_DEVICE_AFTER=N`
+    /// destroys the device after N frames. Frames larger than the adapter's buffers are rendered by
+    /// the twin, which is reported once (`SHADOWGAUGE_LARGEST_BUFFER=BYTES` to test it). Every
+    /// adapter supports all pixel formats: images are plain buffers of packed words.
     pub fn new(choice: BackendChoice) -> Result<Self, RenderError> {
         let renderer = match choice {
             BackendChoice::Auto => Self::automatic(),
@@ -78,8 +78,8 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// A hardware adapter, or the CPU twin: where there is none, which is usual, and where the one
-    /// there is does not work, which deserves a warning.
+    /// A hardware adapter, or the CPU twin: without a warning where there is no adapter, with one
+    /// where the adapter does not work.
     fn automatic() -> Self {
         match Gpu::open_hardware() {
             Ok(Some(gpu)) => Self::device(gpu),
@@ -121,7 +121,7 @@ impl Renderer {
         Self { strict: true, ..self }
     }
 
-    /// Why the device was given up, where it was.
+    /// Why the device is no longer used, where that is so.
     pub fn lost(&self) -> Option<&str> {
         self.lost.get().map(|loss| loss.why.as_str())
     }
@@ -131,13 +131,13 @@ impl Renderer {
         &self.backend
     }
 
-    /// The adapter's name, or `CPU twin`; both where the device was lost on the way.
+    /// The adapter's name, or `CPU twin`; both where the device was lost during the run.
     pub fn adapter_name(&self) -> &str {
         self.lost.get().map_or(&self.adapter, |loss| &loss.adapter)
     }
 
-    /// Runs the job on the device, where there is one that is not lost; `false` leaves the work to
-    /// the twin.
+    /// Runs the job on the device, where there is one that is not lost; `false` where the twin must
+    /// run it.
     fn on_device(&self, job: &Job<'_>, work: Work, buffer: &mut Buffer) -> Result<bool, RenderError> {
         let Engine::Device(gpu) = &self.engine else { return Ok(false) };
         if self.lost.get().is_some() {
@@ -168,7 +168,7 @@ impl Renderer {
         }
     }
 
-    /// Renders a frame of a scene; `reuse` gives its allocation back.
+    /// Renders a frame of a scene into the allocation of `reuse`.
     ///
     /// # Errors
     /// Refuses windows outside the sensor and shafts outside the field; fails with the device.
@@ -211,7 +211,7 @@ impl Renderer {
         Ok((frame, contamination.map(|map| scene.recycle(map))))
     }
 
-    /// Draws a job into a buffer of its format.
+    /// Renders a job into a buffer of its format.
     ///
     /// # Errors
     /// When the device fails and the renderer is strict.
@@ -227,7 +227,8 @@ impl Renderer {
         Ok(buffer)
     }
 
-    /// Writes one constant instead of a frame: the floor that a frame's time is compared with.
+    /// Writes one constant instead of a frame: the write floor, with which a frame's time is
+    /// compared.
     ///
     /// # Errors
     /// As [`Self::draw`].
@@ -266,7 +267,7 @@ fn fitting(job: &Job<'_>, reuse: Option<Buffer>) -> Buffer {
     }
 }
 
-/// Copies packed rows into a frame's buffer, leaving out what fills up the last word of a row.
+/// Copies packed rows into a frame's buffer, without the padding of the last word of a row.
 fn unpack(job: &Job<'_>, words: &[u32], buffer: &mut Buffer) {
     let columns = job.params.size.columns as usize;
     let words_a_row = job.params.size.words as usize;

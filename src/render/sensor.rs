@@ -1,5 +1,5 @@
 //! The sensor, from photons to counts, and sensors with published EMVA 1288 figures:
-//! `sensor.preset = "…"` fills in what the table does not set itself.
+//! `sensor.preset = "…"` sets the keys that the table does not set itself.
 //!
 //! | preset | sensor | source |
 //! |---|---|---|
@@ -7,7 +7,7 @@
 //! | `sony_imx900_high_gain` | the same, high conversion gain, 3 dB | the same report |
 //! | `lucid_atx470s` | LUCID Atlas10 ATX470S-M, Sony IMX492, 8288 × 5644 of 2.315 µm, 12 bit | LUCID Vision Labs, "EMVA 1288 Data" of the ATX470S-M |
 //!
-//! The FRAMOS figures were read in a public transcription of that report (system gain, quantum
+//! The FRAMOS figures come from a public transcription of that report (system gain, quantum
 //! efficiency, temporal dark noise, saturation capacity, DSNU, PRNU, black level), the LUCID ones
 //! (temporal dark noise, saturation capacity, DSNU, PRNU) in a public quotation. LUCID's system
 //! gain and quantum efficiency were not found: its gain is set so that the saturation capacity
@@ -40,9 +40,11 @@ pub struct Sensor {
     pub black_level_counts: f64,
     /// Saturation capacity, electrons.
     pub full_well_e: f64,
-    /// Photo-response non-uniformity PRNU: relative standard deviation of the pixels' gain, the same in every frame.
+    /// Photo-response non-uniformity PRNU: relative standard deviation of the pixels' gain, the
+    /// same in every frame.
     pub prnu_rel: f64,
-    /// Dark-signal non-uniformity DSNU: standard deviation of the pixels' offset, electrons, the same in every frame.
+    /// Dark-signal non-uniformity DSNU: standard deviation of the pixels' offset, electrons, the
+    /// same in every frame.
     pub dsnu_e: f64,
     /// Hot pixels a million.
     pub hot_pixels_ppm: f64,
@@ -137,8 +139,8 @@ impl SensorPreset {
                 ..sensor
             },
             Self::LucidAtx470s => Sensor {
-                // Not published where these figures were read: the well fills the scale above the
-                // black level.
+                // Not published with these figures: the full well is set to fill the scale above
+                // the black level.
                 electrons_per_count: 15_655.0 / (4095.0 - 64.0),
                 read_noise_e: 7.83,
                 black_level_counts: 64.0,
@@ -151,7 +153,7 @@ impl SensorPreset {
     }
 }
 
-/// The `[sensor]` table as written: a preset and what departs from it.
+/// The `[sensor]` table as written: a preset and keys that override it.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, rename = "Sensor")]
 pub(super) struct SensorFile {

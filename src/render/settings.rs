@@ -1,7 +1,7 @@
-//! What a user sets about camera, optics, light and sensor: the nominal optical setup.
+//! The nominal optical setup: camera, optics, light and sensor.
 //!
 //! The true optical setup differs from it by seeded amounts ([`SetupDeviations`]) that only `truth`
-//! has; the gauge gets frames and has to calibrate. Levels are grey values in counts, electrons
+//! may access; the gauge is calibrated on frames. Levels are grey values in counts; electrons
 //! follow from them by the sensor's gain.
 
 use schemars::JsonSchema;
@@ -37,7 +37,8 @@ pub struct Camera {
     pub line: Option<LineCamera>,
 }
 
-/// A camera of one line of pixels across the part. Spindle and carriage are its other axes: every reading has an angle and a z of its own.
+/// A camera of one line of pixels across the part. Spindle and carriage are its other axes: every
+/// reading has an angle and a z of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LineCamera {
@@ -51,8 +52,9 @@ impl Default for LineCamera {
     }
 }
 
-/// Two windows of rows, one an edge: the regions of one camera, or two heads mounted a known distance apart, seen as one
-/// tall field of which only their rows exist. A frame holds the upper window's rows, the lower one's beneath them.
+/// Two windows of rows, one an edge: the regions of one camera, or two heads mounted a known
+/// distance apart, seen as one tall field of which only their rows exist. A frame holds the upper
+/// window's rows, the lower one's beneath them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EdgeWindows {
@@ -133,8 +135,8 @@ impl Camera {
 pub struct Light {
     /// Mean grey value of the bright field, counts.
     pub bright_counts: f64,
-    /// Mean photons a pixel gets in the bright field during the exposure; replaces `bright_counts`, which then follows
-    /// from quantum efficiency, gain and black level.
+    /// Mean photons a pixel gets in the bright field during the exposure; replaces `bright_counts`,
+    /// which then follows from quantum efficiency, gain and black level.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bright_photons: Option<f64>,
     /// Mean grey value in the shadow (black level + stray light), counts.
@@ -156,8 +158,8 @@ impl Default for Light {
 }
 
 impl Light {
-    /// Grey value of the bright field with a sensor whose true gain is `electrons_per_count`: what
-    /// is set, or black level + η·photons/(electrons a count).
+    /// Grey value of the bright field with a sensor whose true gain is `electrons_per_count`: the
+    /// configured one, or black level + η·photons/(electrons per count).
     pub fn bright_in(&self, sensor: &Sensor, electrons_per_count: f64) -> f64 {
         self.bright_photons.map_or(self.bright_counts, |photons| {
             sensor.black_level_counts + sensor.quantum_efficiency * photons / electrons_per_count
@@ -201,7 +203,7 @@ impl Default for SetupDeviations {
 }
 
 impl SetupDeviations {
-    /// An optical setup exactly as its nominal values state.
+    /// An optical setup without deviations from its nominal values.
     pub fn none() -> Self {
         Self { magnification_rel: 0.0, blur_rel: 0.0, gain_rel: 0.0 }
     }

@@ -1,5 +1,5 @@
-//! The axis of the part in the report of a run: what stands still of it and what turns, measured
-//! and true in one picture a pass.
+//! The axis of the part in the report of a run: the line at rest and the one that turns, measured
+//! and true, in one picture per pass.
 
 use super::error::ReportError;
 use super::html::Page;
@@ -7,15 +7,15 @@ use super::plot::{Chart, Mark, Series, band};
 use super::shaft_report::is_bent;
 use crate::run_folder::{AxisRow, TrueAxisRow};
 
-/// Colours of the plane of the image, the plane towards the camera, and what is true.
+/// Colours of the plane of the image, the plane towards the camera, and the true values.
 const IMAGE: usize = 0;
 const TOWARDS_CAMERA: usize = 2;
 const TRUE: usize = 6;
-/// Colour of what is true and not seen.
+/// Colour of true values that are not measured.
 const UNSEEN: usize = 1;
 
 /// Adds the section, the last pass open and those before folded; nothing where no pass has an axis.
-/// Gives the file that goes beside the page.
+/// Returns the file that goes beside the page.
 ///
 /// # Errors
 /// Where a chart cannot be drawn.
@@ -40,7 +40,7 @@ pub fn axis_section(
     Ok((!svg.is_empty()).then(|| ("plots/axis.svg".to_owned(), svg.into_bytes())))
 }
 
-/// What is seen of the axis, and its largest values a pass.
+/// Explanation of the axis, and its largest values per pass.
 fn table(page: &mut Page, rows: &[AxisRow]) {
     if rows.is_empty() {
         return;
@@ -84,8 +84,8 @@ fn table(page: &mut Page, rows: &[AxisRow]) {
     page.table(&header, &table);
 }
 
-/// Still part and turning part of a pass, measured with U and true where the simulation has it;
-/// gives the first picture.
+/// The part at rest and the turning part of a pass, measured with U, and true where the simulation
+/// provides it; returns the first picture.
 fn of_pass(
     page: &mut Page,
     rows: &[AxisRow],

@@ -112,7 +112,7 @@ fn residuals(page: &mut Page, plan: &CalibrationPlan, residuals: &[Residual]) ->
     Ok(())
 }
 
-/// What the masters' edges leave of the edge model.
+/// Systematic residual of the masters' edges against the edge model.
 fn systematic_residual(
     page: &mut Page,
     systematic_residual: Option<&SystematicResidual>,

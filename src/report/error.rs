@@ -1,8 +1,8 @@
-//! Why a report cannot be made.
+//! Errors of reports.
 
 use crate::run_folder::RunFolderError;
 
-/// A report that cannot be made.
+/// Why a report cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {

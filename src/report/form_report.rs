@@ -10,7 +10,7 @@ use super::plot::{Chart, Mark, Series};
 use crate::gauge::diameter::sections::PartForm;
 use crate::run_folder::{FormRow, PartFormRow};
 
-/// A row a pass: the worst section and the axis.
+/// One row per pass: the worst section and the axis.
 fn pass_table(rows: &[FormRow], parts: &[PartFormRow]) -> Vec<Vec<String>> {
     let um = |v: Option<f64>| v.map_or("–".to_owned(), |v| format!("{:.3}", 1e3 * v));
     parts
@@ -96,7 +96,7 @@ pub fn form_section(
     Ok(())
 }
 
-/// Where the rings of a polar plot are labelled, degrees.
+/// Direction in which the rings of a polar plot are labelled, degrees.
 const LABEL_RAY_DEG: f64 = 67.5;
 
 /// A polar plot of a closed profile: deviations from the mean magnified, rings a round number of µm

@@ -19,7 +19,7 @@ th,td{padding:.25em .4em}}\
 @media(prefers-color-scheme:dark){:root{color-scheme:dark}body{background:#17191c;color:#dcdcdc}figure svg{background:#fff}\
 h2{border-color:#444}th,td{border-color:#3a3d41}th,code{background:#26292e}figcaption,.note{color:#a9adb3}.good{color:#3ecf9b}.bad{color:#ff9a6b}}";
 
-/// Cells of more letters hold a sentence, which is set from the left.
+/// Number of characters above which a cell is a sentence and is aligned left.
 const SENTENCE: usize = 32;
 
 impl Page {
@@ -67,7 +67,7 @@ impl Page {
         self
     }
 
-    /// What `inside` adds, folded under a line of plain text until the reader opens it.
+    /// The content added by `inside`, folded under a line of plain text until the reader opens it.
     ///
     /// # Errors
     /// Those of `inside`.

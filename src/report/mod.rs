@@ -1,10 +1,10 @@
-//! Plots and HTML from what a run folder, a calibration or a study holds.
+//! Plots and HTML pages of a run folder, a calibration or a study.
 //!
 //! In: a [`RunView`] (job, folder, sample), a calibration, rings measured. Out: one self-contained
 //! page and the files beside it. [`html`] makes pages, [`plot`] charts; a report is a file of
-//! sections, each a function that takes a page and what it shows (`shaft_report`, `form_report`,
-//! `axis_report`, `probe_report`, `sample`, `budget_words`). A new section is a file and one call
-//! in the report it belongs to.
+//! sections, each a function of a page and its data (`shaft_report`, `form_report`, `axis_report`,
+//! `probe_report`, `sample`, `budget_words`). A new section is a file and one call in the report it
+//! belongs to.
 
 mod axis_report;
 mod budget_words;

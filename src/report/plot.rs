@@ -5,7 +5,7 @@ use std::ops::Range;
 use plotters::coord::ranged1d::ValueFormatter;
 use plotters::prelude::*;
 
-/// Colours that stay apart for colour-blind readers (Okabe and Ito; a brown in place of their
+/// Colours that colour-blind readers can distinguish (Okabe and Ito; a brown in place of their
 /// yellow), in order of use.
 pub const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
@@ -20,20 +20,20 @@ pub const PALETTE: [RGBColor; 8] = [
 
 const WIDTH: u32 = 860;
 const HEIGHT: u32 = 380;
-/// What surrounds the axes, px.
+/// Margin around the axes, px.
 const MARGIN: u32 = 12;
 const X_LABELS: u32 = 42;
 const Y_LABELS: u32 = 66;
 /// Height of a line of the legend, px.
 const LEGEND_LINE: u32 = 20;
-/// Left end of the legend, where the y axis stands, px.
+/// Left end of the legend, at the y axis, px.
 const LEGEND_LEFT: i32 = 78;
-/// Room of a mark and the gap behind a name, px.
+/// Width of a mark and of the gap behind a name, px.
 const LEGEND_MARK: i32 = 26;
 const LEGEND_GAP: i32 = 18;
 /// Opacity of a band.
 const PALE: f64 = 0.2;
-/// Width of a letter, about, px.
+/// Approximate width of a letter, px.
 const LETTER: f64 = 7.0;
 
 /// How a series is drawn.
@@ -41,7 +41,7 @@ const LETTER: f64 = 7.0;
 pub enum Mark {
     /// A line through the points.
     Line,
-    /// A thin, pale line: context.
+    /// A thin, pale line for context.
     Faint,
     /// A dashed line: a limit or a reference.
     Dashed,
@@ -53,8 +53,8 @@ pub enum Mark {
     Band,
 }
 
-/// The outline of a band about points (x, y, half width), broken into pieces nowhere: rows with a
-/// gap are left out.
+/// The outline of a band about points (x, y, half width), in one piece: rows with a gap are left
+/// out.
 pub fn band(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Vec<(f64, f64)> {
     let usable = points.filter(|p| p.1.is_finite() && p.2.is_finite());
     let mut outline: Vec<(f64, f64)> = usable.clone().map(|(x, y, half)| (x, y + half)).collect();
@@ -83,7 +83,7 @@ impl Series {
         Self { name: name.into(), points, mark, colour }
     }
 
-    /// Its colour, and the style of its line.
+    /// Its colour and line style.
     fn style(&self) -> (RGBColor, ShapeStyle) {
         let colour = PALETTE[self.colour % PALETTE.len()];
         let style = match self.mark {
@@ -95,7 +95,7 @@ impl Series {
     }
 }
 
-/// A name in the legend.
+/// An entry of the legend.
 struct LegendEntry<'a> {
     series: &'a Series,
     x: i32,
@@ -135,7 +135,7 @@ pub struct Chart {
     pub x_label: String,
     /// Label of the y axis, with its unit.
     pub y_label: String,
-    /// What is drawn, back to front.
+    /// The series, back to front.
     pub series: Vec<Series>,
     /// A shaded band (y from, y to), such as a tolerance.
     pub band: Option<(f64, f64)>,
@@ -143,9 +143,9 @@ pub struct Chart {
     pub log_y: bool,
     /// Limits of y; from the data where absent.
     pub y_range: Option<(f64, f64)>,
-    /// Most labels on the x axis, where fewer than usual are right (whole numbers).
+    /// Most labels on the x axis, where fewer than usual are needed (whole numbers).
     pub x_labels: Option<usize>,
-    /// One unit is as long along x as along y (both linear): circles are round.
+    /// Whether a unit has the same length along x and y (both linear), so that circles are round.
     pub equal_axes: bool,
 }
 
@@ -169,7 +169,7 @@ impl Chart {
         Ok(svg)
     }
 
-    /// Names below the axes, where no curve runs, from left to right in as many lines as they need.
+    /// Names below the axes, clear of the curves, from left to right in as many lines as needed.
     fn legend(&self) -> Vec<LegendEntry<'_>> {
         let (mut x, mut line) = (LEGEND_LEFT, 0);
         let mut entries = Vec::new();
@@ -284,7 +284,7 @@ impl Chart {
         let ys = points().map(|p| p.1).filter(|&y| !log || y > 0.0);
         let (y0, y1) = extent(ys.chain(self.band.into_iter().flat_map(|(a, b)| [a, b])));
         if log {
-            // Whole decades, or there might be none to label.
+            // Whole decades, so that there is at least one label.
             return (x0..x1, 10f64.powf((y0 / 1.2).log10().floor())..10f64.powf((1.2 * y1).log10().ceil()));
         }
         let pad = 0.06 * (y1 - y0);
@@ -299,7 +299,8 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 type Axes<'a, 'b, Y> =
     ChartContext<'a, SVGBackend<'b>, Cartesian2d<plotters::coord::types::RangedCoordf64, Y>>;
 
-/// The ranges widened about their middles so that a unit takes as many pixels along either axis.
+/// The ranges, widened about their middles so that a unit has the same number of pixels along both
+/// axes.
 fn equally(x: Range<f64>, y: Range<f64>) -> (Range<f64>, Range<f64>) {
     let (width, height) = (WIDTH - 2 * MARGIN - Y_LABELS, HEIGHT - 2 * MARGIN - X_LABELS);
     let per_px = ((x.end - x.start) / f64::from(width)).max((y.end - y.start) / f64::from(height));
@@ -319,11 +320,11 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
     }
 }
 
-/// A number with as many digits as a reader needs.
+/// A number rounded to the digits of an axis label.
 fn tidy(value: f64) -> String {
     let size = value.abs();
     if size < 1e-12 {
-        // What rounding leaves of a zero.
+        // A rounding error about zero.
         return "0".to_owned();
     }
     if !(1e-3..1e5).contains(&size) {

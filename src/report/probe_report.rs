@@ -7,8 +7,8 @@ use crate::job::Job;
 use crate::probe;
 use crate::run_folder::RunFolder;
 
-/// Common parts by source, with the median random part over the stations of the last pass; nothing
-/// for a camera's run.
+/// Common contributions by source, with the median random contribution over the stations of the
+/// last pass; nothing for a run with the camera.
 pub(super) fn budget(page: &mut Page, job: &Job, folder: &RunFolder) -> Result<(), ReportError> {
     let Some(settings) = &job.probe else { return Ok(()) };
     let text = folder.read_text("calibration.json")?;

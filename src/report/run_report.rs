@@ -17,7 +17,7 @@ use crate::gauge::diameter::sections::PartForm;
 use crate::job::Job;
 use crate::run_folder::{PassRow, RunFolder, StationRow, profile_of};
 
-/// What a report is made from.
+/// Inputs of a report.
 #[derive(Clone, Copy)]
 pub struct RunView<'a> {
     /// The resolved job.
@@ -152,7 +152,7 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
     }
 }
 
-/// Measured error of a pass, one colour a pass.
+/// Measured error of a pass, one colour per pass.
 fn error_series(rows: &Rows, pass: &PassRow, mark: Mark, name: String) -> Series {
     let error_um = |s: &StationRow| s.d_mm.map_or(f64::NAN, |d| (d - pass.nominal_mm) * 1e3);
     let points = rows.of_pass(pass.pass).map(|s| (s.z_mm, error_um(s))).collect();
@@ -266,7 +266,7 @@ fn offsets(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
     Ok(())
 }
 
-/// What control decided after every pass and why; where offsets were held, the reason.
+/// The decision after every pass, with its reason; where offsets were held, the reason.
 fn decisions(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
     let record = view.folder.control()?;
     let rows: Vec<Vec<String>> = record
@@ -392,7 +392,7 @@ fn calibration(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
     Ok(())
 }
 
-/// Adds a chart to the page and gives its SVG.
+/// Adds a chart to the page and returns its SVG.
 fn draw(page: &mut Page, chart: &Chart, caption: &str) -> Result<String, ReportError> {
     let svg = chart.to_svg().map_err(ReportError::Draw)?;
     page.figure(&svg, caption);

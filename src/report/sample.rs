@@ -1,4 +1,4 @@
-//! A frame with the edges found in it, for people to look at.
+//! Figures of a frame with its edges.
 
 use std::fmt::Write as _;
 use std::io::Cursor;
@@ -15,7 +15,7 @@ use crate::gauge::Edge;
 const OVERVIEW_PX: usize = 816;
 /// Columns and rows of the magnified corner around the upper edge.
 const CROP: (usize, usize) = (48, 24);
-/// About as many columns, spread over the frame, make the edge profile.
+/// Approximate number of columns, spread over the frame, of the edge profile.
 const PROFILE_COLUMNS: usize = 200;
 /// Half width of the edge profile, px.
 const PROFILE_REACH_PX: f64 = 7.0;
@@ -27,7 +27,7 @@ struct Picture<'a> {
     bottom_px: Vec<Option<f64>>,
 }
 
-/// Adds the figures to the page; gives the files that go beside it.
+/// Adds the figures to the page; returns the files that go beside it.
 ///
 /// # Errors
 /// Where a picture cannot be encoded.
@@ -121,11 +121,11 @@ fn overview_svg(sample: &Picture<'_>, png: &[u8], image: &GrayImage, step: usize
     svg + "</svg>"
 }
 
-/// Colour of an edge, seen on every grey.
+/// Colour of an edge, visible on every grey.
 const EDGE_COLOUR: &str = "#d55e00";
 
-/// An edge as SVG lines, broken at gaps; `row0` is the picture's first row, `scale` its pixels a
-/// column.
+/// An edge as SVG lines, broken at gaps; `row0` is the picture's first row, `scale` the picture's
+/// pixels per column.
 fn polyline(edge: &[Option<f64>], every: usize, row0: f64, scale: f64, width: f64) -> String {
     let mut path = String::new();
     let mut pen_down = false;
@@ -142,7 +142,7 @@ fn polyline(edge: &[Option<f64>], every: usize, row0: f64, scale: f64, width: f6
     format!("<path d=\"{path}\" fill=\"none\" stroke=\"{EDGE_COLOUR}\" stroke-width=\"{width}\"/>")
 }
 
-/// A corner of the frame around the upper edge, each pixel seen, with the measured edge in it.
+/// A corner of the frame around the upper edge, with visible pixels and the measured edge.
 fn magnified(sample: &Picture<'_>, stretch: &Stretch) -> Result<Option<(String, String)>, String> {
     const ZOOM: f64 = 17.0;
     let column0 = (sample.view.columns() / 2).saturating_sub(CROP.0 / 2);

@@ -1,4 +1,4 @@
-//! The shaft in the machine: forces of every pass, a turn as a moving picture.
+//! The shaft in the machine: forces of every pass, a turn as an animation.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -6,21 +6,21 @@ use std::fmt::Write as _;
 use super::html::Page;
 use crate::run_folder::{PassRow, StationRow, TrueAxisRow};
 
-/// Spindle angles of the moving picture.
+/// Spindle angles of the animation.
 const ANGLES: usize = 24;
-/// Seconds that a turn takes in it.
+/// Duration of a turn in it, s.
 const TURN_S: f64 = 4.0;
 /// Size of the picture, px.
 const SIZE: (f64, f64) = (860.0, 300.0);
 /// Half the height at which the nominal shaft is drawn, px.
 const HALF_PX: f64 = 60.0;
-/// What the largest deviation is drawn as, px.
+/// Drawn size of the largest deviation, px.
 const LARGEST_PX: f64 = 45.0;
-/// A shaft whose axis leaves the spindle's by less is drawn straight, mm.
+/// Deviation of the axis from the spindle's below which a shaft is drawn straight, mm.
 const STRAIGHT_MM: f64 = 1e-6;
 
-/// Adds a turn of the last pass as a moving picture; gives the file that goes beside the page, none
-/// of a straight shaft.
+/// Adds a turn of the last pass as an animation; returns the file that goes beside the page, none
+/// for a straight shaft.
 pub fn turn_picture(
     page: &mut Page,
     passes: &[PassRow],
@@ -45,7 +45,7 @@ pub fn turn_picture(
     Some(("plots/turn.svg".to_owned(), picture.into_bytes()))
 }
 
-/// Whether an axis leaves the spindle's.
+/// Whether an axis deviates from the spindle's.
 pub fn is_bent(a: &TrueAxisRow) -> bool {
     [a.still_x_mm, a.still_y_mm, a.turning_x_mm, a.turning_y_mm].iter().any(|v| v.abs() > STRAIGHT_MM)
 }
@@ -86,7 +86,7 @@ pub fn forces(page: &mut Page, passes: &[PassRow]) {
     page.table(&header, &rows);
 }
 
-/// An SVG that turns by itself, and the factor of its deviations.
+/// An animated SVG, and the magnification of its deviations.
 fn turn(axis: &[&TrueAxisRow], stations: &[&StationRow], nominal_mm: f64) -> (String, f64) {
     let turned = |a: &TrueAxisRow, phi: f64| {
         let (sin, cos) = phi.sin_cos();

@@ -12,7 +12,7 @@ use crate::studies::washers::{Comparison, MethodFigures, Outlier, Part, SIDES, W
 
 /// Width of a picture, px.
 const WIDTH: usize = 820;
-/// Departures from the circle are drawn so many times larger.
+/// Magnification of departures from the circle.
 const MAGNIFIED: f64 = 60.0;
 
 /// The page, and the pictures beside it by their names.

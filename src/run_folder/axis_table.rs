@@ -1,5 +1,4 @@
-//! `axis.csv` of a run folder: where the axis of the part stands at every station, and what of it
-//! turns.
+//! `axis.csv` of a run folder: the axis of the part at every station, at rest and turning.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +12,7 @@ pub struct AxisRow {
     pub pass: u32,
     /// Middle of the station, mm.
     pub z_mm: f64,
-    /// Height of the axis over the optical axis, what stands still of it, mm.
+    /// Height above the optical axis of the axis at rest, mm.
     pub x_mm: f64,
     /// Its standard uncertainty, mm.
     pub u_x_mm: f64,
@@ -21,18 +20,18 @@ pub struct AxisRow {
     pub bend_x_mm: f64,
     /// Its standard uncertainty, mm.
     pub u_bend_x_mm: f64,
-    /// What turns with the part, upwards at spindle angle 0, mm; empty where the angles do not show
-    /// it.
+    /// Turning component of the axis, upwards at spindle angle 0, mm; empty where the angles do not
+    /// determine it.
     pub turning_x_mm: Option<f64>,
-    /// What turns with the part, towards the camera at spindle angle 0, mm.
+    /// Turning component of the axis, towards the camera at spindle angle 0, mm.
     pub turning_y_mm: Option<f64>,
     /// Standard uncertainty of either, mm.
     pub u_turning_mm: Option<f64>,
-    /// Radial run-out of the axis, mm: twice what turns.
+    /// Radial run-out of the axis, mm: twice the turning component.
     pub run_out_mm: Option<f64>,
-    /// What stands still towards the camera: not seen.
+    /// Component at rest towards the camera: not measured.
     pub still_y: String,
-    /// Spindle angles seen.
+    /// Number of spindle angles measured.
     pub angles: usize,
 }
 

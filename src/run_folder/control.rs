@@ -1,5 +1,5 @@
-//! `control.json`: what the controller received besides the diameters, and what it returned. A
-//! resumed run gives it the same again.
+//! `control.json`: the input of the controller besides the diameters, and its output. A resumed run
+//! replays it.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,16 +25,16 @@ pub struct PassRecord {
     pub decision: String,
     /// Why the offsets were held.
     pub reason: Option<String>,
-    /// Why the next pass should not be cut until someone has looked.
+    /// Why the next pass should not be cut before an inspection.
     pub alarm: Option<String>,
-    /// Remarks: what was estimated, fitted, interpolated, rounded.
+    /// Remarks on estimates, fits, interpolation and rounding.
     pub notes: Vec<String>,
-    /// What the decision was made by besides the profile.
+    /// Input of the decision besides the profile.
     pub evidence: Evidence,
 }
 
 impl ControlRecord {
-    /// What a pass was judged by; nothing where the record does not have it.
+    /// Input of the decision on a pass; the default where the record does not contain it.
     pub fn evidence(&self, pass: u32) -> Evidence {
         self.passes.iter().find(|p| p.pass == pass).map_or_else(Evidence::default, |p| p.evidence.clone())
     }

@@ -1,4 +1,4 @@
-//! The folder itself: who may take it, its lock, its files.
+//! The folder itself: claiming, lock, files.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ pub enum RunFolderError {
     Write {
         /// The file.
         path: PathBuf,
-        /// The cause underneath.
+        /// The underlying cause.
         cause: io::Error,
     },
     /// Another run writes in the folder, or a file of it cannot be written.
@@ -36,7 +36,7 @@ pub enum RunFolderError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The cause underneath.
+        /// The underlying cause.
         cause: String,
     },
 }
@@ -52,7 +52,7 @@ pub struct RunFolder {
 const HASH_LINE: &str = "# config sha256 ";
 
 impl RunFolder {
-    /// Claims `path` for a run of the config `resolved_toml` with this hash, or takes up an
+    /// Claims `path` for a run of the config `resolved_toml` with this hash, or resumes an
     /// unfinished run of the same hash.
     ///
     /// # Errors
@@ -66,7 +66,7 @@ impl RunFolder {
         folder.check_free(hash)?;
         files::make_folder(path)?;
         folder.lock = Some(Arc::new(Lock::take(&path.join(LOCK_NAME), path)?));
-        // Whoever held it may have written since.
+        // Its last holder may have written since.
         let free = folder.check_free(hash)?;
         files::clear_temporary(path)?;
         if free {
@@ -75,7 +75,7 @@ impl RunFolder {
         Ok(folder)
     }
 
-    /// Whether the folder holds nothing; an unfinished run of this hash may be taken up.
+    /// Whether the folder is empty; an unfinished run of this hash may be resumed.
     fn check_free(&self, hash: &str) -> Result<bool, RunFolderError> {
         let what = match self.state()? {
             State::Free => return Ok(true),
@@ -112,7 +112,7 @@ impl RunFolder {
         Ok(())
     }
 
-    /// Opens a folder to read.
+    /// Opens a folder for reading.
     ///
     /// # Errors
     /// Where it holds no run.
@@ -152,7 +152,7 @@ impl RunFolder {
         self.read_text("run.toml")
     }
 
-    /// Writes `name` (which may have folders) under a temporary name and renames it.
+    /// Writes `name` (which may contain folders) under a temporary name and renames it.
     ///
     /// # Errors
     /// Where the disk or the permissions refuse.

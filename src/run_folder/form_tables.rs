@@ -1,5 +1,5 @@
-//! The form tables of a run folder: `form.csv`, one row a section, and `part_form.csv`, one row a
-//! pass.
+//! The form tables of a run folder: `form.csv`, one row per section, and `part_form.csv`, one row
+//! per pass.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,9 +15,9 @@ pub struct FormRow {
     pub pass: u32,
     /// Middle of the station, mm.
     pub z_mm: f64,
-    /// Angles seen.
+    /// Number of angles.
     pub angles: usize,
-    /// Whether they span half a revolution, the spindle taken as still.
+    /// Whether they span half a revolution, with the spindle assumed free of error motion.
     pub half_turn: bool,
     /// Least-squares size GG, mm.
     pub gg_mm: f64,

@@ -1,15 +1,15 @@
 //! A run on disk: written pass by pass, resumed after a kill, read by `report` and `nc`.
 //!
 //! A run that writes holds the folder's lock: a second one in it is refused. Every file is written
-//! under a temporary name and renamed; what a killed run left under such names is cleared by the
-//! next. `passes.csv` is written last of a pass, so a pass that stands in it has all its data;
-//! whatever a killed run left of a later pass is overwritten. `report.html` is written last of all:
-//! a folder that has one is finished and never touched again.
+//! under a temporary name and renamed; the next run clears the remains of a killed one under such
+//! names. `passes.csv` is written last for every pass, so that a pass listed there has all its
+//! data; remains of a later pass are overwritten. `report.html` is written last of all: a folder
+//! that contains it is finished and never changed again.
 //!
-//! In: rows of finished passes (`tables`, `axis_table`, `form_tables`, `parquet_file`) and what
-//! control was given (`control`); out: the same rows, read back. `folder` holds the folder itself.
-//! A new table is a file of its own with its row type, its name in the folder, and a method of
-//! [`RunFolder`] to write and to read it.
+//! In: rows of finished passes (`tables`, `axis_table`, `form_tables`, `parquet_file`) and the
+//! input of the controller (`control`); out: the same rows, read back. `folder` holds the folder
+//! itself. A new table is a file of its own with its row type, its name in the folder, and a method
+//! of [`RunFolder`] to write and to read it.
 
 mod axis_table;
 mod control;

@@ -12,7 +12,7 @@ use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 pub struct PassRow {
     /// Pass, from 1.
     pub pass: u32,
-    /// What the pass aimed at, mm.
+    /// Target diameter of the pass, mm.
     pub nominal_mm: f64,
     /// Largest |measured - nominal| over stations, mm.
     pub max_abs_error_mm: f64,
@@ -28,10 +28,10 @@ pub struct PassRow {
     pub stations_measured: usize,
     /// Frames measured.
     pub frames: usize,
-    /// What control decided after the pass: `released`, `held` or `last`.
+    /// Decision after the pass: `released`, `held` or `last`.
     pub decision: String,
-    /// Largest radial force, N; this and what follows is the cell's, empty where it has none, not
-    /// in older tables.
+    /// Largest radial force, N; this and the following columns come from the cell, are empty where
+    /// it has none, and absent from older tables.
     #[serde(default)]
     pub radial_force_n: Option<f64>,
     /// Largest tangential force, N.
@@ -68,7 +68,7 @@ pub struct StationRow {
     pub flag: Option<Reason>,
     /// True mean caliper diameter, mm.
     pub true_d_mm: f64,
-    /// Effective degrees of freedom of the uncertainty; empty where they are very many, not in
+    /// Effective degrees of freedom of the uncertainty; empty where they are very many, absent from
     /// older tables.
     #[serde(default)]
     pub effective_freedom: Option<f64>,
@@ -114,8 +114,8 @@ pub struct OffsetRow {
     pub z_mm: f64,
     /// Offset o, mm of diameter: b = r - o.
     pub offset_mm: f64,
-    /// Offset that the controller asked for, before the machine's program rounded it, mm of
-    /// diameter; not in older tables.
+    /// Offset as the controller decided it, before the machine's program rounded it, mm of
+    /// diameter; absent from older tables.
     #[serde(default)]
     pub asked_mm: Option<f64>,
     /// Commanded diameter b, mm.
@@ -126,21 +126,21 @@ pub struct OffsetRow {
     pub reason: String,
 }
 
-/// A row of `truth_axis.csv`: where the axis of a station lay when a pass was looked at (tool
-/// clear, or under the force while it was cut); for comparison only.
+/// A row of `truth_axis.csv`: the axis at a station in the frames of a pass (tool clear, or under
+/// the force of the cut); for comparison only.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrueAxisRow {
     /// Pass, from 1.
     pub pass: u32,
     /// Middle of the station, mm.
     pub z_mm: f64,
-    /// What stands still, along x (up in the image), mm.
+    /// Component at rest along x (up in the image), mm.
     pub still_x_mm: f64,
-    /// What stands still, along y (towards the camera), mm.
+    /// Component at rest along y (towards the camera), mm.
     pub still_y_mm: f64,
-    /// What turns with the part, along the body's 0°, mm.
+    /// Turning component along the body's 0°, mm.
     pub turning_x_mm: f64,
-    /// What turns with the part, along the body's 90°, mm.
+    /// Turning component along the body's 90°, mm.
     pub turning_y_mm: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The body: profile, lobes, texture, axis and pose, as the renderer draws it.
+//! The body: profile, lobes, texture, axis and pose, the input of the renderer.
 
 /// A point of the mean radius profile R(z); between knots R is linear, beyond the ends constant.
 /// Two knots at the same z make a shoulder.
@@ -71,8 +71,8 @@ pub struct Pose {
     pub x_mm: f64,
     /// Tilt in the image plane: rise of the axis along z, mrad.
     pub tilt_mrad: f64,
-    /// Tilt towards the camera: how the axis comes nearer along z, mrad, about the middle of the field (the carriage keeps
-    /// the focus).
+    /// Tilt towards the camera: how the axis comes nearer along z, mrad, about the middle of the
+    /// field (the carriage keeps the focus).
     pub tilt_to_camera_mrad: f64,
 }
 

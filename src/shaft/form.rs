@@ -26,7 +26,8 @@ pub enum TextureSpectrum {
     Gaussian,
     /// Exponential autocorrelation exp(-|Δz|/l): S(f) ∝ 1/(1 + (2πlf)²).
     Exponential,
-    /// S(f) ∝ f^-exponent between two wavelengths, level above the longest, nothing below the shortest.
+    /// S(f) ∝ f^-exponent between two wavelengths, level above the longest, nothing below the
+    /// shortest.
     PowerLaw {
         /// Exponent: 0 white, 2 a random walk.
         exponent: f64,
@@ -149,7 +150,8 @@ pub struct Bow {
     pub phase_deg: f64,
 }
 
-/// A deflection of the axis in the machine's frame, half a sine wave over the part's length; does not turn.
+/// A deflection of the axis in the machine's frame, half a sine wave over the part's length; does
+/// not turn.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
 )]
@@ -177,9 +179,11 @@ pub struct ShaftForm {
     pub deflection: Deflection,
     /// Roughness and waviness; none leaves the surface smooth.
     pub texture: Option<TextureForm>,
-    /// Corners of the contour along z: steps, tapers, shoulders, chamfers, radii, grooves; none draws a plain cylinder.
+    /// Corners of the contour along z: steps, tapers, shoulders, chamfers, radii, grooves; none
+    /// draws a plain cylinder.
     pub contour: Vec<ContourPoint>,
-    /// CSV file `z_mm,diameter_mm[,chamfer_mm,radius_mm]` beside the config; its points take its place in the resolved config.
+    /// CSV file `z_mm,diameter_mm[,chamfer_mm,radius_mm]` beside the config; its points take its
+    /// place in the resolved config.
     pub contour_file: Option<String>,
     /// Threads.
     pub threads: Vec<Thread>,

@@ -1,13 +1,13 @@
-//! A shaft: radius over z and θ, form errors, axis and pose. Describes; computes nothing an
-//! instrument could peek at.
+//! A shaft: radius over z and θ, form errors, axis and pose. Data only: no computation here gives
+//! an instrument access to true values.
 //!
 //! r(z,θ) = R(z) + Σ_{k≥2} a_k cos(k(θ - θ_k)) + texture(z,θ), θ the body angle from x towards y;
 //! eccentricity (k = 1), bow and deflection move the axis c(z,φ), φ the spindle angle: a body point
-//! θ stands at machine angle θ + φ. Eccentricity and bow turn with the body; deflection, spindle
-//! error and pose do not. Threads and feed marks are heights over the phase of a helix, flats and
-//! keyways cut the slice. [`form`] is what a user writes.
+//! θ is at machine angle θ + φ. Eccentricity and bow turn with the body; deflection, spindle error
+//! and pose do not. Threads and feed marks are heights over the phase of a helix, flats and keyways
+//! cut the slice. [`form`] is the `[shaft]` table of a config.
 //!
-//! `body` is what is drawn and turned; a new form of the body is a field of [`Shaft`] or
+//! `body` is the input of renderer and process; a new form of the body is a field of [`Shaft`] or
 //! [`Features`], a table in [`form`], and its place in `render::form` and `render::silhouette`.
 
 mod body;

@@ -17,7 +17,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
     let (columns, rows) = decoder.dimensions();
     check_size(columns, rows)?;
     let (columns, rows) = (columns as usize, rows as usize);
-    // The decoder gives indices of eight bits alone; smaller ones it looks up itself.
+    // The decoder returns indices only for eight bits; smaller ones it looks up itself.
     let octets = bytes.get(28..30) == Some(&[8, 0]);
     let palette: Option<Vec<[u8; 3]>> = decoder.get_palette().filter(|_| octets).map(<[[u8; 3]]>::to_vec);
     if palette.is_some() {
@@ -30,7 +30,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
     }
     decoder.read_image(&mut samples).map_err(damaged)?;
     if channels == 4 && samples.iter().skip(3).step_by(4).all(|a| *a == 0) {
-        // A fourth byte that is 0 everywhere is no opacity but room.
+        // A fourth byte that is 0 everywhere is padding, not opacity.
         samples.iter_mut().skip(3).step_by(4).for_each(|a| *a = u8::MAX);
     }
     let (samples, channels) = match palette {
@@ -41,7 +41,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
     Ok(Raster { samples: Buffer::U8(samples), columns, rows, channels, planar: false, stated })
 }
 
-/// Pixels a metre of the header, where it has them.
+/// Pixels per metre from the header, where it has them.
 fn scale(bytes: &[u8]) -> Option<FileScale> {
     let number = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?));
     let (size, x, y) = (number(14)?, number(38)?, number(42)?);

@@ -1,9 +1,9 @@
 //! Image bytes to grey frames: PNG, TIFF and BigTIFF, JPEG, BMP, PGM and its kin.
 //!
-//! Grey values are taken as they stand; 10-, 12- and 14-bit values stand unshifted in 16-bit files.
-//! Encoded ones become proportional to the light (`transfer`), turned pictures upright
-//! (`orientation`). Without further knowledge a 16-bit file is 12-bit where no value exceeds 4095,
-//! else 16-bit. Memory: the file's samples, unpacked, and the frame.
+//! Grey values are not changed; 10-, 12- and 14-bit values are unshifted in 16-bit files. Encoded
+//! values become proportional to the light (`transfer`), rotated images upright (`orientation`).
+//! Without further information a 16-bit file is 12-bit where no value exceeds 4095, otherwise
+//! 16-bit. Memory: the file's samples, unpacked, and the frame.
 
 use super::error::{DecodeError, damaged};
 use super::raster::{Channel, Raster};
@@ -11,7 +11,7 @@ use super::scale::FileScale;
 use super::{bmp, depth, jpeg, orientation, png, pnm, tiff};
 use crate::frame::{Frame, FrameMeta, PixelFormat};
 
-/// What is wanted of an image, and what is known beside it.
+/// Options for decoding an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wanted {
     /// Bits of a grey value (`frames.csv`): 8, 10, 12, 14 or 16.
@@ -29,9 +29,9 @@ pub struct Decoded {
     pub frame: Frame,
     /// The scale of the file's own tags.
     pub scale: Option<FileScale>,
-    /// What was done to the values that stood in the file, for people to read.
+    /// Changes made to the values of the file, in words.
     pub changed: Vec<String>,
-    /// Bytes that the file's samples took while they were read.
+    /// Bytes that the file's samples occupied while they were read.
     pub sample_bytes: usize,
 }
 
@@ -56,8 +56,8 @@ fn format(bytes: &[u8]) -> Option<Format> {
     }
 }
 
-/// Where the frames of a file begin, for [`Wanted::place`]: the pages of a TIFF without thumbnails
-/// and masks, the images of a PGM stream; one place in every other file.
+/// Offsets at which the frames of a file begin, for [`Wanted::place`]: the pages of a TIFF without
+/// thumbnails and masks, the images of a PGM stream; one place in every other file.
 pub fn pages(bytes: &[u8]) -> Vec<u64> {
     let places = match format(bytes) {
         Some(Format::Tiff) => tiff::pages(bytes),
@@ -67,8 +67,7 @@ pub fn pages(bytes: &[u8]) -> Vec<u64> {
     if places.is_empty() { vec![0] } else { places }
 }
 
-/// The first frame of an image, in grey. `bit_depth` is what is known beside the file
-/// (`frames.csv`).
+/// The first frame of an image, in grey. `bit_depth` is that of `frames.csv`.
 ///
 /// # Errors
 /// As [`decode_wanted`].
@@ -80,8 +79,9 @@ pub fn decode(bytes: &[u8], bit_depth: Option<u8>, meta: FrameMeta) -> Result<Fr
 /// Decodes one frame of an image.
 ///
 /// # Errors
-/// Refuses what is empty, no image, damaged, coloured without a channel chosen, transparent,
-/// encoded in a way that is not undone, too large or beyond its stated bit depth.
+/// Refuses files that are empty, not an image, damaged, coloured without a chosen channel,
+/// transparent, encoded in an unsupported way, too large, or with values beyond the stated bit
+/// depth.
 pub fn decode_wanted(bytes: &[u8], wanted: &Wanted, meta: FrameMeta) -> Result<Decoded, DecodeError> {
     if bytes.is_empty() {
         return Err(DecodeError::Empty);
@@ -217,7 +217,7 @@ mod tests {
         let frame = decode(&encoded(None), None, FrameMeta::default()).unwrap();
         assert_eq!((frame.view().rows(), frame.view().columns()), (7, 10));
         assert_eq!((frame.view().get(0, 1), frame.view().get(6, 9)), (Some(3.0), Some(207.0)));
-        // A palette the wrong way round is still grey.
+        // An inverted palette is still grey.
         let turned: Vec<[u8; 3]> = (0..=255).map(|i| [255 - i; 3]).collect();
         let frame = decode(&encoded(Some(&turned)), None, FrameMeta::default()).unwrap();
         assert_eq!(frame.view().get(0, 1), Some(252.0));

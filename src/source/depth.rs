@@ -1,7 +1,7 @@
-//! What full scale is: stated beside the file (`frames.csv`), by the file (`maxval`, `sBIT`, bits a
-//! sample), or found from the largest value. Grey values are taken as they stand, except where a
-//! file's writer has spread them over its container (left-aligned, or scaled to its ends): there
-//! the camera's own values come back.
+//! Determines full scale: stated in `frames.csv` or by the file (`maxval`, `sBIT`, bits per
+//! sample), otherwise derived from the largest value. Grey values are not changed, except where the
+//! writer of the file has spread them over the container (left-aligned, or scaled to its full
+//! range): there the camera's own values are restored.
 
 use super::error::DecodeError;
 use crate::frame::{Buffer, PixelFormat};
@@ -14,10 +14,10 @@ pub(super) struct Depth {
     pub(super) full_scale: Option<f32>,
 }
 
-/// Settles format and full scale.
+/// Determines format and full scale.
 ///
 /// # Errors
-/// Refuses bit depths that no camera has and values beyond the one stated in the table.
+/// Refuses unsupported bit depths, and values beyond the one stated in the table.
 pub(super) fn settle(
     buffer: Buffer,
     table_bits: Option<u8>,
@@ -98,8 +98,8 @@ fn words(
     Ok(sized(values, format, None))
 }
 
-/// The frame of a format; eight bits in a container of eight. A full scale that is the format's own
-/// is not stated again.
+/// The frame in a format, eight bits in an 8-bit container. A full scale equal to the format's own
+/// is not stored.
 fn sized(values: Vec<u16>, format: PixelFormat, full_scale: Option<f32>) -> Depth {
     let full_scale = full_scale.filter(|full| *full != full_of(format));
     let buffer = if format == PixelFormat::Mono8 {
@@ -151,7 +151,7 @@ struct Spread {
 enum How {
     /// Shifted up, zeros below.
     Shifted,
-    /// Shifted up, the upper bits again below (PNG 13.12).
+    /// Shifted up, with the upper bits repeated below (PNG 13.12).
     Repeated,
     /// Multiplied so that full scale is the container's.
     Scaled,
@@ -173,7 +173,7 @@ impl Spread {
         }
     }
 
-    /// The value of the container for the camera's own.
+    /// The container's value for the camera's own one.
     fn spread(self, own: u16) -> u16 {
         let (wide, shift) = (u32::from(own), self.container - self.bits);
         let value = match self.how {
@@ -189,7 +189,7 @@ impl Spread {
     }
 }
 
-/// The way in which every value is spread; `None` where one of them is not, or all are 0.
+/// The spreading that fits every value; `None` where none does, or all are 0.
 fn spread(values: &(impl Iterator<Item = u16> + Clone), container: u8, bits: u8) -> Option<Spread> {
     let ways = [How::Shifted, How::Repeated, How::Scaled].map(|how| Spread { how, container, bits });
     let some = values.clone().any(|v| v > 0);
@@ -240,7 +240,7 @@ mod tests {
                 }
             }
         }
-        // One value that is none of the spread ones: nothing is taken off.
+        // One value that does not fit: nothing is restored.
         let odd = [0x1230_u16, 0x4560, 0x4561];
         assert_eq!(settled(&odd, None, Some(12), None).buffer, Buffer::U16(odd.to_vec()));
         let beyond = settle(Buffer::U16(odd.to_vec()), Some(12), None, None).unwrap_err();

@@ -1,9 +1,9 @@
-//! Why a file gives no frame, and how large a frame may be.
+//! Errors of decoding, and the largest frame.
 
 use thiserror::Error;
 
-/// Most pixels of an image: 16 times the largest sensors in use, so that a few bytes cannot ask for
-/// all memory.
+/// Most pixels of an image: 16 times the largest sensors in use, so that a short header cannot
+/// request all memory.
 pub(super) const MOST_PIXELS: u64 = 1 << 28;
 
 /// Longest side of an image, px.
@@ -22,7 +22,7 @@ pub enum DecodeError {
     /// An image that ends early or is damaged.
     #[error("damaged or truncated image: {0}; a whole file is needed: record or copy it again")]
     Damaged(String),
-    /// A form of a known format that is not read.
+    /// An unsupported variant of a known format.
     #[error("{0}")]
     Unsupported(String),
     /// Channels that are neither grey nor red, green and blue.
@@ -41,7 +41,7 @@ pub enum DecodeError {
         /// Its red, green and blue.
         value: [f64; 3],
     },
-    /// Pixels that hold no light.
+    /// Pixels that are transparent.
     #[error(
         "a pixel that is not opaque at row {row}, column {column}; a grey image without transparency is needed"
     )]
@@ -51,7 +51,7 @@ pub enum DecodeError {
         /// Its column.
         column: usize,
     },
-    /// Grey values encoded in a way that is not undone.
+    /// Grey values in an unsupported encoding.
     #[error("encoded grey values: {0}")]
     Encoding(String),
     /// An image too large to be a frame.
@@ -81,7 +81,7 @@ pub enum DecodeError {
     /// A bit depth that does not determine full scale.
     #[error("a bit depth of {0}; 8, 10, 12, 14 or 16 are needed")]
     Depth(u8),
-    /// Values that the stated bit depth cannot carry.
+    /// Values that exceed the stated bit depth.
     #[error("a grey value of {found} in a frame said to have {bits} bits, which reach to {}; state the depth of the camera in the file or in frames.csv (bit_depth)", (1_u32 << bits) - 1)]
     BeyondDepth {
         /// Largest value.

@@ -1,4 +1,4 @@
-//! Files that are taken for images by their name.
+//! Files that are images by their name.
 
 /// Extensions taken for images in a folder.
 const EXTENSIONS: [&str; 15] = [

@@ -21,7 +21,7 @@ const LARGEST_FILE: u64 = 1 << 31;
 /// Rows of a table that a notice names one by one.
 const NAMED_ROWS: usize = 5;
 
-/// A file that gives no frame.
+/// Why a file has no frame.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ReadError {
@@ -33,7 +33,7 @@ pub enum ReadError {
         /// The system's message.
         cause: std::io::Error,
     },
-    /// It is no grey frame.
+    /// It is not a grey frame.
     #[error("{path}: {cause}")]
     Decode {
         /// The file.
@@ -53,10 +53,10 @@ pub enum ReadError {
         /// The folder.
         path: String,
     },
-    /// A `frames.csv` that cannot be understood.
+    /// A `frames.csv` that cannot be parsed.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// A table of other frames, or of some.
+    /// A table without a row for the frame.
     #[error("{path}: {table} has no row for frame {frame}; add one, or move the table away")]
     NoRow {
         /// The file.
@@ -66,7 +66,7 @@ pub enum ReadError {
         /// The frame.
         frame: String,
     },
-    /// A scale of the file's own that is not the table's.
+    /// The file's own scale differs from the table's.
     #[error("{path}: {what}")]
     Scale {
         /// The file.
@@ -85,7 +85,7 @@ pub struct StoredFrame {
     pub frame: Frame,
     /// Scale of the table or of the file's own tags.
     pub scale: Option<FileScale>,
-    /// What was done to the values that stood in the file, for people to read.
+    /// Changes made to the values of the file, in words.
     pub changed: Vec<String>,
 }
 
@@ -94,8 +94,7 @@ pub struct StoredFrame {
 pub struct Listing {
     /// The images.
     pub images: Vec<PathBuf>,
-    /// Two names that stand the other way round in plain order (`img10`, `img2`), where there are
-    /// any.
+    /// Two names whose alphabetical order is reversed (`img10`, `img2`), where there are any.
     pub reordered: Option<(String, String)>,
 }
 
@@ -130,13 +129,13 @@ pub fn listing(path: &Path) -> Result<Listing, ReadError> {
     Ok(Listing { images, reordered })
 }
 
-/// The first two neighbours of a list that natural order puts the other way round.
+/// The first two neighbours of a list that natural order reverses.
 pub fn out_of_order(images: &[PathBuf]) -> Option<(String, String)> {
     let pair = images.windows(2).find(|pair| natural(&name(&pair[0]), &name(&pair[1])).is_gt())?;
     Some((name(&pair[0]), name(&pair[1])))
 }
 
-/// In plain order.
+/// The images of a folder, in alphabetical order.
 fn images_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut images = Vec::new();
     for entry in fs::read_dir(folder)? {
@@ -194,13 +193,13 @@ impl FileFrames {
         Self { paths, ..Self::default() }
     }
 
-    /// Takes this channel of colour images.
+    /// Chooses the channel of colour images.
     #[must_use]
     pub fn of_channel(self, channel: Option<Channel>) -> Self {
         Self { channel, ..self }
     }
 
-    /// Notes for the user on what was found beside the frames, since the last call.
+    /// Notes for the user on the files since the last call.
     pub fn take_notices(&mut self) -> Vec<String> {
         std::mem::take(&mut self.notices)
     }
@@ -211,8 +210,8 @@ impl FileFrames {
         self.open.as_ref().map(Open::stem)
     }
 
-    /// Reads the next frame; `None` at the end. After an error the next call goes on with the next
-    /// one.
+    /// Reads the next frame; `None` at the end. After an error the next call continues with the
+    /// next one.
     pub fn next_stored(&mut self) -> Option<Result<StoredFrame, ReadError>> {
         self.open_next()?;
         let mut open = self.open.take()?;
@@ -308,8 +307,8 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
     Ok(bytes)
 }
 
-/// The table beside the images of a folder, or in the folder above where it is theirs; empty where
-/// there is none.
+/// The table beside the images of a folder, or in the parent folder where it lists them; empty
+/// where there is none.
 fn table_of(folder: &Path, notices: &mut Vec<String>) -> Result<FrameTable, TableError> {
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let beside = here.join("frames.csv");

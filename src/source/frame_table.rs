@@ -1,17 +1,16 @@
-//! `frames.csv`: what is known of each frame beside its image, as programs and spreadsheets write
-//! it.
+//! `frames.csv`: metadata of each frame, as programs and spreadsheets write it.
 //!
 //! Separated by commas, semicolons or tabs; decimal points, or decimal commas where they do not
-//! separate; any line ending; UTF-8 with or without its mark, or UTF-16 with one; quoted fields;
-//! Excel's `sep=` line. What is none of these is refused with its row, counted as a spreadsheet
-//! counts them: the names of the columns are row 1.
+//! separate; any line ending; UTF-8 with or without a byte order mark, or UTF-16 with one; quoted
+//! fields; Excel's `sep=` line. Everything else is refused with its row number as in a spreadsheet:
+//! the header is row 1.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// A `frames.csv` that cannot be understood.
+/// Why a `frames.csv` cannot be parsed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{}{}: {what}", path.display(), row.map_or(String::new(), |row| format!(", row {row}")))]
 pub struct TableError {
@@ -19,11 +18,11 @@ pub struct TableError {
     pub path: PathBuf,
     /// The row, where one is wrong.
     pub row: Option<usize>,
-    /// What was seen and what would be right.
+    /// What was found, and the valid values.
     pub what: String,
 }
 
-/// One row of `frames.csv`; an empty field is 0, or not known.
+/// One row of `frames.csv`; an empty field is 0 or `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameInfo {
     /// Name of the frame: the file's stem.
@@ -60,7 +59,7 @@ impl FrameTable {
     /// Reads a table.
     ///
     /// # Errors
-    /// Where the file cannot be read or understood.
+    /// Where the file cannot be read or parsed.
     pub fn read(path: &Path) -> Result<Self, TableError> {
         let refuse = |what: String| TableError { path: path.to_owned(), row: None, what };
         let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
@@ -118,12 +117,12 @@ impl FrameTable {
         Ok(())
     }
 
-    /// Whether it states nothing of any frame.
+    /// Whether it has no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// What is known about a frame; names that are numbers match by value.
+    /// The row of a frame; names that are numbers match by value.
     pub fn of(&self, stem: &str) -> Option<&FrameInfo> {
         self.rows.get(&key(stem))
     }
@@ -146,7 +145,7 @@ impl FrameTable {
     }
 }
 
-/// The name of the file that a page `stack#3` stands in.
+/// The name of the file of a page `stack#3`.
 fn file_stem(name: &str) -> &str {
     match name.rsplit_once('#') {
         Some((stem, page)) if !stem.is_empty() && page.parse::<usize>().is_ok() => stem,
@@ -181,7 +180,7 @@ fn text(bytes: &[u8]) -> Result<String, String> {
     }
 }
 
-/// Takes Excel's first line `sep=;` off.
+/// Removes Excel's first line `sep=;`.
 fn separator_line(text: &str) -> (&str, Option<u8>) {
     let Some(rest) = text.strip_prefix("sep=") else { return (text, None) };
     let Some(separator) = rest.bytes().next() else { return (text, None) };
@@ -233,7 +232,7 @@ impl Fields<'_> {
         })
     }
 
-    /// As many fields as names; what goes beyond them must be empty.
+    /// At least as many fields as names; additional ones must be empty.
     fn check_length(&self) -> Result<(), String> {
         let (found, right) = (self.record.len(), self.names.len());
         if found < right || self.record.iter().skip(right).any(|f| !f.is_empty()) {
@@ -270,7 +269,7 @@ impl Fields<'_> {
             return Ok(Some(whole));
         }
         let Some(number) = self.number(name)? else { return Ok(None) };
-        // Up to 2^53 every whole number is itself.
+        // Up to 2^53 every whole number is exact.
         if number.fract() == 0.0 && (0.0..=9e15).contains(&number) {
             return Ok(Some(number as u64));
         }

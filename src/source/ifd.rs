@@ -1,9 +1,8 @@
 //! Directories of a TIFF (TIFF 6.0 section 2; BigTIFF, magic 43), as TIFF files and EXIF blocks
-//! hold them: a chain of tagged entries. Every read is within the bytes given, or there is no
-//! value.
+//! hold them: a chain of tagged entries. Every read is checked against the length; a value outside
+//! is `None`.
 
-/// Most directories followed: more pages than any recording, and an end to chains that bite their
-/// tail.
+/// Most directories followed: more pages than any recording; bounds the work on cyclic chains.
 const MOST_DIRECTORIES: usize = 1 << 20;
 /// Most entries of a directory; a photograph's have some dozens.
 const MOST_ENTRIES: u64 = 4096;
@@ -22,7 +21,7 @@ pub(super) struct Entry {
     pub(super) tag: u16,
     pub(super) kind: u16,
     pub(super) count: u64,
-    /// The value itself, or where it stands: 4 bytes, 8 in BigTIFF.
+    /// The value itself, or its offset: 4 bytes, 8 in BigTIFF.
     pub(super) field: [u8; 8],
     /// Position of `field` in the file.
     at: u64,
@@ -32,11 +31,11 @@ pub(super) struct Entry {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Directory {
     pub(super) entries: Vec<Entry>,
-    /// Where the next directory stands; 0 at the end.
+    /// Offset of the next directory; 0 at the end.
     next: u64,
 }
 
-/// A TIFF's bytes, for its directories to be read from.
+/// A TIFF's bytes, with access to its directories.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TiffBytes<'a> {
     pub(super) bytes: &'a [u8],
@@ -45,7 +44,7 @@ pub(super) struct TiffBytes<'a> {
 }
 
 impl<'a> TiffBytes<'a> {
-    /// `None` where the bytes do not begin as a TIFF does.
+    /// `None` where the bytes do not begin with a TIFF header.
     pub(super) fn new(bytes: &'a [u8]) -> Option<Self> {
         let big_endian = match bytes.get(..2)? {
             b"II" => false,
@@ -99,8 +98,7 @@ impl<'a> TiffBytes<'a> {
         Some(Directory { entries, next })
     }
 
-    /// The directories of the chain, in order; a chain that ends in nothing or in itself ends
-    /// there.
+    /// The directories of the chain, in order; stops at an invalid offset or a cycle.
     pub(super) fn chain(&self) -> Vec<u64> {
         let (mut places, mut at) = (Vec::new(), self.first);
         let mut seen = std::collections::HashSet::new();
@@ -112,7 +110,7 @@ impl<'a> TiffBytes<'a> {
         places
     }
 
-    /// Where an entry's values stand and what each takes, bytes.
+    /// Offset of an entry's values and size of each, bytes.
     fn place(&self, entry: &Entry) -> Option<(u64, usize)> {
         let each = match entry.kind {
             1 | 2 | 6 | 7 => 1,
@@ -176,7 +174,7 @@ pub(super) struct Exif {
 }
 
 impl Exif {
-    /// Of a block that begins as a TIFF does, behind an `Exif\0\0` or not.
+    /// Reads a block that begins with a TIFF header, after an optional `Exif\0\0`.
     pub(super) fn read(block: &[u8]) -> Self {
         let block = block.strip_prefix(b"Exif\0\0").unwrap_or(block);
         let Some(tiff) = TiffBytes::new(block) else { return Self::default() };
@@ -184,7 +182,7 @@ impl Exif {
         Self::of(&tiff, &directory)
     }
 
-    /// Of a TIFF's own directory.
+    /// Reads a TIFF's own directory.
     pub(super) fn of(tiff: &TiffBytes<'_>, directory: &Directory) -> Self {
         let inner = tiff.integer(directory, 34_665, 0).and_then(|at| tiff.directory(at));
         Self {

@@ -1,8 +1,8 @@
 //! JPEG: grey and three channels, sequential, in strips that take less memory than the frame.
 //!
 //! JFIF (T.871) does not define how light is encoded: grey values of a JPEG without an ICC profile
-//! and without EXIF's colour space are taken as they stand. Photographic cameras write sRGB with
-//! its tag; what machine-vision cameras write is linear unless their gamma was set.
+//! and without EXIF's colour space are not changed. Photographic cameras write sRGB with its tag;
+//! machine-vision cameras write linear values unless their gamma was set.
 
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
@@ -16,10 +16,10 @@ use super::scale::FileScale;
 use super::transfer::Transfer;
 use crate::frame::Buffer;
 
-/// Memory of a strip of 8 rows, bytes a column: 16-bit samples.
+/// Memory of a strip of 8 rows, bytes per column: 16-bit samples.
 const STRIP: usize = 16;
-/// The same where the one channel claims to be sampled more finely than others: with room for rows
-/// between the samples.
+/// The same where the single channel declares sampling factors above 1, with memory for upsampled
+/// rows.
 const SAMPLED_STRIP: usize = 64;
 /// Strips up to this many bytes are decoded however small the frame.
 const SMALL_STRIP: usize = 256 << 10;
@@ -56,7 +56,7 @@ fn damaged(error: impl std::fmt::Debug) -> DecodeError {
     DecodeError::Damaged(format!("{error:?}"))
 }
 
-/// Refuses what would take more memory to decode than twice the image's own.
+/// Refuses an image that needs more memory for decoding than twice its own size.
 fn check_memory(info: &ImageInfo, channels: usize) -> Result<(), DecodeError> {
     if info.sof.is_progressive() {
         return Err(DecodeError::Progressive);
@@ -73,8 +73,8 @@ fn strip_bytes(info: &ImageInfo) -> usize {
     a_column * usize::from(info.width).next_multiple_of(32)
 }
 
-/// JFIF's density in its own segment (T.871 10.1): 1 dots an inch, 2 dots a centimetre; 0 is a
-/// ratio alone.
+/// JFIF's density in its own segment (T.871 10.1): 1 is dots per inch, 2 dots per centimetre, 0 an
+/// aspect ratio only.
 fn scale(bytes: &[u8]) -> Option<FileScale> {
     let [unit, density @ ..] = jfif(bytes)?;
     let (unit_um, name) = match unit {
@@ -86,7 +86,7 @@ fn scale(bytes: &[u8]) -> Option<FileScale> {
     FileScale::of_density([x.into(), y.into()], true, unit_um, format!("JFIF {x} x {y} px/{name}"))
 }
 
-/// Unit and densities of the JFIF segment, which stands among the first.
+/// Unit and densities of the JFIF segment, which is among the first.
 fn jfif(bytes: &[u8]) -> Option<&[u8; 5]> {
     let mut rest = bytes.get(2..)?;
     while let [0xff, marker @ 0xe0..=0xef, high, low, ..] = rest {

@@ -1,10 +1,10 @@
-//! Where frames come from when they are not rendered: files and folders.
+//! Frames from files and folders.
 //!
-//! In: a file or folder (`folder`, in the order of `natural_order`, with `frame_table` where
-//! `frames.csv` stands). Out: frames with their scale and encoding. `decode` chooses the reader of
-//! a format (`png`, `tiff`, `jpeg`, `bmp`, `pnm`); each gives a `raster` of channels, which
-//! `depth`, `transfer`, `orientation`, `packed` and `relaid` bring to the pixels of a frame. A new
-//! format is a file with a function from bytes to a raster, an entry in `decode` and one in
+//! In: a file or folder (`folder`, in the order of `natural_order`, with `frame_table` where there
+//! is a `frames.csv`). Out: frames with their scale and encoding. `decode` chooses the reader of a
+//! format (`png`, `tiff`, `jpeg`, `bmp`, `pnm`); each returns a `raster` of channels, which
+//! `depth`, `transfer`, `orientation`, `packed` and `relaid` convert to the pixels of a frame. A
+//! new format is a file with a function from bytes to a raster, an entry in `decode` and one in
 //! `extension`.
 
 mod bmp;

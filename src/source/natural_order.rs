@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 /// Compares runs of digits by their value, of any length, and everything else byte by byte; names
-/// that differ in nothing else than leading zeros stand in plain order.
+/// that differ only in leading zeros are in alphabetical order.
 pub fn natural(a: &str, b: &str) -> Ordering {
     let (mut left, mut right) = (a.as_bytes(), b.as_bytes());
     while let ([x, ..], [y, ..]) = (left, right) {
@@ -22,7 +22,7 @@ pub fn natural(a: &str, b: &str) -> Ordering {
     left.len().cmp(&right.len()).then_with(|| a.cmp(b))
 }
 
-/// Takes the run of digits in front, without its leading zeros.
+/// Removes the leading run of digits and returns it without its leading zeros.
 fn number<'a>(rest: &mut &'a [u8]) -> &'a [u8] {
     let end = rest.iter().position(|b| !b.is_ascii_digit()).unwrap_or(rest.len());
     let (digits, after) = rest.split_at(end);

@@ -1,5 +1,5 @@
-//! Orientation tags (TIFF 6.0 tag 274, EXIF 4.6.5.1): where a file's first row and column stand in
-//! the scene.
+//! Orientation tags (TIFF 6.0 tag 274, EXIF 4.6.5.1): the places of a file's first row and column
+//! in the scene.
 //!
 //! ```text
 //! 1 top left  2 top right  3 bottom right  4 bottom left      rows stay rows
@@ -8,12 +8,12 @@
 
 use crate::frame::Buffer;
 
-/// Whether rows and columns change places.
+/// Whether rows and columns are exchanged.
 pub(super) fn exchanges(orientation: u64) -> bool {
     (5..=8).contains(&orientation)
 }
 
-/// The upright picture of a row-major one with `columns` columns. 1 and numbers without a meaning
+/// The upright image of a row-major one with `columns` columns. Orientation 1 and undefined numbers
 /// change nothing.
 pub(super) fn upright(buffer: Buffer, columns: usize, orientation: u64) -> Buffer {
     match buffer {
@@ -54,7 +54,7 @@ fn exchanged<T: Copy>(values: &[T], columns: usize, orientation: u64) -> Vec<T> 
 mod tests {
     use super::*;
 
-    /// Where the stored first row and column stand in the upright picture, in the words of the
+    /// Places of the stored first row and column in the upright image, in the words of the
     /// standard.
     #[test]
     fn the_stored_first_row_and_column_come_to_their_sides() {

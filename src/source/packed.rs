@@ -3,8 +3,8 @@
 
 use crate::frame::Buffer;
 
-/// Unpacks rows of `row_samples` samples of `bits` bits: 8-bit values up to 8 bits, else 16-bit
-/// ones.
+/// Unpacks rows of `row_samples` samples of `bits` bits: to 8-bit values for up to 8 bits,
+/// otherwise to 16-bit ones.
 pub(super) fn unpack(packed: &[u8], bits: u8, row_samples: usize) -> Buffer {
     let row_bytes = (row_samples * usize::from(bits)).div_ceil(8).max(1);
     let rows = packed.chunks_exact(row_bytes);

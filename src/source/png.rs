@@ -1,5 +1,5 @@
-//! PNG: grey and palettes at 1 to 16 bits, colours, with what its chunks state (PNG, third edition,
-//! 2025).
+//! PNG: grey and palettes at 1 to 16 bits, colours, with the statements of its chunks (PNG, third
+//! edition, 2025).
 
 use std::io::Cursor;
 
@@ -13,7 +13,7 @@ use super::scale::FileScale;
 use super::transfer::Transfer;
 use crate::frame::Buffer;
 
-/// Room for profiles and palettes while a PNG is read, bytes.
+/// Memory limit for profiles and palettes while a PNG is read, bytes.
 const CHUNKS: usize = 256 << 10;
 /// A metre, µm.
 const METRE_UM: f64 = 1e6;
@@ -66,7 +66,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
     Ok(Raster { samples, columns, rows, channels, planar: false, stated })
 }
 
-/// The data of a chunk; `None` where there is none before the file ends or breaks off.
+/// The data of a chunk; `None` where the file ends before it.
 fn chunk<'a>(bytes: &'a [u8], name: &[u8; 4]) -> Option<&'a [u8]> {
     let mut rest = bytes.get(8..)?;
     loop {
@@ -96,7 +96,8 @@ fn stated(bytes: &[u8], info: &png::Info<'_>) -> Result<Stated, DecodeError> {
     })
 }
 
-/// `cICP` before `iCCP` before `sRGB` before `gAMA` (PNG 13.13.2), and EXIF's word after them.
+/// `cICP` before `iCCP` before `sRGB` before `gAMA` (PNG 13.13.2), and EXIF's colour space after
+/// them.
 fn transfer(bytes: &[u8], info: &png::Info<'_>, exif: Exif) -> Result<Option<Transfer>, DecodeError> {
     if let Some(code) = chunk(bytes, b"cICP").and_then(|c| c.try_into().ok())
         && let Some(transfer) = Transfer::of_cicp(code)?
@@ -129,7 +130,7 @@ fn scale(bytes: &[u8]) -> Option<FileScale> {
     })?
 }
 
-/// Refuses a colour or grey value that is stated to be transparent and is there.
+/// Refuses an image with pixels of the colour or grey value that is declared transparent.
 fn opaque(samples: &Buffer, channels: usize, key: Option<&[u8]>, columns: usize) -> Result<(), DecodeError> {
     let Some(key) = key.filter(|key| key.len() == 2 * channels) else { return Ok(()) };
     let key: Vec<u16> = key.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]])).collect();
@@ -153,7 +154,7 @@ struct Palette<'a> {
 }
 
 impl Palette<'_> {
-    /// Grey values where all colours in use are grey, else the three channels.
+    /// Grey values where all colours in use are grey, otherwise the three channels.
     fn look_up(&self, indices: Buffer) -> Result<(Buffer, usize), DecodeError> {
         let Buffer::U8(indices) = indices else {
             return Err(DecodeError::Damaged("a palette of 16-bit indices".to_owned()));
@@ -168,7 +169,7 @@ impl Palette<'_> {
     }
 }
 
-/// Values of the indices: one channel where all colours in use are grey, else three.
+/// Values of the indices: one channel where all colours in use are grey, otherwise three.
 ///
 /// # Errors
 /// An index beyond the palette.

@@ -1,12 +1,12 @@
 //! PGM, PPM, PBM (plain and raw), PAM and PFM, as the Netpbm manual pages define them: grey values
-//! as they stand, `maxval` the full scale.
+//! unchanged, `maxval` as full scale.
 
 use super::error::{DecodeError, check_size, damaged};
 use super::packed::unpack;
 use super::raster::{Raster, Stated};
 use crate::frame::Buffer;
 
-/// What stands before the samples.
+/// The header before the samples.
 struct Header {
     columns: usize,
     rows: usize,
@@ -15,7 +15,7 @@ struct Header {
     little_endian: bool,
 }
 
-/// Where the images of a file begin: raw ones may follow one another.
+/// Offsets at which the images of a file begin: raw ones may follow one another.
 pub(super) fn pages(bytes: &[u8]) -> Vec<u64> {
     let mut starts = vec![0];
     let mut at = 0;
@@ -36,7 +36,7 @@ pub(super) fn begins(bytes: &[u8]) -> bool {
     matches!(bytes, [b'P', b'1'..=b'7' | b'f' | b'F', next, ..] if next.is_ascii_whitespace() || *next == b'#')
 }
 
-/// Where the first image ends, if it is a raw one.
+/// Offset of the end of the first image, if it is a raw one.
 fn end(bytes: &[u8]) -> Option<usize> {
     let mut words = Words { bytes, at: 2 };
     let kind = *bytes.get(1)?;
@@ -66,7 +66,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
 }
 
 impl Header {
-    /// Reads it, and the one white space that ends it before raw pixels.
+    /// Reads it, with the single white space that separates it from raw pixels.
     fn of(kind: u8, words: &mut Words<'_>) -> Result<Self, DecodeError> {
         let this = match kind {
             b'7' => pam_header(words)?,
@@ -144,7 +144,7 @@ fn raster(samples: Buffer, header: &Header) -> Raster {
     Raster { samples, columns, rows, channels, planar: false, stated }
 }
 
-/// One byte a sample up to a maxval of 255, else two, the upper one first.
+/// One byte per sample up to a maxval of 255, otherwise two, the upper one first.
 fn raw(words: &Words<'_>, header: &Header) -> Result<Raster, DecodeError> {
     let each = if header.maxval < 256 { 1 } else { 2 };
     let data = words.data(header.columns * header.rows * header.channels * each)?;
@@ -157,7 +157,7 @@ fn raw(words: &Words<'_>, header: &Header) -> Result<Raster, DecodeError> {
     Ok(raster(opaque_alpha(samples, header), header))
 }
 
-/// Alpha is opaque at maxval; a container's own end stands for it further on.
+/// Alpha is opaque at maxval, which is replaced by the container's maximum.
 fn opaque_alpha(samples: Buffer, header: &Header) -> Buffer {
     let last = header.channels - 1;
     let (channels, most) = (header.channels, header.maxval);
@@ -193,7 +193,7 @@ fn check_values(samples: &Buffer, maxval: u32) -> Result<(), DecodeError> {
 
 fn plain(mut words: Words<'_>, header: &Header) -> Result<Raster, DecodeError> {
     let count = header.columns * header.rows * header.channels;
-    // A digit and a space each: fewer bytes cannot hold them.
+    // Each needs a digit and a space: a shorter file is truncated.
     words.data(2 * count - 1)?;
     let samples = if header.maxval < 256 {
         let mut values = Vec::with_capacity(count);
@@ -223,7 +223,7 @@ fn bitmap_digits(words: &Words<'_>, header: &Header) -> Result<Raster, DecodeErr
     Ok(raster(Buffer::U8(values), header))
 }
 
-/// Raw bitmap: eight pixels a byte, 1 is black.
+/// Raw bitmap: eight pixels per byte, 1 is black.
 fn bitmap_bits(words: &Words<'_>, header: &Header) -> Result<Raster, DecodeError> {
     let data = words.data(header.columns.div_ceil(8) * header.rows)?;
     let samples = match unpack(data, 1, header.columns) {
@@ -284,7 +284,7 @@ impl<'a> Words<'a> {
         Ok(value)
     }
 
-    /// The `size` bytes that follow.
+    /// The following `size` bytes.
     fn data(&self, size: usize) -> Result<&'a [u8], DecodeError> {
         let rest = self.bytes.get(self.at..).unwrap_or(&[]);
         rest.get(..size).ok_or_else(|| damaged(format_args!("{} of {size} bytes of pixels", rest.len())))

@@ -1,5 +1,4 @@
-//! What a file format's reader hands on: samples as they stand in the file, and what the file
-//! states of them.
+//! The output of a format's reader: the samples of the file, and the file's statements on them.
 
 use super::error::DecodeError;
 use super::scale::FileScale;
@@ -28,17 +27,17 @@ pub(super) struct Raster {
     pub(super) rows: usize,
     /// 1 grey, 2 grey and alpha, 3 red, green and blue, 4 these and alpha.
     pub(super) channels: usize,
-    /// Whether each channel stands by itself, one after another, instead of pixel by pixel.
+    /// Whether the channels follow one another as planes, instead of pixel by pixel.
     pub(super) planar: bool,
     pub(super) stated: Stated,
 }
 
-/// What a file states of its grey values.
+/// Statements of a file on its grey values.
 #[derive(Default)]
 pub(super) struct Stated {
-    /// Largest value that it can hold, where that is not its container's.
+    /// Full scale, where it is not the container's.
     pub(super) full_scale: Option<f32>,
-    /// Bits that came from the camera, in a container of more (`sBIT`).
+    /// Bits of the camera's values, in a larger container (`sBIT`).
     pub(super) significant_bits: Option<u8>,
     /// How light is encoded; `None` where the file does not state it.
     pub(super) transfer: Option<Transfer>,
@@ -46,13 +45,12 @@ pub(super) struct Stated {
     pub(super) orientation: Option<u64>,
     /// Scale.
     pub(super) scale: Option<FileScale>,
-    /// Bytes that the samples took in the file's own depth, where these are more than they take
-    /// now.
+    /// Bytes of the samples at the file's own depth, where these are more than now.
     pub(super) wider_bytes: usize,
 }
 
 impl Raster {
-    /// Bytes that the samples take.
+    /// Size of the samples, bytes.
     pub(super) fn sample_bytes(&self) -> usize {
         match &self.samples {
             Buffer::U8(v) => v.len(),
@@ -61,10 +59,10 @@ impl Raster {
         }
     }
 
-    /// The grey values: the only channel, all three where they are equal, else the one asked for.
+    /// The grey values: the only channel, all three where they are equal, otherwise the chosen one.
     ///
     /// # Errors
-    /// Refuses colours without a channel chosen, and pixels that are not opaque.
+    /// Refuses colours without a chosen channel, and pixels that are not opaque.
     pub(super) fn grey(self, channel: Option<Channel>) -> Result<(Buffer, Stated), DecodeError> {
         let Self { samples, columns, channels, planar, stated, .. } = self;
         let layout = Layout { columns, channels, planar };
@@ -77,12 +75,12 @@ impl Raster {
     }
 }
 
-/// How samples lie in their buffer.
+/// Layout of samples in their buffer.
 #[derive(Clone, Copy)]
 struct Layout {
     columns: usize,
     channels: usize,
-    /// A plane a channel; else the channels of a pixel together.
+    /// One plane per channel; otherwise the channels of a pixel together.
     planar: bool,
 }
 

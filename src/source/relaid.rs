@@ -1,11 +1,11 @@
-//! A TIFF whose first directory is another one than the file's: the same bytes, with a directory of
-//! our own behind them.
+//! A TIFF with a substitute first directory: the bytes of the file, with a new directory behind
+//! them.
 
 use std::io::{Read, Result as IoResult, Seek, SeekFrom};
 
 use super::ifd::{Entry, Layout};
 
-/// A tag with the value or offset that stands in its field.
+/// A tag with the value or offset in its field.
 #[derive(Clone, Debug)]
 pub(super) struct Tag {
     pub(super) tag: u16,
@@ -17,9 +17,9 @@ pub(super) struct Tag {
 #[derive(Clone, Debug)]
 enum Value {
     Number(u32),
-    /// 64-bit numbers in BigTIFF, else 32-bit ones.
+    /// 64-bit numbers in BigTIFF, otherwise 32-bit ones.
     Numbers(Vec<u64>),
-    /// As it stands in the file, in the file's own order of bytes.
+    /// Copied from the file, in the file's own byte order.
     Field([u8; 8]),
 }
 
@@ -44,14 +44,13 @@ impl Tag {
         }
     }
 
-    /// As it stands.
+    /// A tag copied from the file.
     pub(super) fn kept(entry: &Entry) -> Self {
         Self { tag: entry.tag, kind: entry.kind, count: entry.count, value: Value::Field(entry.field) }
     }
 }
 
-/// The bytes of a file between a header that points behind them and the directory that stands
-/// there.
+/// The bytes of a file between a header that points behind them and the new directory there.
 pub(super) struct Relaid<'a> {
     header: Vec<u8>,
     bytes: &'a [u8],
@@ -69,7 +68,7 @@ impl<'a> Relaid<'a> {
         header.extend(writer.number(bytes.len() as u64, size));
         let head = if layout.big { 8 } else { 2 };
         let mut directory = writer.number(tags.len() as u64, head);
-        // Values that do not fit their fields stand behind the directory.
+        // Values that do not fit their fields follow the directory.
         let behind = bytes.len() + head + tags.len() * (4 + 2 * size) + size;
         let mut values = Vec::new();
         for tag in &tags {
@@ -103,7 +102,7 @@ impl Writer {
         }
     }
 
-    /// The bytes of a value; it stands at the beginning of its field.
+    /// The bytes of a value, which is at the beginning of its field.
     fn value(&self, tag: &Tag, size: usize) -> Vec<u8> {
         match &tag.value {
             Value::Field(field) => field[..size].to_vec(),

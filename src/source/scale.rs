@@ -1,8 +1,8 @@
-//! The scale that a file states of itself: `pHYs`, TIFF and JFIF resolutions, `frames.csv`.
+//! The scale stated in a file: `pHYs`, TIFF and JFIF resolutions, `frames.csv`.
 
-/// Resolutions of screens, dots an inch, as written by programs without a scale of the object.
+/// Resolutions of screens, dots per inch, as written by programs without a scale of the object.
 const SCREEN_DPI: [f64; 2] = [72.0, 96.0];
-/// Resolutions of printers and scanners, dots an inch: a scale of the object only where stated to
+/// Resolutions of printers and scanners, dots per inch: a scale of the object only where stated to
 /// be one.
 const PRINT_DPI: [f64; 19] = [
     75.0, 90.0, 100.0, 120.0, 144.0, 150.0, 180.0, 200.0, 240.0, 300.0, 350.0, 360.0, 400.0, 600.0, 720.0,
@@ -10,45 +10,45 @@ const PRINT_DPI: [f64; 19] = [
 ];
 /// An inch, µm.
 const INCH_UM: f64 = 25_400.0;
-/// Scales that differ by more are two scales. A scale is wrong by as much as the diameter: .1 % of
-/// 20 mm is 20 µm, and what writers round off (whole pixels a metre, hundredths of a dot an inch)
-/// stays below it.
+/// Relative difference above which two scales disagree. The diameter has the same relative error as
+/// the scale: 0.1 % of 20 mm is 20 µm, and the rounding of writers (whole pixels per metre,
+/// hundredths of a dot per inch) is smaller.
 pub const SAME_SCALE: f64 = 1e-3;
 
-/// What a file's scale is worth.
+/// Meaning of a file's scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trust {
-    /// The object's.
+    /// A scale of the object.
     Object,
-    /// May be a printer's or scanner's: taken where it is asked for, not held against another one.
+    /// Possibly a printer's or scanner's: used on request, not compared with another scale.
     Print,
-    /// A screen's, which is no scale of the object.
+    /// A screen's, which is not a scale of the object.
     Screen,
 }
 
-/// A scale and where it stands.
+/// A scale and its origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FileScale {
     /// Along columns and along rows, µm/px.
     pub um_per_px: [f64; 2],
-    /// The tag or table, as it stands there.
+    /// The tag or table with its value.
     pub origin: String,
-    /// What it is worth.
+    /// Its meaning.
     pub trust: Trust,
-    /// Half a step of the number it was written as, relative.
+    /// Half a unit in the last written place, relative.
     pub rounding: f64,
 }
 
 impl FileScale {
-    /// Of dots per unit of `unit_um` µm, across and down, in `whole` numbers or not; `None` where
-    /// these are no lengths.
+    /// The scale of a density in dots per `unit_um` µm, across and down, in `whole` numbers or not;
+    /// `None` where the density is not positive.
     pub(super) fn of_density(density: [f64; 2], whole: bool, unit_um: f64, origin: String) -> Option<Self> {
         let um_per_px = density.map(|d| unit_um / d);
         if um_per_px.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
             return None;
         }
         let dpi = INCH_UM / um_per_px[0];
-        // Whole dots a metre or a centimetre: 2835 px/m stand for 72 dpi.
+        // Whole dots per metre or per centimetre: 2835 px/m means 72 dpi.
         let near = |all: &[f64]| all.iter().any(|d| (dpi / d - 1.0).abs() < 5e-3);
         let trust = if near(&SCREEN_DPI) {
             Trust::Screen
@@ -69,7 +69,7 @@ impl FileScale {
     /// The one scale of both directions.
     ///
     /// # Errors
-    /// The reason why it is none: a screen's, or pixels that are not square.
+    /// Why there is none: a screen's resolution, or pixels that are not square.
     pub fn of_object(&self) -> Result<f64, String> {
         let [x, y] = self.um_per_px;
         if self.trust == Trust::Screen {
@@ -87,8 +87,8 @@ impl FileScale {
         Ok(x)
     }
 
-    /// Refuses a scale in use that differs from this one by more than .1 %; a printer's or a
-    /// screen's is no word on it.
+    /// Refuses a scale in use that differs from this one by more than 0.1 %; a printer's or a
+    /// screen's is not compared.
     ///
     /// # Errors
     /// Names both.
@@ -105,7 +105,7 @@ impl FileScale {
         ))
     }
 
-    /// How far a scale in use lies from it, relative.
+    /// Relative difference of a scale in use.
     pub fn departure(&self, used_um_per_px: f64) -> f64 {
         self.um_per_px.map(|own| (own / used_um_per_px - 1.0).abs()).into_iter().fold(0.0, f64::max)
     }
@@ -136,7 +136,7 @@ mod tests {
             words.contains("pHYs: a scale of 17.40") && words.contains("--um-per-px is 17.41914"),
             "{words}"
         );
-        // 10 px/m stand for anything from 9.5 to 10.5.
+        // 10 px/m means anything from 9.5 to 10.5.
         assert!(metre(10.0).check(97_000.0, "--um-per-px").is_ok());
         assert_eq!(scale.of_object().map(|s| (s * 1e3).round()), Ok(17_400.0));
     }
@@ -151,7 +151,7 @@ mod tests {
             assert_eq!(scale.check(3.0, "the calibration").is_ok(), trust != Trust::Object, "{dpi}");
             assert_eq!(scale.of_object().is_ok(), trust != Trust::Screen, "{dpi}");
         }
-        // 72 and 96 dpi in whole pixels a metre.
+        // 72 and 96 dpi in whole pixels per metre.
         for metre in [2834.0, 2835.0, 3779.0, 3780.0] {
             let scale = FileScale::of_density([metre, metre], true, 1e6, "pHYs".to_owned()).unwrap();
             assert_eq!(scale.trust, Trust::Screen, "{metre}");

@@ -1,9 +1,9 @@
-//! TIFF and BigTIFF: every page, grey and palettes at 1 to 64 bits (packed ones, too), signed and
-//! floating point, colours.
+//! TIFF and BigTIFF: every page, grey and palettes at 1 to 64 bits (including packed ones), signed
+//! and floating point, colours.
 //!
 //! The `tiff` crate unpacks strips and tiles. It reads neither samples of 9 to 15 bits nor
-//! palettes, so that a page is laid before it under a directory of its own (behind the file's end):
-//! packed rows as rows of bytes, indices as grey.
+//! palettes, so that it is given such a page under a substitute directory (behind the end of the
+//! file): packed rows as rows of bytes, indices as grey.
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::{TiffError, TiffUnsupportedError};
@@ -18,8 +18,8 @@ use super::scale::FileScale;
 use super::transfer::Transfer;
 use crate::frame::Buffer;
 
-/// Tags that the unpacking needs as they stand: compression, fill order, strips, predictor, tiles,
-/// JPEG tables.
+/// Tags that are copied for the unpacking: compression, fill order, strips, predictor, tiles, JPEG
+/// tables.
 const KEPT: [u16; 10] = [259, 273, 278, 279, 317, 322, 323, 324, 325, 347];
 
 /// The layout of the samples by a page's tags.
@@ -41,7 +41,7 @@ enum Kind {
     Float = 3,
 }
 
-/// Where the directories stand that are frames: pages, not their thumbnails or masks.
+/// Offsets of the directories that are frames: pages, not their thumbnails or masks.
 pub(super) fn pages(bytes: &[u8]) -> Vec<u64> {
     let Some(tiff) = TiffBytes::new(bytes) else { return Vec::new() };
     let all = tiff.chain();
@@ -54,7 +54,7 @@ pub(super) fn pages(bytes: &[u8]) -> Vec<u64> {
     if frames.is_empty() { all } else { frames }
 }
 
-/// Reads the page whose directory stands at `place`.
+/// Reads the page whose directory is at offset `place`.
 pub(super) fn read(bytes: &[u8], place: u64) -> Result<Raster, DecodeError> {
     let tiff = TiffBytes::new(bytes).ok_or(DecodeError::NotAnImage)?;
     let directory =
@@ -135,12 +135,12 @@ impl Page {
         })
     }
 
-    /// Whether rows are laid out as bytes and unpacked here.
+    /// Whether rows are decoded as bytes and unpacked here.
     fn packed(&self) -> bool {
         !matches!(self.bits, 8 | 16 | 32 | 64)
     }
 
-    /// The samples as they stand in the file.
+    /// The samples of the file.
     fn samples(&self, tiff: &TiffBytes<'_>, directory: &Directory) -> Result<Buffer, DecodeError> {
         if self.packed() {
             return self.packed_samples(tiff, directory);
@@ -188,7 +188,7 @@ impl Page {
         Ok(unpack(&rows, bits, self.columns as usize * together as usize))
     }
 
-    /// White is zero in some: turned round, so that more light is more.
+    /// Files with white as zero are inverted, so that values increase with light.
     fn upright_grey(&self, samples: Buffer) -> Result<Buffer, DecodeError> {
         if !self.white_is_zero {
             return Ok(samples);
@@ -255,7 +255,8 @@ impl Page {
         }
         let unit = 10_f32.powi(tiff.integer(directory, 290, 0).unwrap_or(2).min(5) as i32);
         if let Some(mut light) = table(291, &|density| 10_f32.powf(-(density as f32) / unit))? {
-            // Densities of the grey values as they stood: white is zero turns them, too.
+            // The response curve is that of the stored values: with white as zero it is inverted as
+            // well.
             if self.white_is_zero {
                 light.reverse();
             }
@@ -270,7 +271,7 @@ impl Page {
     }
 }
 
-/// What the unpacking does not do is named; all else is damage.
+/// An unsupported variant is named; any other error is damage.
 fn failed(error: TiffError) -> DecodeError {
     match error {
         TiffError::UnsupportedError(TiffUnsupportedError::UnsupportedCompressionMethod(method)) => {
@@ -293,22 +294,22 @@ fn interpretation(photometric: u64) -> String {
     }
 }
 
-/// A page as it is laid before the decoder: black is zero, channels without a meaning.
+/// A page as given to the decoder: black is zero, channels without a meaning.
 struct Laid {
     columns: u32,
     rows: u32,
     bits: u8,
-    /// Samples of a pixel that stand together.
+    /// Number of interleaved samples per pixel.
     channels: u16,
-    /// Channels that stand by themselves.
+    /// Number of separate planes.
     planes: u16,
     kind: Kind,
     tile_columns: Option<u32>,
 }
 
 impl Laid {
-    /// Columns of all tiles, where the decoder loses its place behind tiles that stand out over the
-    /// right edge: it does so with LZW (compression 5).
+    /// Columns of all tiles, for LZW (compression 5), where the decoder fails on tiles that extend
+    /// beyond the right edge.
     fn padded_columns(&self, compression: Option<u64>) -> u32 {
         let tile = self.tile_columns.filter(|t| *t > 0 && compression == Some(5));
         tile.and_then(|t| self.columns.checked_next_multiple_of(t)).unwrap_or(self.columns)
@@ -328,7 +329,7 @@ impl Laid {
     }
 }
 
-/// The page's samples; channels that stand by themselves one after another.
+/// The page's samples, separate planes one after another.
 fn unpacked(tiff: &TiffBytes<'_>, directory: &Directory, laid: &Laid) -> Result<Buffer, DecodeError> {
     let padded = laid.padded_columns(tiff.integer(directory, 259, 0));
     check_size(padded.min(laid.columns.saturating_mul(2)), laid.rows)?;
@@ -352,7 +353,7 @@ fn unpacked(tiff: &TiffBytes<'_>, directory: &Directory, laid: &Laid) -> Result<
     })
 }
 
-/// One channel of several: its share of the strips or tiles.
+/// One plane of several: its share of the strips or tiles.
 fn plane(
     tiff: &TiffBytes<'_>,
     directory: &Directory,
@@ -398,7 +399,7 @@ fn cropped<T: Copy>(mut samples: Vec<T>, from: usize, to: usize) -> Vec<T> {
     samples
 }
 
-/// Samples under a directory that has nothing else than it needs.
+/// Samples decoded under a directory with only the necessary tags.
 fn decoded(tiff: &TiffBytes<'_>, directory: &Directory, mut tags: Vec<Tag>) -> Result<Buffer, DecodeError> {
     let kept =
         directory.entries.iter().filter(|e| KEPT.contains(&e.tag) && !tags.iter().any(|t| t.tag == e.tag));
@@ -430,8 +431,8 @@ fn decoded(tiff: &TiffBytes<'_>, directory: &Directory, mut tags: Vec<Tag>) -> R
     })
 }
 
-/// A palette (tag 320: all reds, all greens, all blues): 16-bit colours, eight bits where they are
-/// no more.
+/// A palette (tag 320: all reds, all greens, all blues): 16-bit colours, or 8-bit ones where the
+/// writer used only eight bits.
 fn colours(
     indices: Buffer,
     tiff: &TiffBytes<'_>,
@@ -448,14 +449,14 @@ fn colours(
     if wide {
         return palette_values(indices, &colours).map(|(values, channels)| (Buffer::U16(values), channels));
     }
-    // Some writers leave eight-bit colours in the lower byte.
+    // Some writers store 8-bit colours in the lower byte.
     let low = all().all(|v| *v < 256);
     let narrow = |v: u16| if low { v as u8 } else { (v >> 8) as u8 };
     let colours: Vec<[u8; 3]> = colours.iter().map(|c| c.map(narrow)).collect();
     palette_values(indices, &colours).map(|(values, channels)| (Buffer::U8(values), channels))
 }
 
-/// Pixels a unit (tags 282, 283, 296); ImageJ's unit stands in its description.
+/// Pixels per unit (tags 282, 283, 296); ImageJ's unit is in its description.
 fn scale(tiff: &TiffBytes<'_>, directory: &Directory) -> Option<FileScale> {
     let (x, y) = (tiff.ratio(directory, 282)?, tiff.ratio(directory, 283)?);
     let text = tiff.raw(directory, 270).map(String::from_utf8_lossy).unwrap_or_default();
@@ -469,7 +470,7 @@ fn scale(tiff: &TiffBytes<'_>, directory: &Directory) -> Option<FileScale> {
         (Some("inch"), _) | (None, None | Some(2)) => (25_400.0, "inch"),
         _ => return None,
     };
-    // A ratio of 1 is no resolution but the place of one.
+    // A ratio of 1 is a placeholder, not a resolution.
     if x == 1.0 && y == 1.0 && described.is_none() {
         return None;
     }

@@ -1,8 +1,8 @@
-//! Encoded grey values back to light: what `gAMA`, `sRGB`, `iCCP`, `cICP` (PNG), TransferFunction,
-//! GrayResponseCurve and ICC profiles (TIFF) and EXIF's colour space (JPEG) state.
+//! Converts encoded grey values back to light, by `gAMA`, `sRGB`, `iCCP`, `cICP` (PNG),
+//! TransferFunction, GrayResponseCurve and ICC profiles (TIFF) and EXIF's colour space (JPEG).
 //!
-//! An edge-spread function is one of light. Where grey values grow with a power of the light, the
-//! place where they cross the middle is another one, by about half the blur for a power of .45.
+//! An edge-spread function is defined for light. Where grey values are a power of the light, they
+//! cross their middle at another place, displaced by about half the blur for a power of 0.45.
 //!
 //! Curves: sRGB IEC 61966-2-1; BT.709 item 1.2 and the other `cICP` codes ITU-T H.273 table 3;
 //! ICC.1:2022 10.6, 10.18.
@@ -14,8 +14,8 @@ use moxcms::{ColorProfile, DataColorSpace, ToneCurveEvaluator};
 use super::error::DecodeError;
 use crate::frame::{Buffer, Encoding};
 
-/// Largest ICC profile read, bytes: tone curves and their texts; those that carry tables of colours
-/// are larger.
+/// Largest ICC profile read, bytes: enough for tone curves and texts; profiles with tables of
+/// colours are larger.
 const LARGEST_PROFILE: usize = 128 << 10;
 
 /// How grey values encode light, and the tag that states it.
@@ -49,8 +49,7 @@ impl Transfer {
     pub(super) fn of_gama(scaled: u32) -> Result<Self, DecodeError> {
         let exponent = f64::from(scaled) / 1e5;
         let origin = format!("gAMA {exponent}");
-        // Displays and cameras lie between .3 and 1; what lies far outside is no exponent but a
-        // mistake.
+        // Displays and cameras have exponents from 0.3 to 1; one far outside is a mistake.
         if !(0.1..=10.0).contains(&exponent) {
             return Err(refused(&origin, "no exponent of an image; 0.1 to 10, and 1 for linear values"));
         }
@@ -62,8 +61,8 @@ impl Transfer {
         Self { origin: origin.to_owned(), curve: Curve::Srgb }
     }
 
-    /// `cICP`: primaries, transfer function, matrix, full range. `None` where it leaves the
-    /// function open.
+    /// `cICP`: primaries, transfer function, matrix, full range. `None` where the function is
+    /// unspecified.
     pub(super) fn of_cicp(code: [u8; 4]) -> Result<Option<Self>, DecodeError> {
         let origin = format!("cICP transfer function {}", code[1]);
         if code[3] != 1 {
@@ -86,7 +85,7 @@ impl Transfer {
         Ok(Some(Self { origin, curve }))
     }
 
-    /// An ICC profile's tone curve of grey, or of the three primaries where they are one.
+    /// An ICC profile's tone curve of grey, or of the three primaries where they are equal.
     pub(super) fn of_profile(origin: &str, profile: &[u8]) -> Result<Self, DecodeError> {
         if profile.len() > LARGEST_PROFILE {
             let size = profile.len();
@@ -139,7 +138,7 @@ impl Transfer {
         Err(refused(&self.origin, "a tone curve that does not grow from black to white"))
     }
 
-    /// What it does, for frames to be compared by.
+    /// The encoding, for comparison between frames.
     pub(super) fn encoding(&self) -> Encoding {
         Encoding::of(|value| self.light(value))
     }
@@ -163,10 +162,10 @@ impl Transfer {
         }
     }
 
-    /// Grey values in proportion to the light, full scale where it was.
+    /// Grey values proportional to the light, with unchanged full scale.
     ///
     /// # Errors
-    /// Floating-point values without a full scale that go beyond 1.
+    /// Floating-point values above 1 without a full scale.
     pub(super) fn linearised(
         &self,
         buffer: Buffer,

@@ -1,5 +1,5 @@
-//! How often contamination before or on the shaft causes wrong stations, and what refusing it
-//! costs.
+//! How often contamination in front of or on the shaft causes wrong stations, and how many stations
+//! its rejection loses.
 //!
 //! Every frame is measured three times: clean, contaminated with nothing refused, contaminated with
 //! the gauge's settings. *Harmful* is a frame where, with nothing refused, some station lies more
@@ -13,9 +13,9 @@ use super::dirty_frames::{Bump, COLUMNS, Contaminant, DrawError, PIXEL_UM, Piece
 use crate::frame::Frame;
 use crate::gauge::{FrameEdges, Gauge, GaugeSettings, Rejection, StationColumns};
 
-/// A station counts as harmed from here, µm.
+/// Error from which a station counts as harmed, µm.
 const HARMED_UM: f64 = 5.0;
-/// Allowed besides U, µm.
+/// Error allowed in addition to U, µm.
 const ALLOWED_UM: f64 = 1.0;
 
 /// Result for one kind of contamination.
@@ -30,13 +30,13 @@ pub struct KindResult {
     pub harmful: usize,
     /// Harmful frames with a station that is neither a gap nor within 1 µm + U.
     pub mishandled: usize,
-    /// Their seeds, by which the frames can be drawn again.
+    /// Their seeds, from which the frames can be drawn again.
     pub mishandled_seeds: Vec<u64>,
     /// Frames of any kind with such a station.
     pub misled: usize,
-    /// Stations of harmful frames that stayed values, as a share.
+    /// Share of the stations of harmful frames that kept a value.
     pub kept: Option<f64>,
-    /// Largest |error| of a station that stayed a value, in all frames, µm.
+    /// Largest |error| of a station that kept a value, in all frames, µm.
     pub worst_um: f64,
 }
 
@@ -47,7 +47,7 @@ pub struct CurvePoint {
     pub size: f64,
     /// Frames in which a station became a gap, as a share.
     pub noticed: f64,
-    /// Root mean square error of the stations that stayed values, µm.
+    /// Root mean square error of the stations that kept a value, µm.
     pub rms_um: f64,
     /// The same with nothing refused, µm.
     pub rms_off_um: f64,
@@ -97,7 +97,7 @@ impl ContaminationStudy {
 /// Diameters of a frame's stations, µm with expanded uncertainty, `None` for a gap.
 type Stations = Vec<Option<(f64, f64)>>;
 
-/// Two gauges: as it is, and with nothing refused.
+/// Two gauges: with the default settings, and with nothing refused.
 struct Pair {
     on: Gauge,
     off: Gauge,
@@ -140,7 +140,7 @@ fn station(edges: &FrameEdges, columns: std::ops::Range<usize>, min_fill: f64) -
     (count >= (min_fill * length).max(1.0)).then_some((mean.mean * PIXEL_UM, 2.0 * u * PIXEL_UM))
 }
 
-/// What one frame came to.
+/// Result of one frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct Outcome {
     harmful: bool,
@@ -239,7 +239,7 @@ fn clean(pair: &Pair, frames: usize, seed: u64) -> Result<(usize, f64), DrawErro
 }
 
 /// Runs the study: `frames` of every kind of contamination and clean ones each, a twentieth of that
-/// a point of the curves.
+/// for each point of the curves.
 ///
 /// # Errors
 /// Where the gauge refuses its settings or a frame cannot be drawn.

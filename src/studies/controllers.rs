@@ -72,8 +72,8 @@ pub struct ControllerStudy {
     pub runs: Vec<PassError>,
 }
 
-/// Turns `shafts` shafts (seeds from the job's on) with every controller; `none` always comes
-/// first, as the measure.
+/// Turns `shafts` shafts (seeds counted from the job's) with every controller; `none` always comes
+/// first, as the reference.
 ///
 /// # Errors
 /// Where a job does not fit together, the renderer or the gauge fails.
@@ -93,7 +93,7 @@ pub fn run(
             let mut one = job.clone();
             one.seed = job.seed + i;
             one.control.controller = controller;
-            // every controller shows all its passes; an alarm counts as offsets held
+            // all passes of every controller are cut; an alarm counts as offsets held
             one.control.guards.on_alarm = OnAlarm::GoOn;
             runs.extend(turn(&one, renderer, &mut calibration)?);
             done(controller, one.seed);
@@ -103,7 +103,7 @@ pub fn run(
     Ok(ControllerStudy { shafts, controllers, runs })
 }
 
-/// One shaft. The optical setup of a seed is calibrated once and serves all its controllers.
+/// One shaft. The optical setup of a seed is calibrated once for all controllers.
 fn turn(
     job: &Job,
     renderer: &Renderer,
@@ -163,7 +163,7 @@ fn pass_summary(controller: &str, pass: u32, runs: &[PassError]) -> PassSummary 
     }
 }
 
-/// t·s/√n of a mean.
+/// Half width t·s/√n of the interval of a mean, mm.
 fn interval(errors: &[f64], mean: f64) -> Option<f64> {
     let n = errors.len() as f64;
     let student = StudentsT::new(0.0, 1.0, n - 1.0).ok()?;

@@ -1,5 +1,5 @@
-//! `study deflection`: how far a held shaft yields under a radial force, over the position of the
-//! force.
+//! `study deflection`: deflection of a supported shaft under a radial force, over the position of
+//! the force.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,7 +31,8 @@ pub struct BeamPart {
     pub length_mm: f64,
     /// Diameter, mm.
     pub stock_diameter_mm: f64,
-    /// Diameter behind the tool, mm (it travels towards the chuck); the stock's where it is left out.
+    /// Diameter behind the tool, mm (it travels towards the chuck); the stock's where it is left
+    /// out.
     #[serde(default)]
     pub cut_diameter_mm: Option<f64>,
     /// Steps: diameters other than the stock's.
@@ -80,9 +81,9 @@ pub struct Deflection {
 /// Result of the study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DeflectionStudy {
-    /// The positions asked for.
+    /// The requested positions.
     pub positions: Vec<Deflection>,
-    /// Where it yields most.
+    /// The position of the largest deflection.
     pub max: Deflection,
 }
 

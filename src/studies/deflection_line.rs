@@ -1,4 +1,4 @@
-//! `study deflection --line`: the axis of a shaft in the machine, by what bends it, in both planes.
+//! `study deflection --line`: the axis of a shaft in the machine, by cause, in both planes.
 
 use serde::Serialize;
 
@@ -23,11 +23,11 @@ pub struct LineCase {
     pub stock: Stock,
     /// Bow and eccentricity that stay with the part.
     pub form: BaseForm,
-    /// Diameter that the pass aims at, mm; the stock less [`DEPTH_MM`] where there is none.
+    /// Diameter that the pass aims at, mm; the stock less twice `DEPTH_MM` where there is none.
     pub nominal_mm: Option<f64>,
     /// Cutting data.
     pub cutting: CuttingData,
-    /// Seed of what the process draws.
+    /// Seed of the process.
     pub seed: u64,
 }
 
@@ -48,19 +48,19 @@ pub struct LineRow {
     pub force_x_um: f64,
     /// Cutting force.
     pub force_y_um: f64,
-    /// All that stands still.
+    /// All components at rest.
     pub still_x_um: f64,
-    /// All that stands still.
+    /// All components at rest.
     pub still_y_um: f64,
     /// Eccentricity in the chuck and that of the body: turns with the part (body's 0°).
     pub chuck_x_um: f64,
     /// The same at the body's 90°.
     pub chuck_y_um: f64,
-    /// Bow with what the thrust adds: turns with the part.
+    /// Bow with its growth under the thrust: turns with the part.
     pub bow_x_um: f64,
     /// The same at the body's 90°.
     pub bow_y_um: f64,
-    /// Run-out of the axis, twice the distance of what turns from the axis of rotation.
+    /// Run-out of the axis, µm: twice the distance of the turning line from the axis of rotation.
     pub run_out_um: f64,
 }
 

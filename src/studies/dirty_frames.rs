@@ -1,9 +1,9 @@
 //! Small 8-bit frames of a short piece of shaft with and without contamination, the same noise in
 //! both.
 //!
-//! Drawn here and not by the renderer, so that a frame and its clean twin differ in nothing but the
-//! contamination, and thousands take minutes: pixel-integrated Gaussian edges, a surface with
-//! texture, an 8-bit sensor after EMVA 1288.
+//! Drawn here instead of by the renderer, so that a frame and its clean twin differ only in the
+//! contamination, and thousands of frames take minutes: pixel-integrated Gaussian edges, a surface
+//! with texture, an 8-bit sensor after EMVA 1288.
 
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
@@ -27,7 +27,7 @@ pub const PIXEL_UM: f64 = 15.0;
 pub const STATION: usize = 64;
 /// Blur, px.
 const SIGMA_PX: f64 = 1.0;
-/// Levels of shadow and light, counts; electrons a count and read noise.
+/// Levels of shadow and light, counts; electrons per count and read noise.
 const DARK: f64 = 12.0;
 const LIGHT: f64 = 210.0;
 const ELECTRONS: f64 = 50.0;
@@ -35,7 +35,7 @@ const READ_E: f64 = 10.0;
 /// Surface texture of a turned part: standard deviation and correlation length, µm.
 const TEXTURE_UM: (f64, f64) = (0.35, 1500.0);
 
-/// Kinds of contamination, each by itself.
+/// Kinds of contamination.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Contaminant {
@@ -53,7 +53,7 @@ pub enum Contaminant {
     Scratches,
     /// Short films and chips that adhere to the shaft.
     Films,
-    /// A little of everything.
+    /// A mixture of all kinds.
     All,
 }
 
@@ -70,7 +70,7 @@ impl Contaminant {
         Self::All,
     ];
 
-    /// Settings under which a good part of the frames is harmed.
+    /// Settings with which a large share of the frames is harmed.
     fn settings(self) -> Contamination {
         let clean =
             Contamination { beam_depth_mm: 30.0, window_distance_mm: 20.0, ..Contamination::default() };
@@ -182,7 +182,7 @@ impl Piece {
     /// The frame through a transmission map; `None` is clear.
     ///
     /// # Errors
-    /// Where the frame has no size.
+    /// Where the frame is refused.
     pub fn frame(&self, map: Option<&TransmissionMap>) -> Result<Frame, DrawError> {
         let mut random = Pcg64::seed_from_u64(self.seed ^ 0x006e_6f69_7365);
         let mut pixels = vec![0_u8; ROWS * COLUMNS];
@@ -200,7 +200,7 @@ impl Piece {
         Ok(Frame::new(Buffer::U8(pixels), PixelFormat::Mono8, ROWS, COLUMNS, FrameMeta::default())?)
     }
 
-    /// The frame with contamination of one kind before the shaft or on it.
+    /// The frame with contamination of one kind in front of the shaft or on it.
     ///
     /// # Errors
     /// Where the contamination cannot be drawn.
@@ -222,7 +222,7 @@ impl Piece {
         self.with_bumps(&bumps).frame(Some(&map))
     }
 
-    /// One or two films or smeared chips, .1-1 mm half length, lognormal thickness about 15 µm.
+    /// One or two films or smeared chips, 0.1-1 mm half length, lognormal thickness about 15 µm.
     fn short_films(&self) -> Vec<Bump> {
         let mut random = Pcg64::seed_from_u64(self.seed ^ 0x66_696c_6d73);
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
@@ -238,8 +238,8 @@ impl Piece {
     }
 }
 
-/// Light on a pixel whose centre lies `d` px in the light of a Gaussian edge, the pixel's area
-/// integrated.
+/// Light on a pixel whose centre lies `d` px on the light side of a Gaussian edge, integrated over
+/// the pixel.
 fn step(d: f64) -> f64 {
     if d.abs() > 6.0 * SIGMA_PX {
         return if d > 0.0 { 1.0 } else { 0.0 };

@@ -1,9 +1,9 @@
 //! `study factor`: one cutting variable at a time against the size error (Tables 1-2 and Figs 7-9
 //! of the slender-shaft paper).
 //!
-//! The size error at a position of the tool is 2·w(z)·F, w the compliance of the held shaft there;
-//! the largest of them over z is what the paper plots the top of. Forces are those given with a
-//! series, else the force law's.
+//! The size error at a position of the tool is 2·w(z)·F, w the compliance of the supported shaft
+//! there; the paper plots the largest of them over z. Forces are those given with a series,
+//! otherwise the force law's.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -62,7 +62,7 @@ fn default_confidence() -> f64 {
     0.95
 }
 
-/// One series: a factor and the others held.
+/// One series: a factor varies, the others are constant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SeriesConfig {
@@ -118,7 +118,7 @@ pub enum FactorError {
         index: usize,
         /// Key.
         key: &'static str,
-        /// What is wrong and what would be right.
+        /// What is wrong, and the valid values.
         problem: String,
     },
     /// No series, or a confidence out of range.
@@ -139,7 +139,7 @@ pub struct FactorRow {
     pub max_error_um: f64,
     /// Size error with the tool in the middle of the shaft, µm of diameter.
     pub middle_error_um: f64,
-    /// What it is compared with, µm.
+    /// Reference value, µm.
     pub reference_error_um: Option<f64>,
     /// Largest error over the reference less one, relative.
     pub deviation: Option<f64>,
@@ -158,7 +158,7 @@ pub struct FactorSeries {
     pub rows: Vec<FactorRow>,
     /// Constants of the force law fitted to the series' own forces.
     pub fit: Option<Vec<Estimate>>,
-    /// Slope of ln(error) over ln(factor): how strongly the error follows the factor.
+    /// Elasticity: slope of ln(error) over ln(factor).
     pub elasticity: f64,
     /// Size error over the position of the tool: for every value, (z in mm, error in µm).
     #[serde(skip)]
@@ -185,7 +185,7 @@ impl FactorConfig {
     /// Runs the study.
     ///
     /// # Errors
-    /// A shaft or a series that cannot be.
+    /// A shaft or a series that is refused.
     pub fn run(&self) -> Result<FactorStudy, FactorError> {
         if self.series.is_empty() {
             return Err(FactorError::Config(

@@ -1,6 +1,6 @@
-//! The scenes of the golden frames, carried by the program, and how far two renderings of one lie
-//! apart: what holds the CPU twin against its golden files holds any graphics adapter against the
-//! twin, wherever the program alone is at hand.
+//! The scenes of the golden frames, built into the program, and the difference of two renderings of
+//! one: the comparison of the CPU twin with its golden files also compares any graphics adapter
+//! with the twin, without further files.
 
 use crate::frame::{PixelFormat, Pixels};
 use crate::render::contamination::Contamination;
@@ -10,7 +10,8 @@ use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use crate::shaft::{ProfileKnot, ShaftForm};
 use crate::truth::true_edges;
 
-/// Largest edge-equivalent shift, px: a thousandth of a pixel is the gauge's smallest term.
+/// Largest edge-equivalent shift, px: a thousandth of a pixel is the smallest contribution to the
+/// gauge's uncertainty.
 pub const SHIFT_LIMIT_PX: f64 = 0.001;
 
 /// Name and `case.toml` of every golden frame.
@@ -30,7 +31,7 @@ pub const CASES: [(&str, &str); 13] = [
     ("uneven_light", include_str!("../../golden/uneven_light/case.toml")),
 ];
 
-/// What a `case.toml` states; what it leaves out has the defaults of a config.
+/// The keys of a `case.toml`; missing ones have the defaults of a config.
 #[derive(Clone, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[expect(missing_docs, reason = "the keys of a config, where they are documented")]
@@ -69,7 +70,7 @@ impl Default for GoldenCase {
 }
 
 impl GoldenCase {
-    /// The case before its camera.
+    /// The scene of the case.
     ///
     /// # Errors
     /// When its optics or its shaft are refused.
@@ -88,7 +89,7 @@ impl GoldenCase {
         Scene::new(&setup, shaft)
     }
 
-    /// The frame that is drawn of it: 16 bit.
+    /// The request for its frame: 16 bit.
     pub fn request(&self) -> FrameRequest {
         FrameRequest {
             z_mm: self.z_mm,
@@ -115,13 +116,13 @@ impl GoldenCase {
     }
 }
 
-/// How far two frames of one scene lie apart.
+/// Differences between two frames of one scene.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct FrameDifference {
     /// Largest |difference|, 16-bit counts.
     pub worst_counts: f64,
-    /// Limit of it: what a shift of [`SHIFT_LIMIT_PX`] makes of the steepest edge, and one count of
-    /// rounding.
+    /// Its limit: the difference that a shift of [`SHIFT_LIMIT_PX`] causes at the steepest edge,
+    /// and one count of rounding.
     pub limit_counts: f64,
     /// Largest edge-equivalent shift of an edge in a column, px: sum of the differences over the
     /// edge's half of the column, over the contrast.

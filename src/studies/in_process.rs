@@ -9,7 +9,7 @@ use crate::control::OnAlarm;
 use crate::job::{Job, ScanWhen};
 use crate::render::Renderer;
 
-/// One pass of one way of scanning.
+/// One pass under one way of scanning.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InProcessRow {
     /// `after_pass`, `during_cut` or `during_cut, within_pass`.
@@ -48,7 +48,7 @@ const WAYS: [(&str, ScanWhen, bool); 3] = [
 /// Checks the job for every way.
 ///
 /// # Errors
-/// The first setting that cannot be right.
+/// The first setting that is refused.
 pub fn check(job: &Job) -> Result<(), crate::setting::SettingError> {
     WAYS.iter().try_for_each(|way| {
         let one = variant(job, way);
@@ -63,12 +63,12 @@ fn variant(job: &Job, &(_, when, within): &(&str, ScanWhen, bool)) -> Job {
     one.scan.when = when;
     let settings = job.control.within_pass.unwrap_or_default();
     one.control.within_pass = within.then_some(settings);
-    // Every pass is shown; an alarm counts as offsets held.
+    // Every pass is cut; an alarm counts as offsets held.
     one.control.guards.on_alarm = OnAlarm::GoOn;
     one
 }
 
-/// Turns the job once a way; the optical setup is calibrated once.
+/// Turns the job once per way of scanning; the optical setup is calibrated once.
 ///
 /// # Errors
 /// Where a job does not fit together, the renderer or the gauge fails.

@@ -1,11 +1,11 @@
-//! `study line-camera`: readings of a line camera: how fast they are measured, and how near their
-//! repeatability comes to its bound.
+//! `study line-camera`: speed of measuring the readings of a line camera, and their repeatability
+//! beside its bound.
 //!
-//! The part stands at sixteen places a sixteenth of a pixel apart, in turn, so that every phase is
-//! seen. What a reading repeats to is the scatter of measured less true width; the bound is that of
-//! Cramér and Rao for the width with levels, blur and noise known, over all pixels of the line,
-//! from noise-free lines drawn a fiftieth of a pixel apart and the sensor's own noise. Readings are
-//! measured one by one as a stream, and in blocks as a frame grabber delivers them.
+//! The part is placed at sixteen positions a sixteenth of a pixel apart, in turn, so that every
+//! phase occurs. Repeatability is the standard deviation of measured less true width; the bound is
+//! that of Cramér and Rao for the width with given levels, blur and noise, over all pixels of the
+//! line, from noise-free lines drawn a fiftieth of a pixel apart and the sensor's own noise.
+//! Readings are measured one by one as a stream, and in blocks as from a frame grabber.
 
 use std::time::Instant;
 
@@ -21,19 +21,19 @@ use crate::setting::SettingError;
 use crate::shaft::{Pose, ProfileKnot};
 use crate::truth;
 
-/// Places of the part, a pixel over their number apart.
+/// Number of positions of the part within a pixel.
 const PLACES: usize = 16;
 /// Readings of a block.
 pub const BLOCK: usize = 256;
-/// Half the distance of the lines that a derivative is taken from, px.
+/// Half the distance between the lines of a difference quotient, px.
 const STEP_PX: f64 = 0.01;
-/// Readings after which a stream pools as many as it keeps.
+/// Readings after which a stream pools as many as it retains.
 const SETTLED: usize = 32;
 /// Step from one reading's edge to the next that a block allows, px: a part does not move farther
 /// within 60 µs.
 const MOST_STEP_PX: f64 = 3.0;
 
-/// A study that cannot be made.
+/// Why a study cannot be run.
 #[derive(Debug, Error)]
 pub enum LineCameraError {
     /// The job.
@@ -42,7 +42,7 @@ pub enum LineCameraError {
     /// The renderer.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// A frame that cannot be put together.
+    /// A block that is not a valid frame.
     #[error("a block of readings is no frame: {0}")]
     Block(String),
     /// Nothing was measured.
@@ -50,7 +50,7 @@ pub enum LineCameraError {
     Nothing(String),
 }
 
-/// What readings come to, measured in one way.
+/// Results of the readings, measured in one way.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LineCameraRow {
     /// `one_by_one` or `blocks`.
@@ -59,9 +59,9 @@ pub struct LineCameraRow {
     pub readings: usize,
     /// Readings without a width.
     pub lost: usize,
-    /// Edges measured a second, on one thread.
+    /// Edges measured per second, on one thread.
     pub edges_per_s: f64,
-    /// Readings a second, in kHz.
+    /// Readings per second, kHz.
     pub rate_khz: f64,
     /// Mean of measured less true width, µm on the object.
     pub mean_um: f64,
@@ -119,7 +119,7 @@ impl Sums {
 /// Checks the job: its camera must be a line camera.
 ///
 /// # Errors
-/// The first setting that cannot be right.
+/// The first setting that is refused.
 pub fn check(job: &Job) -> Result<(), SettingError> {
     job.check()?;
     match job.camera.line {
@@ -255,8 +255,8 @@ fn true_width_px(job: &Job, scene: &Scene) -> Result<f64, RenderError> {
     Ok(edges.first().map_or(f64::NAN, |e| e.bottom_px - e.top_px))
 }
 
-/// Variance of a width below which no unbiased estimate comes, px²: 1/I of both edges, each from
-/// its half of the line.
+/// Smallest variance of an unbiased estimate of the width, px²: 1/I of both edges, each from its
+/// half of the line.
 fn bound_variance_px2(
     job: &Job,
     setup: &OpticalSetup,

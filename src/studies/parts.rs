@@ -1,7 +1,7 @@
-//! A batch of parts, with and without learning from part to part: two loops, pass to pass within a
-//! part and part to part.
+//! A batch of parts, with and without learning from part to part: two nested loops, from pass to
+//! pass within a part and from part to part.
 //!
-//! What is charted is the finished part's mean deviation from its aim, as an individuals chart (ISO
+//! The chart shows the finished part's mean deviation from its aim, as an individuals chart (ISO
 //! 7870-2): centre x̄, limits x̄ ± 3·R̄/d₂ with the mean moving range R̄ of two and d₂ = 1.128.
 //! Capability is Ppk (ISO 22514-2) from the standard deviation over the batch.
 
@@ -29,7 +29,7 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// What happens before a part (from 1).
+    /// The event before a part (from 1).
     pub fn event(&self, part: u32) -> PartEvent {
         if self.cold_at.contains(&part) {
             PartEvent::ColdStart
@@ -48,7 +48,7 @@ pub struct PartPass {
     pub learning: bool,
     /// Part, from 1.
     pub part: u32,
-    /// What happened before the part.
+    /// The event before the part.
     pub event: PartEvent,
     /// Pass, from 1.
     pub pass: u32,
@@ -208,7 +208,7 @@ pub fn individuals(values_mm: &[f64], limits_mm: Option<(f64, f64)>) -> Individu
         centre_mm,
         limit_mm,
         outside: outside.collect(),
-        // One part, or parts that do not differ, show no process.
+        // One part, or parts without scatter, have no process capability.
         ppk: limits_mm
             .filter(|_| values_mm.len() > 1 && sd > 0.0)
             .map(|(low, high)| (high - centre_mm).min(centre_mm - low) / (3.0 * sd)),

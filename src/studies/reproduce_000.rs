@@ -7,7 +7,7 @@ use crate::control::fit;
 use crate::nc::{LineFit, MacroProgram, MacroValues, NcSettings, Workpiece, fit_line};
 use crate::plan::CuttingData;
 
-/// What the paper's rows are computed from.
+/// Inputs of the paper's rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inputs {
     /// Errors at x = 1/6 … 1, in `unit_mm`. The paper's table is lost: these are the smoothest
@@ -60,14 +60,14 @@ pub struct InputError(String);
 
 /// Six significant digits are printed.
 const DIGITS: f64 = 5e-6;
-/// Agreement asked of the change of the mean diameter, relative: the groups' numbers of parts and
-/// their scatter are not printed; means of five parts within 10 µm differ by as much.
+/// Agreement required of the change of the mean diameter, relative: the groups' numbers of parts
+/// and their scatter are not printed; means of five parts within 10 µm differ by as much.
 pub(crate) const CHANGE: f64 = 0.20;
 
 /// The error line through the inputs' errors.
 ///
 /// # Errors
-/// Other than six finite errors, a unit that is not positive, or diameters that are no numbers.
+/// Other than six finite errors, a unit that is not positive, or diameters that are not finite.
 pub fn line(inputs: &Inputs) -> Result<LineFit, InputError> {
     if inputs.error.len() != 6 || inputs.error.iter().any(|e| !e.is_finite()) {
         let text = format!("six finite errors at x = 1/6 to 1 are needed, {} were given", inputs.error.len());
@@ -85,10 +85,10 @@ fn positions() -> Vec<f64> {
     (1..=6).map(|i| f64::from(i) / 6.0).collect()
 }
 
-/// Computes every row but those of the experiment through frames ([`experiment`]).
+/// Computes every row except those of the experiment through frames ([`experiment`]).
 ///
 /// # Errors
-/// As [`line`].
+/// As [`line()`].
 pub fn run(inputs: &Inputs) -> Result<Vec<Row>, InputError> {
     let line = line(inputs)?;
     let x = positions();
@@ -146,7 +146,7 @@ fn definition_rows(inputs: &Inputs) -> Vec<Row> {
     let largest = |of: &dyn Fn(f64) -> f64| {
         inputs.error.iter().map(|e| inputs.unit_mm * e).map(of).map(f64::abs).fold(0.0, f64::max)
     };
-    // What the coordinates round at.
+    // Rounding error of the coordinates, mm.
     let rounding = 1e-12;
     let at = |e: f64| distance(point(radius + e), point(radius));
     vec![
@@ -311,10 +311,10 @@ fn macro_rows(inputs: &Inputs, v: &MacroValues) -> Vec<Row> {
 }
 
 /// Equations 7 to 10 as printed, each into the variable that it names, in `order` and `runs` times:
-/// what is taken off the diameter at the start in the end, in the unit of the errors. A variable
-/// that nothing has filled counts as 0.
+/// the final correction of the diameter at the start, in the unit of the errors. An unset variable
+/// counts as 0.
 fn compensation_at_start(inputs: &Inputs, order: &[u32], runs: usize) -> f64 {
-    // #800 to #805; the first two less the diameter aimed at, in that unit.
+    // #800 to #805; the first two less the target diameter, in that unit.
     let mut v = [0.0, 0.0, inputs.slope, inputs.intercept, 0.0, 0.0];
     for equation in order.iter().cycle().take(runs * order.len()) {
         match equation {

@@ -1,8 +1,7 @@
-//! What a reproduction of a paper reports: its figure, ours, the range accepted for ours, and the
-//! verdict that follows.
+//! The report of a reproduction: the paper's figure, ours, the range accepted for ours, and the
+//! resulting verdict.
 //!
-//! No verdict is chosen: it is computed from figure, ours, range and what ours rests on
-//! ([`Basis`]).
+//! Verdicts are computed from the figure, ours, the range and the basis of ours ([`Basis`]).
 //!
 //! | basis | ours inside the range | outside |
 //! |---|---|---|
@@ -10,9 +9,9 @@
 //! | [`Basis::InSample`] | consistent | not reproduced |
 //! | [`Basis::Printed`] | consistent | contradiction |
 //!
-//! A row that needs what the paper does not give is undetermined; one without figure and range is
-//! not in the paper. Only [`Basis::Printed`], which takes nothing but the paper's own figures and
-//! equations, can end in a contradiction: a constant of ours never does.
+//! A row that needs data which the paper lacks is undetermined; one without figure and range is not
+//! in the paper. Only [`Basis::Printed`], which uses the paper's own figures and equations alone,
+//! can end in a contradiction.
 
 use serde::Serialize;
 
@@ -22,13 +21,13 @@ use serde::Serialize;
 pub enum Verdict {
     /// A prediction that was not fitted to the figure agrees with it.
     Reproduced,
-    /// A fit to the figure, an identity of the paper's equations or an input handed through agrees
-    /// with it.
+    /// A fit to the figure, an identity of the paper's equations or an unchanged input agrees with
+    /// it.
     Consistent,
     /// The paper's own figures and equations contradict each other, by arithmetic or geometry
     /// without a constant of ours.
     Contradiction,
-    /// The paper lacks the data that the figure would follow from.
+    /// The paper lacks data needed for the figure.
     Undetermined,
     /// Ours misses the figure.
     NotReproduced,
@@ -47,7 +46,7 @@ impl Verdict {
         Self::NotInPaper,
     ];
 
-    /// As a reader sees it.
+    /// The verdict in words.
     pub fn words(self) -> &'static str {
         match self {
             Self::Reproduced => "reproduced",
@@ -60,7 +59,7 @@ impl Verdict {
     }
 }
 
-/// What ours rests on.
+/// The basis of ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Basis {
@@ -74,12 +73,12 @@ pub enum Basis {
     Ours,
 }
 
-/// What is accepted for ours.
+/// The range accepted for ours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Accept {
-    /// This share of the paper's figure on either side.
+    /// The paper's figure ± this share of it.
     Relative(f64),
-    /// This much on either side of the paper's figure.
+    /// The paper's figure ± this value.
     Absolute(f64),
     /// From and to, for what the paper states without a number, or as a limit; either may be
     /// infinite.
@@ -89,9 +88,9 @@ pub enum Accept {
 /// A figure of the paper beside ours.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Where it stands in the paper, dotted.
+    /// Its place in the paper, dotted.
     pub id: String,
-    /// What it is.
+    /// Its description.
     pub quantity: String,
     /// Its unit; empty for a number.
     pub unit: String,
@@ -105,20 +104,20 @@ pub struct Row {
     pub verdict: Verdict,
     /// Why.
     pub reason: String,
-    /// What ours rests on.
+    /// The basis of ours.
     pub basis: Basis,
     /// Least accepted for ours; absent where nothing is compared.
     pub accepted_from: Option<f64>,
     /// Most accepted for ours.
     pub accepted_to: Option<f64>,
-    /// What the paper would have to give; absent where nothing is missing.
+    /// Data that the paper lacks; absent where nothing is missing.
     pub missing: Option<String>,
-    /// Why a figure that is not reproduced is known not to be; absent for any other.
+    /// The known reason why a figure is not reproduced; absent for any other.
     pub known_miss: Option<String>,
 }
 
-/// A figure that is known not to be reproduced: by how much, and why. A run that misses otherwise
-/// is no known miss.
+/// A figure that is known not to be reproduced: by how much, and why. A different miss is not a
+/// known one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KnownMiss {
     /// The row.
@@ -185,8 +184,8 @@ impl Row {
         Self::in_sample(names, Some(0.0), ours, Accept::Absolute(limit), reason)
     }
 
-    /// One of the paper's figures against what its other figures and equations give. `ours` must
-    /// take no constant of ours.
+    /// One of the paper's figures against the value from its other figures and equations. `ours`
+    /// must contain no constant of ours.
     pub fn printed(
         names: (&str, &str, &str),
         paper: Option<f64>,
@@ -202,7 +201,7 @@ impl Row {
         Self::new(names, None, ours, (Basis::Ours, None), reason)
     }
 
-    /// What the row needs of the paper, each with whether the paper gives it.
+    /// The data that the row needs from the paper, each with whether the paper has it.
     #[must_use]
     pub fn needs(mut self, data: &[(&str, bool)]) -> Self {
         let missing: Vec<&str> = data.iter().filter(|(_, given)| !given).map(|(name, _)| *name).collect();
@@ -226,13 +225,13 @@ impl Row {
             (_, None) | (Basis::Ours, _) => Verdict::NotInPaper,
             (Basis::Prediction, Some(true)) => Verdict::Reproduced,
             (Basis::InSample | Basis::Printed, Some(true)) => Verdict::Consistent,
-            // A number that does not exist contradicts nothing.
+            // NaN does not contradict a figure.
             (Basis::Printed, Some(false)) if self.ours.is_finite() => Verdict::Contradiction,
             (_, Some(false)) => Verdict::NotReproduced,
         }
     }
 
-    /// A figure missed for no reason that is known.
+    /// Whether a figure is missed without a known reason.
     pub fn is_unexplained_miss(&self) -> bool {
         self.verdict == Verdict::NotReproduced && self.known_miss.is_none()
     }
@@ -248,10 +247,10 @@ impl Accept {
     }
 }
 
-/// Share of a known miss within which it is the same one.
+/// Relative difference within which a miss is the known one.
 const SAME_MISS: f64 = 0.05;
 
-/// Gives the rows that miss as known their reasons.
+/// Adds the known reasons to the rows that miss.
 pub fn explain(rows: &mut [Row], known: &[KnownMiss]) {
     for row in rows.iter_mut().filter(|row| row.verdict == Verdict::NotReproduced) {
         let size = row.difference.unwrap_or(0.0).abs().max(row.paper.unwrap_or(0.0).abs());
@@ -285,7 +284,7 @@ mod tests {
             [Verdict::NotReproduced, Verdict::NotReproduced, Verdict::Contradiction, Verdict::NotInPaper];
         assert_eq!((at(10.9), at(9.1)), (inside, inside));
         assert_eq!((at(11.1), at(8.9)), (outside, outside));
-        // Nothing is contradicted by a number that does not exist.
+        // NaN does not contradict a figure.
         assert_eq!(at(f64::NAN)[..3], [Verdict::NotReproduced; 3]);
         let negative = Row::predicted(NAMES, Some(-10.0), -10.5, Accept::Relative(0.1), "");
         assert_eq!(negative.verdict, Verdict::Reproduced);

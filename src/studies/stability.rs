@@ -10,7 +10,7 @@ use crate::control::{ControlSettings, ControllerName, OffsetForm, assess, descri
 
 /// Error-transfer plant of paper 003, Fig. 11: e(k+1) = 1.3566 e(k) − g u(k).
 pub const ERROR_TRANSFER: Plant = Plant::Transfer { alpha: 1.3566 };
-/// Gains at which the spectral radius is drawn.
+/// Gains at which the spectral radius is plotted, in units of 0.01.
 const DRAWN: std::ops::RangeInclusive<u32> = 1..=240;
 const DRAWN_STEP: f64 = 0.01;
 
@@ -43,7 +43,7 @@ pub struct StabilityStudy {
     pub loops: Vec<StabilityReport>,
     /// Run-to-run limits under delay.
     pub delays: Vec<DelayLimit>,
-    /// Iterative learning over all stations at once, the plant a gain alone.
+    /// Iterative learning over all stations at once, with a plant that is a pure gain.
     pub learning: IterationReport,
     /// Spectral radius over the plant gain, error copying.
     #[serde(skip)]

@@ -13,7 +13,7 @@ use crate::gauge::monte_carlo::{
     monte_carlo_adaptive, validate,
 };
 
-/// The part whose diameter is looked at: a reading of it and the calibration that turns it into
+/// The part under study: a reading of its diameter and the calibration that converts it to
 /// millimetres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartView {
@@ -23,9 +23,9 @@ pub struct PartView {
 }
 
 impl PartView {
-    /// A part of a diameter at 20 °C in the middle of the field, its edges as quiet as `like`'s.
-    /// The lens is inverted: its rows are those at which the calibrated lens shows this diameter
-    /// under the conditions.
+    /// A part with a diameter at 20 °C in the middle of the field, with the edge noise of `like`.
+    /// The lens model is inverted: its rows are those at which the calibrated lens images this
+    /// diameter under the conditions.
     ///
     /// `None` for a calibration without an optical setup, and a part that does not fit the field.
     pub fn of_diameter(
@@ -43,7 +43,7 @@ impl PartView {
             ..like.clone()
         };
         let found_mm = |half_px: f64| at(half_px).budget(calibration, conditions).diameter_mm;
-        // The diameter grows with the rows wherever a lens model of some per cent holds.
+        // The diameter increases with the rows for every lens with distortions of a few per cent.
         let (mut low, mut high) = (0.0, middle);
         if !(found_mm(low) < diameter_mm && diameter_mm <= found_mm(high)) {
             return None;
@@ -68,15 +68,15 @@ impl PartView {
     }
 }
 
-/// Halvings of the rows' range: thousands of px end at 1e-14 px.
+/// Halvings of the rows' range: a range of thousands of px is reduced to 1e-14 px.
 const BISECTIONS: usize = 60;
 
-/// How many trials.
+/// Number of trials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trials {
-    /// So many.
+    /// A fixed number.
     Fixed(usize),
-    /// Until the figures are stable to a fifth of the numerical tolerance, at most so many.
+    /// Until the figures are stable to a fifth of the numerical tolerance, at most this number.
     Adaptive(usize),
 }
 
@@ -87,7 +87,7 @@ pub struct Source {
     pub name: String,
     /// Inputs of its kind.
     pub inputs: usize,
-    /// Standard uncertainty it gives the diameter, µm.
+    /// Its contribution to the standard uncertainty of the diameter, µm.
     pub u_um: f64,
 }
 
@@ -120,7 +120,8 @@ struct Model<'a> {
     deviations: usize,
 }
 
-/// Inputs of the part behind those of the adjustment that do not simply add: T, α, y, edge, drift.
+/// Number of inputs of the part, after those of the adjustment, that are not simply additive: T, α,
+/// y, edge, drift.
 const OF_PART: usize = 5;
 
 impl Model<'_> {
@@ -161,8 +162,8 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
             input(name.clone(), 0.0, Distribution::Normal { u: sigma / (scale * o.chord) })
         })
         .collect();
-    // Priors count in units of their standard uncertainties; of a lens, temperature and expansion
-    // only limits are known.
+    // Priors are in units of their standard uncertainties; for the lens, temperature and expansion
+    // only limits are given.
     all.extend(sources.into_iter().skip(seen.len()).map(|name| {
         let limits = is_rectangular(&name);
         let distribution = if limits { even(3.0_f64.sqrt()) } else { Distribution::Normal { u: 1.0 } };
@@ -178,8 +179,7 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
     for (name, (estimate, distribution)) in OF_CONDITIONS.iter().zip(of_part) {
         all.push(input((*name).to_owned(), estimate, distribution));
     }
-    // Every other row of the budget (noise, levels, form, blur …) adds to the diameter as it
-    // stands.
+    // Every other row of the budget (noise, levels, form, blur …) is additive.
     let calibrated =
         |source: &str| calibration.setup.as_ref().is_some_and(|b| b.parts.iter().any(|p| p.source == source));
     let others = part.budget.contributions.iter();
@@ -189,7 +189,7 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
     all
 }
 
-/// Trials of a Monte Carlo, and the seed they are drawn by.
+/// Number of trials of a Monte Carlo, and the seed.
 #[derive(Clone, Copy, Debug)]
 pub struct Draws {
     /// Their number.
@@ -198,8 +198,8 @@ pub struct Draws {
     pub seed: u64,
 }
 
-/// Propagates the distributions of everything that a diameter depends on; `None` where the masters
-/// determine no optical setup.
+/// Propagates the distributions of all inputs of a diameter; `None` where the masters do not
+/// determine the optical setup.
 pub fn uncertainty(
     calibration: &Calibration,
     adjustment: &Adjustment,
@@ -236,8 +236,8 @@ pub fn uncertainty(
 }
 
 /// Contributions of inputs of one name together. A row of the budget whose input has no term of
-/// first order (place of the axis x telecentricity, where that is about zero) is given as the
-/// budget has it.
+/// first order (place of the axis x telecentricity, where that is about zero) is taken from the
+/// budget.
 fn sources(inputs: &[Input], gum: &LawOfPropagation, budget: &Budget) -> Vec<Source> {
     let mut all: Vec<Source> = Vec::new();
     for (input, u) in inputs.iter().zip(&gum.contributions) {

@@ -1,17 +1,17 @@
-//! Rings of known size: the gauge and a plain method on the same split, one scale and one edge
-//! offset for outline and bore.
+//! Rings of calibrated size: the gauge and a simple method on the same split, with one scale and
+//! one edge offset for outline and bore.
 //!
-//! Scale s and offset o of D = s·d ± o (+ outline, − bore) are adjusted by least squares to both
-//! diameters of all parts but one and tested on the one left out. A tactile machine reports the
-//! outline as traced by its ball (ISO 16610-41 closing, burrs included), so the gauge is compared
-//! by its stylus diameter. The ball's size is not stated; the one used is the largest that ISO
-//! 12181-2 allows at 50 upr, and common balls are listed beside it. Peer: level crossing along
-//! rays, least-squares circle.
+//! Scale s and offset o of D = s·d ± o (+ outline, − bore) are fitted by least squares to both
+//! diameters of all parts except one and tested on that one. A tactile machine reports the outline
+//! as traced by its ball (ISO 16610-41 closing, burrs included), so that the gauge's diameter is
+//! that of the outline traced by a ball as well. The ball's size is not stated; the one used is the
+//! largest that ISO 12181-2 allows at 50 upr, and common balls are listed beside it. Simple method:
+//! level crossing along rays, least-squares circle.
 //!
 //! Whether one method is better is tested on halves that are split independently of the residuals
 //! (every second part by its number): scale and offset from one half, residuals of the other, and
-//! back. The difference of the two methods' spreads gets an interval by bootstrap over the parts
-//! (95 % for the four figures together); where that contains zero, there is no difference.
+//! back. The difference of the two methods' spreads has an interval by bootstrap over the parts (95
+//! % for the four figures together); where that contains zero, there is no difference.
 
 use std::f64::consts::TAU;
 
@@ -29,13 +29,13 @@ use crate::numerics::robust::{MEDIAN_TO_SD, central_median};
 pub type Pair = [f64; 2];
 /// Names of a pair.
 pub const SIDES: [&str; 2] = ["outer", "inner"];
-/// Grey value at which the plain method places the edge.
+/// Grey value at which the simple method places the edge.
 pub const LEVEL: f64 = 130.0;
 /// Diameters of common styli, mm.
 pub const BALLS_MM: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 5.0];
 const RAYS: usize = 3600;
-/// Bootstrap samples: some 60 lie beyond either end of an interval, which then stands to an eighth
-/// of a tail (binomial).
+/// Bootstrap samples: about 60 lie beyond either end of an interval, so that its tail probability
+/// is accurate to an eighth (binomial).
 const BOOTSTRAPS: usize = 10_000;
 /// Share of the samples beyond either end: four figures are compared, and all four intervals
 /// together hold at 95 % (Bonferroni).
@@ -43,18 +43,18 @@ const TAIL: f64 = 0.05 / 4.0 / 2.0;
 /// Residuals beyond so many robust standard deviations from the median are listed.
 const OUTLIER: f64 = 3.0;
 
-/// A part: its picture and its tactile diameters.
+/// A part: its image and its tactile diameters.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// File name.
     pub name: String,
-    /// The picture.
+    /// The image.
     pub frame: Frame,
     /// Diameters, mm.
     pub machine_mm: Pair,
 }
 
-/// Why there is no study.
+/// Why the study cannot be run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WashersError {
@@ -72,7 +72,7 @@ pub enum WashersError {
     /// A disc.
     #[error("{0}: a disc without a bore")]
     NoBore(String),
-    /// A part that the plain method, or a ball, cannot measure.
+    /// A part that the simple method, or a ball, cannot measure.
     #[error("{name}: {cause}")]
     Form {
         /// The file.
@@ -85,7 +85,7 @@ pub enum WashersError {
 /// One method on all parts.
 #[derive(Clone, Debug, Serialize)]
 pub struct MethodFigures {
-    /// What is measured how.
+    /// The method and its quantity.
     pub name: String,
     /// Diameters, px.
     pub diameter_px: Vec<Pair>,
@@ -110,15 +110,15 @@ pub struct Outlier {
     pub name: String,
     /// 0 outer, 1 inner.
     pub side: usize,
-    /// Residual of the gauge and of the plain method, µm.
+    /// Residual of the gauge and of the simple method, µm.
     pub residual_um: [f64; 2],
 }
 
-/// What a bootstrap finds between the gauge and the plain method.
+/// The bootstrap's verdict on the gauge and the simple method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The interval of the difference holds zero.
+    /// The interval of the difference contains zero.
     NoDifference,
     /// The gauge's spread is smaller.
     Better,
@@ -137,7 +137,7 @@ impl Verdict {
     }
 }
 
-/// A spread of the gauge beside the plain method's, on parts that took no part in the scale.
+/// A spread of the gauge beside the simple method's, on parts that were not used for the scale.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
     /// 0 outer, 1 inner.
@@ -146,12 +146,12 @@ pub struct Comparison {
     pub figure: &'static str,
     /// The gauge's, µm.
     pub ours_um: f64,
-    /// The plain method's, µm.
+    /// The simple method's, µm.
     pub plain_um: f64,
-    /// Interval of the difference gauge − plain, µm: bootstrap over parts, both methods on the same
-    /// sample; 95 % for all four comparisons together.
+    /// Interval of the difference gauge − simple method, µm: bootstrap over parts, both methods on
+    /// the same sample; 95 % for all four comparisons together.
     pub difference_um: [f64; 2],
-    /// What that interval shows.
+    /// Verdict from that interval.
     pub verdict: Verdict,
 }
 
@@ -168,17 +168,17 @@ pub struct WashersStudy {
     pub level_crossing: MethodFigures,
     /// The gauge with balls of [`BALLS_MM`].
     pub balls: Vec<MethodFigures>,
-    /// Parts whose machine and picture disagree.
+    /// Parts whose tactile and optical values disagree.
     pub outliers: Vec<Outlier>,
-    /// The gauge against the plain method on halves split by the parts' order.
+    /// The gauge against the simple method on halves split by the parts' order.
     pub comparisons: Vec<Comparison>,
-    /// What was measured, for pictures.
+    /// The measured rings, for figures.
     #[serde(skip)]
     pub rings: Vec<RingMeasurement>,
 }
 
 impl WashersStudy {
-    /// Figures in which the bootstrap finds the gauge worse than the plain method.
+    /// Figures in which the gauge is worse than the simple method by the bootstrap.
     pub fn misses(&self) -> Vec<String> {
         self.comparisons
             .iter()
@@ -315,7 +315,7 @@ fn residual_um((px, mm): &(Pair, Pair), (scale, offset): (f64, f64)) -> Pair {
     [1e3 * (mm[0] - scale * px[0] - offset), 1e3 * (mm[1] - scale * px[1] + offset)]
 }
 
-/// The gauge beside the plain method on split halves: both figures of both sides.
+/// The gauge beside the simple method on split halves: both figures of both sides.
 fn comparisons(ours_px: &[Pair], plain_px: &[Pair], machine_mm: &[Pair]) -> Vec<Comparison> {
     let (ours, plain) = (split_residuals(ours_px, machine_mm), split_residuals(plain_px, machine_mm));
     let of_side = |residuals: &[Pair], side: usize| residuals.iter().map(|r| r[side]).collect::<Vec<f64>>();
@@ -338,7 +338,7 @@ fn comparisons(ours_px: &[Pair], plain_px: &[Pair], machine_mm: &[Pair]) -> Vec<
 
 /// Interval of the difference of a spread (index into [`spreads`]) between two methods on the same
 /// parts: percentiles over samples of the parts with replacement (Efron, Tibshirani 1993, ch. 13).
-/// The seed is fixed: equal inputs, equal interval.
+/// The seed is fixed: equal inputs give equal intervals.
 fn bootstrap(ours: &[f64], plain: &[f64], index: usize) -> [f64; 2] {
     let mut random = rand_pcg::Pcg64::seed_from_u64(0x7761_7368);
     let parts = ours.len();
@@ -414,7 +414,8 @@ mod tests {
         assert!(exact.sd_um.iter().chain(&exact.robust_sd_um).all(|s| *s < 1e-7));
         mm[4][1] += 0.02;
         let one = figures("x".into(), px, &mm);
-        // Its own residual is untouched by it: it took no part in its scale.
+        // The residual of the altered part is exact, because the part was not used for its own
+        // scale.
         assert!((one.residual_um[4][1] - 20.0).abs() < 1e-6 && one.residual_um[4][0].abs() < 1e-6);
         assert!(one.sd_um[1] > 5.0 && one.robust_sd_um[1] < 3.0);
         assert_eq!(spreads(&[1.0, 2.0, 3.0, 4.0])[1], 1.4826);
@@ -439,7 +440,7 @@ mod tests {
         assert!(verdicts(&with(1.0, 0), &with(1.0, 4)).iter().all(|v| *v == Verdict::NoDifference));
         assert_eq!(verdicts(&with(3.0, 0), &with(1.0, 4))[0], Verdict::Worse);
         assert_eq!(verdicts(&with(1.0, 0), &with(3.0, 4))[0], Verdict::Better);
-        // A part of one half does not change the other half's scale, by which it is judged.
+        // A part of one half does not change the other half's scale, with which it is tested.
         let split = split_residuals(&px, &mm);
         let mut moved = mm.clone();
         moved[4][0] += 0.02;

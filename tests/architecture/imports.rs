@@ -1,4 +1,5 @@
-//! What the source files import, read from every path in them (not only `use` lines), and which file each path names.
+//! Imports of the source files, from every path in them (not only `use` lines), and the file that
+//! each path names.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -6,13 +7,14 @@ use std::path::{Path, PathBuf};
 use proc_macro2::{TokenStream, TokenTree};
 use syn::visit::{self, Visit};
 
-/// Every path of a file, as segments, `super::` and `self::` resolved against the module's own path.
+/// Every path of a file, as segments, `super::` and `self::` resolved against the module's own
+/// path.
 struct Paths {
     module: Vec<String>,
     /// Depth of inline modules (`mod tests { … }`).
     inline: usize,
     found: Vec<Vec<String>>,
-    /// Names that `use` binds at the top of the file, with the path they stand for; globs under "*".
+    /// Names bound by `use` at the top of the file, with their paths; globs under "*".
     bindings: Vec<(String, Vec<String>)>,
     /// Items that the file defines at its top.
     items: BTreeSet<String>,
@@ -169,7 +171,8 @@ fn name_of(item: &syn::Item) -> Option<String> {
     })
 }
 
-/// Module path of `src/render/gpu/mod.rs` -> [render, gpu]; `src/frame.rs` -> [frame]; `src/lib.rs` -> [].
+/// Module path of `src/render/gpu/mod.rs` -> [render, gpu]; `src/frame.rs` -> [frame];
+/// `src/lib.rs` -> [].
 fn module_of(file: &Path) -> Vec<String> {
     let mut parts: Vec<String> =
         file.with_extension("").iter().skip(1).map(|p| p.to_string_lossy().into_owned()).collect();
@@ -179,7 +182,7 @@ fn module_of(file: &Path) -> Vec<String> {
     parts
 }
 
-/// A source file and what it imports.
+/// A source file and its imports.
 pub struct Source {
     pub file: PathBuf,
     pub module: Vec<String>,
@@ -233,7 +236,8 @@ impl<'a> Tree<'a> {
         Self { sources, by_module }
     }
 
-    /// The file that defines what `path`, written in file `from`, names; on the way, files that re-export it.
+    /// The file that defines the item named by `path` in file `from`; `via` receives the files that
+    /// re-export it.
     fn resolve(&self, from: usize, path: &[String], via: &mut Vec<usize>) -> Option<usize> {
         if via.len() > CHAIN {
             return None;
@@ -290,8 +294,9 @@ impl<'a> Tree<'a> {
         })
     }
 
-    /// Which files each file imports, with one path for each. A name that a folder's `mod.rs` re-exports counts as the
-    /// file that defines it, but inside that folder as `mod.rs`, too: files import their siblings by their own path.
+    /// Which files each file imports, with one path for each. A name that a folder's `mod.rs`
+    /// re-exports counts as the file that defines it, but inside that folder also as `mod.rs`,
+    /// because files must import their siblings by their own path.
     pub fn imports(&self) -> Vec<BTreeMap<usize, String>> {
         let mut edges = vec![BTreeMap::new(); self.sources.len()];
         for (from, source) in self.sources.iter().enumerate() {
@@ -316,7 +321,8 @@ impl<'a> Tree<'a> {
         edges
     }
 
-    /// Loops: groups of files each of which imports, over others, every other; as text, an import a line.
+    /// Loops: groups of files each of which imports, directly or through others, every other; as
+    /// text, one import per line.
     pub fn loops(&self) -> Vec<Loop> {
         let edges = self.imports();
         let reach: Vec<BTreeSet<usize>> = (0..edges.len())

@@ -1,4 +1,4 @@
-//! The axis of a bent, eccentric shaft from its frames, against the lines it was bent by.
+//! The axis of a bent, eccentric shaft from its frames, against the lines of its deflection.
 
 use shadowgauge::gauge::axis_line::{AxisAverager, AxisLine};
 use shadowgauge::shaft::{AxisKnot, Bow, Deflection, Eccentricity, Shaft, ShaftForm};
@@ -17,7 +17,7 @@ pub const CASE: Case = Case {
     field_step: 1,
 };
 
-/// Limit of an error beside U, mm.
+/// Error allowed in addition to U, mm.
 const LIMIT_MM: f64 = 1e-4;
 
 fn axis(head: &Head, frames: &[Measured]) -> AxisLine {
@@ -41,7 +41,8 @@ fn mean_offset(knots: &[AxisKnot], z_mm: f64, station_mm: f64) -> [f64; 2] {
     slices.fold([0.0; 2], |sum, p| [sum[0] + p[0] / f64::from(SLICES), sum[1] + p[1] / f64::from(SLICES)])
 }
 
-/// Turns a shaft in the machine by `degrees` from y towards x, so that the camera sees it from another direction.
+/// Turns a shaft in the machine by `degrees` from y towards x, so that the camera views it from
+/// another direction.
 fn seen_from(shaft: &Shaft, degrees: f64) -> Shaft {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let turned = |k: &AxisKnot| AxisKnot {

@@ -1,4 +1,4 @@
-//! A bent, turning shaft before a bench, scanned as a carriage scans it.
+//! A bent, turning shaft in an optical setup, scanned as by a carriage.
 
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -17,7 +17,7 @@ use shadowgauge::shaft::{Pose, ProfileKnot, Shaft, ShaftForm};
 /// Expanded uncertainty of the masters' certificates, mm (k = 2).
 const MASTER_U_MM: f64 = 1e-4;
 
-/// What is scanned and how.
+/// A case: the shaft and the scan.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     pub diameter_mm: f64,
@@ -29,7 +29,7 @@ pub struct Case {
     pub angles: usize,
     /// Angles over a whole turn instead of half of one.
     pub whole_turn: bool,
-    /// Every field is scanned, or every so many-th: stations between are not.
+    /// Step between scanned fields; stations in the fields between are not measured.
     pub field_step: usize,
 }
 
@@ -66,7 +66,8 @@ impl Case {
     }
 }
 
-/// A bench with its gauge calibrated on two pins whose true diameters are drawn from their certificates.
+/// An optical setup with its gauge calibrated on two pins whose true diameters are drawn from their
+/// certificates.
 pub struct Head {
     pub case: Case,
     pub seed: u64,
@@ -76,7 +77,7 @@ pub struct Head {
     pub renderer: Renderer,
 }
 
-/// A frame's columns with what was known of it.
+/// A frame's columns with its metadata.
 pub struct Measured {
     pub meta: FrameMeta,
     pub columns: ColumnDiameters,

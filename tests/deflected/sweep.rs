@@ -45,7 +45,7 @@ impl Pooled {
     }
 }
 
-/// Sagittae and eccentricity by seed: spread over 0 to .5 mm in every direction, 0 to .1 mm.
+/// Sagittae and eccentricity by seed: spread over 0 to 0.5 mm in every direction, and 0 to 0.1 mm.
 fn form(seed: u64, bowed: bool) -> ShaftForm {
     // Additive recurrences of irrational steps fill the ranges evenly.
     let part = |step: f64| (seed as f64 * step).fract();
@@ -113,13 +113,14 @@ fn pooled(case: Case, seeds: std::ops::Range<u64>) -> [Pooled; 3] {
     all
 }
 
-/// What the pooled errors must be.
+/// Limits of the pooled errors.
 fn check([streams, single, apart]: &[Pooled; 3], rms: std::ops::Range<f64>) {
     for pooled in [streams, single] {
         assert!(rms.contains(&pooled.rms()) && pooled.beyond() <= 0.06, "{pooled:?}");
     }
-    // Both owe their blur to the same columns; what is left is the course along the field, which a stream goes on with and a frame by itself
-    // begins from none. Of 3000 stations one differed by .8 u.
+    // Both estimate the blur from the same columns; they differ in its course along the field,
+    // which a stream continues and a single frame starts from zero. Of 3000 stations one differed
+    // by 0.8 u.
     assert!(apart.rms() < 0.15 && apart.largest < 1.0, "{apart:?}");
 }
 
@@ -141,8 +142,9 @@ fn diameters_stay_true_over_100_seeds() {
     check(&pooled(SHORT, 1..101), 0.8..1.15);
 }
 
-/// The main job's head and shaft. Nearly all of u is the masters' certificates, one draw a seed: a hundred seeds show it to 7 %, ten to
-/// 22 %; so three fields of fourteen are scanned of each.
+/// The main job's head and shaft. Nearly all of u comes from the masters' certificates, with one
+/// draw per seed: a hundred seeds determine the ratio to 7 %, ten to 22 %; so only three fields of
+/// fourteen are scanned for each.
 #[test]
 #[ignore = "40 frames of 5 megapixels a seed: ten minutes"]
 fn diameters_stay_true_over_100_seeds_of_the_main_job() {
@@ -161,6 +163,7 @@ fn diameters_stay_true_over_100_seeds_of_the_main_job() {
 #[test]
 fn diameters_stay_true_whatever_the_axis_does() {
     let case = Case { length_mm: 75.0, fields: 4, angles: 4, ..SHORT };
-    // 24 seeds, and what their masters are off by is one draw each: ± 0.3 is two standard deviations of the rms.
+    // 24 seeds with one draw of the masters' errors each: ± 0.3 is two standard deviations of the
+    // rms.
     check(&pooled(case, 1..25), 0.7..1.3);
 }

@@ -1,5 +1,5 @@
-//! Graphics adapters of other machines: which one is taken, that the program ends cleanly, and that drivers' own words
-//! do not reach the user.
+//! Graphics adapters of other machines: the choice among them, clean exits, and no messages of the
+//! drivers to the user.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -24,7 +24,8 @@ fn render(config: &Path, out: &Path, backend: &str) -> Output {
         .expect("the program runs")
 }
 
-/// Whether this machine offers the interface; loud where it does not and `REQUIRE_VULKAN` does not ask for it.
+/// Whether this machine offers the interface; prints a notice where it does not and
+/// `REQUIRE_VULKAN` is not set.
 fn is_offered(config: &Path, out: &Path, backend: &str) -> bool {
     let output = render(config, out, backend);
     let words = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -37,8 +38,9 @@ fn is_offered(config: &Path, out: &Path, backend: &str) -> bool {
     true
 }
 
-/// Double frees at exit ended one run in 200 while OpenGL and Vulkan were opened together: every exit is clean, the
-/// frames are the same bytes whatever drew them, and stderr is empty even without XDG_RUNTIME_DIR.
+/// Double frees at exit ended one run in 200 while OpenGL and Vulkan were opened together: every
+/// exit is clean, the frames are the same bytes on every backend, and stderr is empty even without
+/// XDG_RUNTIME_DIR.
 #[test]
 fn renders_end_cleanly_and_quietly_on_every_backend() {
     let folder = tempfile::tempdir().unwrap();
@@ -60,7 +62,7 @@ fn renders_end_cleanly_and_quietly_on_every_backend() {
     }
 }
 
-/// `auto` takes what `doctor` names, and that is never a software adapter.
+/// `auto` chooses the adapter named by `doctor`, never a software adapter.
 #[test]
 fn auto_takes_what_doctor_names_and_no_software() {
     let output = super::support::shadowgauge(["doctor", "--json"]);
@@ -80,8 +82,8 @@ fn auto_takes_what_doctor_names_and_no_software() {
     assert!(String::from_utf8_lossy(&output.stdout).contains(auto), "{output:?}");
 }
 
-/// The check of an adapter: equal to the twin on a software adapter asked for by name; without hardware, the program
-/// says so and ends with 3.
+/// The check of an adapter: equal to the twin on a software adapter requested by name; without
+/// hardware, exit code 3 with a message.
 #[test]
 fn an_adapter_is_checked_against_the_twin() {
     let run = |backend: &str| {

@@ -1,5 +1,6 @@
-//! The end of the grey scale: light (or shadow) clipped wherever a camera clips it, hot pixels, frames without noise. The frames are
-//! made here, by the textbook's pixel-integrated edge with another library's erf; discs by a separable blur of a finely sampled one.
+//! The end of the grey scale: light (or shadow) clipped wherever a camera clips it, hot pixels,
+//! frames without noise. The frames are computed here, by the textbook's pixel-integrated edge with
+//! another library's erf; discs by a separable blur of a finely sampled disc.
 
 use rand_distr::{Distribution, Normal, Uniform};
 use rand_pcg::Pcg64;
@@ -14,12 +15,13 @@ use super::support::{collected, measured};
 const ROWS: usize = 120;
 const COLUMNS: usize = 160;
 const WIDTH: f64 = 60.4;
-/// Rise of the shaft, rows a column: the edge passes all its places within a pixel in one frame, on which light that is clipped depends.
+/// Slope of the shaft, rows per column: in one frame the edge passes through all positions within a
+/// pixel, on which clipping depends.
 const RISE: f64 = 0.0075;
 const DISC: usize = 160;
 const DIAMETER: f64 = 120.6;
 
-/// A camera: where it clips, in what container, and what it adds.
+/// A camera: its clip, container and noise.
 #[derive(Clone, Copy, Debug)]
 struct Camera {
     format: PixelFormat,
@@ -35,7 +37,7 @@ struct Camera {
     dead: f64,
     /// Whether light and shadow are exchanged: a lit part.
     lit: bool,
-    /// Noise at the clip as a share of it: of the read-out, of the photons.
+    /// Noise at the clip as a share of it: read noise and photon noise.
     noise: (f64, f64),
     /// Share of the clip from which on the response bends towards it; none of a linear one.
     knee: Option<f64>,
@@ -53,7 +55,8 @@ const EIGHT: Camera = Camera {
     knee: None,
 };
 
-/// A scene: light as a multiple of the clip at both ends of the shaft, dark level as a share of the clip, blur.
+/// A scene: light as a multiple of the clip at both ends of the shaft, dark level as a share of the
+/// clip, blur.
 #[derive(Clone, Copy, Debug)]
 struct Scene {
     light: (f64, f64),
@@ -72,7 +75,7 @@ impl Scene {
     }
 }
 
-/// Light on a pixel whose centre lies `d` px in the light of an edge.
+/// Light on a pixel whose centre lies `d` px on the light side of an edge.
 fn step(d: f64, sigma: f64) -> f64 {
     let cdf = |t: f64| 0.5 * (1.0 + erf(t / std::f64::consts::SQRT_2));
     let pdf = |t: f64| (-0.5 * t * t).exp() / (2.0 * std::f64::consts::PI).sqrt();
@@ -110,7 +113,7 @@ impl Camera {
         Frame::new(buffer, self.format, rows, columns, FrameMeta::default()).unwrap()
     }
 
-    /// What a soft knee leaves of a grey value: it nears the clip exponentially.
+    /// A grey value after a soft knee, above which it approaches the clip exponentially.
     fn bent(&self, value: f64) -> f64 {
         let Some(knee) = self.knee.map(|share| share * self.clip).filter(|knee| value > *knee) else {
             return value;
@@ -131,7 +134,8 @@ impl Camera {
             let t = column as f64 / (COLUMNS - 1) as f64;
             let light = scene.light.0 + (scene.light.1 - scene.light.0) * t;
             let d = place(column) - row as f64;
-            // The width along a column of a shaft that rises; the blur along it is wider by the same 1/cos, 3e-5.
+            // The width along a column of a shaft that rises; the blur along it is wider by the
+            // same 1/cos, 3e-5.
             scene.dark
                 + (light - scene.dark)
                     * (step(d, scene.sigma) + step(-d - width * 1.0_f64.hypot(RISE), scene.sigma))
@@ -145,7 +149,8 @@ impl Camera {
     }
 }
 
-/// Share of light around a disc, blurred: sampled four times as finely, blurred along both axes, averaged over the pixels.
+/// Share of light around a disc, blurred: sampled four times as finely, blurred along both axes,
+/// averaged over the pixels.
 fn drawn_disc(sigma: f64) -> Vec<f64> {
     const FINE: usize = 4;
     let n = DISC * FINE;
@@ -190,7 +195,8 @@ fn edges(frame: &Frame) -> Result<FrameEdges, Reason> {
 
 /// Error of the diameter and its u, px, or nothing where the frame was refused.
 fn shaft_of(frame: &Frame) -> Option<(f64, f64)> {
-    // Over 65 columns and more: u is to change with the light, not with the stretch that is largest.
+    // Over 65 columns and more, so that u changes with the light, not with the length of the
+    // largest stretch.
     let largest = largest_caliper_over(&edges(frame).ok()?, 65)?;
     Some((largest.diameter_px - WIDTH, largest.u_px))
 }
@@ -200,7 +206,7 @@ fn disc_of(frame: &Frame) -> Option<(f64, f64)> {
     Some((measured.outer.diameter_px - DIAMETER, measured.outer.u_diameter_px))
 }
 
-/// What a step of the sweep gave.
+/// Result of a step of the sweep.
 #[derive(Debug, Default)]
 struct Step {
     light: f64,
@@ -242,7 +248,7 @@ fn lights() -> Vec<f64> {
     all
 }
 
-/// What of the limits a sweep does not hold.
+/// The limits that a sweep violates.
 fn misses(name: &str, steps: &[Step]) -> Vec<String> {
     let mut misses = Vec::new();
     let mut miss = |what: String| misses.push(format!("{name}: {what}"));
@@ -332,7 +338,7 @@ fn light_from_half_to_three_times_the_clip_whole_sweep() {
     assert!(missed.is_empty(), "{} limits missed", missed.len());
 }
 
-/// The kinds given: each within 3 u of the width drawn, or refused as saturated.
+/// The named cameras: each diameter within 3 u of the true width, or refused as saturated.
 #[test]
 fn frames_of_the_collection_are_within_their_uncertainty_or_refused() {
     for (name, shape, truth) in [
@@ -359,7 +365,7 @@ fn frames_of_the_collection_are_within_their_uncertainty_or_refused() {
     }
 }
 
-/// What is drawn without noise is not clipped, whatever its light stands at.
+/// A frame without noise is not taken for clipped, at any level of its light.
 #[test]
 fn a_frame_without_noise_is_not_clipped() {
     for clip in [255.0, 235.0] {
@@ -371,7 +377,8 @@ fn a_frame_without_noise_is_not_clipped() {
     }
 }
 
-/// A camera that clips is found out by its light, whatever the container; hot pixels are no clip.
+/// Clipping is detected from the light, whatever the container; hot pixels are not taken for
+/// clipping.
 #[test]
 fn clipped_light_is_flagged_wherever_it_is_clipped_and_hot_pixels_are_not() {
     for (name, camera) in cameras() {
@@ -383,8 +390,9 @@ fn clipped_light_is_flagged_wherever_it_is_clipped_and_hot_pixels_are_not() {
     }
 }
 
-/// A part of the whole sweep: below the clip, through it and far beyond, on a shaft, half a shaft and a disc, with hot pixels and a clip
-/// below full scale. No frame beyond 5 u, few beyond 3, none refused below 1.5 times the clip, u as asked for.
+/// A part of the whole sweep: below the clip, through it and far beyond, on a shaft, half a shaft
+/// and a disc, with hot pixels and a clip below full scale. No frame beyond 5 u, few beyond 3, none
+/// refused below 1.5 times the clip, u as asked for.
 #[test]
 fn light_through_the_clip_is_measured_within_its_uncertainty() {
     let lights = [0.5, 0.8, 0.95, 0.99, 1.0, 1.01, 1.02, 1.04, 1.08, 1.2, 1.35, 1.5, 2.0];
@@ -402,8 +410,8 @@ fn light_through_the_clip_is_measured_within_its_uncertainty() {
     assert!(missed.is_empty(), "{missed:?}");
 }
 
-/// Two hot pixels in a hundred and light that falls to three fifths along the shaft: half the columns are lost, and of what is left neither the
-/// contour nor the light beyond the clip is mistaken.
+/// Two hot pixels in a hundred and light that falls to three fifths along the shaft: half the
+/// columns are lost, and the others are not misjudged in contour or light.
 #[test]
 fn two_hot_pixels_in_a_hundred_leave_a_falling_light_measurable() {
     let camera = Camera { hot: 0.02, ..EIGHT };
@@ -419,7 +427,8 @@ fn two_hot_pixels_in_a_hundred_leave_a_falling_light_measurable() {
     assert!(beyond <= 1, "{beyond} of 56 beyond 3 u");
 }
 
-/// Largest diameter over 65 columns and more against the width drawn, in u, its u, and the number of edges flagged as clipped.
+/// Largest diameter over 65 columns and more against the width drawn, in u, its u, and the number of
+/// edges flagged as clipped.
 fn largest_of(frame: &Frame, settings: GaugeSettings, width: f64) -> Result<(f64, f64, usize), String> {
     let found = Gauge::new(settings).unwrap().edges(&frame.view()).map_err(|refused| refused.to_string())?;
     let lines = [&found.top, &found.bottom].into_iter().flatten();
@@ -428,8 +437,9 @@ fn largest_of(frame: &Frame, settings: GaugeSettings, width: f64) -> Result<(f64
     Ok(((largest.diameter_px - width) / largest.u_px, largest.u_px, clipped))
 }
 
-/// Levels quieter than a grey step, with and without hot and dead pixels: what a few defects show is no scatter, and what rounds to one grey value
-/// is no end. Shafts under even and falling light, wires, lit parts.
+/// Levels quieter than a grey step, with and without hot and dead pixels: what a few defects show is
+/// no scatter, and what rounds to one grey value is no end. Shafts under even and falling light,
+/// wires, lit parts.
 #[test]
 fn quiet_levels_with_defects_are_not_clipped() {
     let (mut ratios, mut flagged, mut missed) = (Vec::new(), 0, Vec::new());
@@ -466,11 +476,12 @@ fn quiet_levels_with_defects_are_not_clipped() {
     println!("{} frames, {beyond} beyond 3 u, {flagged} flagged", ratios.len());
     assert!(missed.is_empty(), "{missed:#?}");
     assert!(beyond <= 1, "{beyond} of {} beyond 3 u", ratios.len());
-    // Dead pixels beside the flank of a part in the dark pass for its noise in one frame of two hundred.
+    // Dead pixels beside the flank pass for its noise in one frame of two hundred.
     assert!(flagged <= 1, "{flagged} flagged");
 }
 
-/// Cameras whose response bends before it ends: found by the noise of the light, or by the shape of the flank where none is left.
+/// Cameras whose response bends before it ends: found by the noise of the light, or by the shape of
+/// the flank where none is left.
 #[test]
 fn light_above_a_soft_knee_is_clipped_light() {
     for knee in [0.85, 0.9, 0.95] {
@@ -483,7 +494,8 @@ fn light_above_a_soft_knee_is_clipped_light() {
                 let clipped = found.top.iter().filter(|e| e.reason() == Some(Reason::Clipped)).count();
                 println!("{knee} {light} {seed}: {error:.3} ± {u:.3}, {clipped} clipped");
                 assert!(error.abs() <= 3.0 * u && u < 0.3, "{knee} {light} {seed}: {error} ± {u}");
-                // At the clip itself a gentle bend may still be stated as a misfit of the edge model.
+                // At the clip itself a gentle bend may still be reported as a systematic residual
+                // of the edge model.
                 if light != 1.0 {
                     assert_eq!(clipped > COLUMNS / 2, light > 1.0, "{knee} {light} {seed}: {clipped}");
                 }
@@ -492,7 +504,8 @@ fn light_above_a_soft_knee_is_clipped_light() {
     }
 }
 
-/// Shadow that is crushed at 0, a little or wholly: the same in both sides of the frame, with the noise that light and flank state.
+/// Shadow that is crushed at 0, a little or wholly: the same in both sides of the frame, with the
+/// noise estimated from light and flank.
 #[test]
 fn crushed_shadow_is_measured_within_its_uncertainty() {
     for dark in [0.002, 0.0, -0.004, -0.008, -0.02, -0.04] {

@@ -1,4 +1,4 @@
-//! Tolerances as drawings have them, what size they mean, and the rule by which parts are judged.
+//! Tolerances as on drawings, the sizes that they apply to, and the decision rule.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -11,7 +11,8 @@ use super::support::{json, said, shadowgauge, text};
 
 pub(super) const COLUMNS: u32 = 192;
 
-/// A shaft of a diameter (px) whose axis stands at a height by column (px above the middle of the frame), blurred by 1 px, noise 1.
+/// A shaft of a diameter (px) with the height of its axis by column (px above the middle of the
+/// frame), blurred by 1 px, noise 1 count.
 pub(super) fn draw(path: &Path, diameter: f64, seed: u64, height: impl Fn(f64) -> f64) {
     let mut random = rand_pcg::Pcg64::seed_from_u64(seed);
     let noise = rand_distr::Normal::new(0.0, 1.0).unwrap();
@@ -105,7 +106,7 @@ fn configs_read_the_same_texts() {
     assert!(schema.contains("As on drawings") && schema.contains("conformance_probability"));
 }
 
-/// Frames of a turn of a shaft of 60 px, bent by so much between its ends.
+/// Frames of a turn of a shaft of 60 px with a sagitta between its ends.
 fn turn(folder: &Path, sagitta: f64) -> Vec<PathBuf> {
     (0..24_u32)
         .map(|k| {
@@ -119,7 +120,8 @@ fn turn(folder: &Path, sagitta: f64) -> Vec<PathBuf> {
         .collect()
 }
 
-/// A bent shaft has good two-point sizes and does not pass through the ring that its envelope must: D + sagitta.
+/// A bent shaft has good two-point sizes and does not pass through the ring that its envelope must:
+/// D + sagitta.
 #[test]
 fn the_envelope_is_judged_over_the_length() {
     let folder = tempfile::tempdir().unwrap();
@@ -135,12 +137,13 @@ fn the_envelope_is_judged_over_the_length() {
         let (code, document) = of(&bent, tolerance);
         let judged = &document["turn"]["judged"];
         let (d_mm, u_mm) = (judged["d_mm"].as_f64().unwrap(), judged["u_mm"].as_f64().unwrap());
-        // The outer sections of 8 columns have their middles half their length inside the frame; noise widens what it touches.
+        // The outer sections of 8 columns have their middles half their length inside the frame;
+        // noise increases the envelope.
         let expected = 60.0 + (f64::from(COLUMNS - 8) / f64::from(COLUMNS - 1)).powi(2);
         assert!((-0.02..0.08).contains(&(d_mm - expected)) && u_mm < 0.05, "{judged} {expected}");
         assert_eq!((code, &judged["judgement"]), (Some(1), &"HH".into()), "{tolerance}: {judged}");
     }
-    // The envelope may lie above a lower limit that a two-point size does not reach, not the other way round.
+    // The envelope may exceed a lower limit that a two-point size violates, but not the converse.
     let (code, document) = of(&bent, "61.5 ±1.0 (E)");
     assert_eq!((code, &document["turn"]["judged"]["judgement"]), (Some(1), &"GO".into()), "{document}");
     let (code, document) = of(&bent, "61.5 ±1.0 (GN)");
@@ -154,7 +157,7 @@ fn the_envelope_is_judged_over_the_length() {
     }
 }
 
-/// Cp is a process's: of one part there is none, and none of scatter that is the gauge's own.
+/// Cp belongs to a process: there is none for one part, and none for scatter of the gauge alone.
 #[test]
 fn capability_needs_parts_that_differ() {
     let folder = tempfile::tempdir().unwrap();
@@ -189,7 +192,8 @@ fn capability_needs_parts_that_differ() {
     assert_eq!(contrary.status.code(), Some(2));
 }
 
-/// The rule at the narrowest zone, from outside: a zone of 2 U accepts a reading in its middle, a narrower one none at all.
+/// The rule at the narrowest zone, from outside: a zone of 2 U accepts a reading in its middle, a
+/// narrower one none at all.
 #[test]
 fn zones_down_to_two_expanded_uncertainties_accept() {
     let folder = tempfile::tempdir().unwrap();
@@ -202,7 +206,7 @@ fn zones_down_to_two_expanded_uncertainties_accept() {
     };
     let wide = judged(59.0, 61.0);
     let number = |frame: &Value, key: &str| frame["judged"][key].as_f64().unwrap();
-    // Of all values it is the decisive one's u that counts, which the widest has.
+    // The u that counts is that of the decisive value, which is the largest one.
     let (d, u) = (number(&wide, "d_mm"), number(&wide, "u_mm"));
     let narrow = judged(d - 0.3 * u, d + 0.3 * u);
     assert_ne!(narrow["judgement"], "GO", "{narrow}");

@@ -1,4 +1,4 @@
-//! Grey values that do not stand in proportion to the light, and files that say so.
+//! Grey values that are not proportional to the light, and files that state it.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ fn save(folder: &TempDir, name: &str, bytes: &[u8]) -> PathBuf {
     path
 }
 
-/// The words on stderr of a refusal, in one line.
+/// The message of a refusal on stderr, in one line.
 fn refusal(file: &Path, options: &[&str]) -> String {
     let mut arguments = vec!["measure".as_ref(), file.as_os_str()];
     arguments.extend(options.iter().map(std::ffi::OsStr::new));
@@ -107,7 +107,7 @@ fn encoded_values_measure_as_the_light_they_stand_for() {
             assert!(said.contains(tag) && said.contains("made linear"), "{tag}: {said}");
             let (found, u) = width(&measured(&file, &[]));
             assert!((found - 60.4).abs() < 4.0 * u && u < 0.05, "{tag}, {depth} bits: {found} ± {u}");
-            // Without the word of the file the edges stand elsewhere: the test can fail.
+            // Without the tag the edges are displaced: the test can fail.
             let silent = save(&folder, "silent.png", &picture.png(&[]));
             let (raw, _) = width(&measured(&silent, &[]));
             assert!((raw - 60.4).abs() > 0.3, "{tag}: {raw}");
@@ -193,7 +193,7 @@ fn frames_encoded_otherwise_than_their_calibration_are_refused() {
     for (made_of, file, words) in [
         (Some(Encoding::LINEAR), &linear, ""),
         (Some(power), &encoded, ""),
-        // A file of an earlier version holds for what it was made of, as far as that is known.
+        // A file of an earlier version is valid for its own encoding, as far as that is recorded.
         (None, &linear, ""),
         (Some(Encoding::LINEAR), &encoded, "a power of 0.455 here, which there was linear"),
         (Some(Encoding::SRGB), &encoded, "a power of 0.455 here, which there was sRGB"),

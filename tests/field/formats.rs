@@ -31,7 +31,7 @@ fn packed(picture: &Picture) -> Vec<u8> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Every depth, classic and big, stands as it is.
+    /// Values of every depth, classic and BigTIFF, are unchanged.
     #[test]
     fn packed_tiffs_stand_as_they_are(
         bits in 1_u32..=15, columns in 1_usize..30, rows in 1_usize..9, big: bool, white_is_zero: bool, seed: u64,
@@ -71,7 +71,7 @@ proptest! {
         }
     }
 
-    /// A PGM's maxval is its full scale, whatever it is, and nothing is scaled to it.
+    /// A PGM's maxval is its full scale, whatever its value, and nothing is scaled to it.
     #[test]
     fn maxval_is_full_scale(maxval in 1_u32..=65_535, numbers in prop::collection::vec(0_u32..=65_535, 6), plain: bool) {
         let numbers: Vec<u32> = numbers.iter().map(|v| v % (maxval + 1)).collect();
@@ -133,7 +133,7 @@ fn significant_bits_of_a_png_are_its_full_scale() {
     let sbit = |picture: &Picture| values(&picture.png(&[(*b"sBIT", vec![12])])).unwrap();
     let right = (vec![5.0, 4095.0, 1234.0, 1235.0], PixelFormat::Mono12, Some(4095.0));
     assert_eq!(sbit(&own), right);
-    // As the standard has it: shifted up, the upper bits again below.
+    // As in the standard: shifted up, with the upper bits repeated below.
     let spread = Picture { values: own.values.iter().map(|v| v << 4 | v >> 8).collect(), ..own };
     assert_eq!(sbit(&spread), right);
 }

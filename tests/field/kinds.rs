@@ -1,12 +1,12 @@
-//! The kinds of frames of [`super::uneven`]: uneven light, black frames, stuck lines, small discs and wires, drawn by the textbook's
-//! pixel-integrated edge with another library's erf.
+//! The kinds of frames of [`super::uneven`]: uneven light, black frames, stuck lines, small discs
+//! and wires, drawn by the textbook's pixel-integrated edge with another library's erf.
 
 use rand_distr::{Distribution, Normal, Uniform};
 use rand_pcg::Pcg64;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
 use statrs::function::erf::erf;
 
-/// Which part is drawn.
+/// The part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Part {
     /// A shaft of 40 to 70 px.
@@ -19,7 +19,7 @@ pub(crate) enum Part {
     Ring,
 }
 
-/// How the light falls.
+/// Distribution of the light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Light {
     Even,
@@ -30,11 +30,11 @@ pub(crate) enum Light {
     Spot,
 }
 
-/// What else the frame has.
+/// Further properties of the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Defect {
     None,
-    /// A black frame, as a round vignette or the margins of an undistorted picture.
+    /// A black margin, as of a round vignette or an undistorted image.
     BlackFrame,
     /// One to four stuck columns, or two adjacent ones.
     StuckColumns(u8),
@@ -55,7 +55,7 @@ pub(crate) struct Kind {
     pub(crate) defect: Defect,
     /// Whether the part stands upright.
     pub(crate) vertical: bool,
-    /// Whether it is lit before a dark ground.
+    /// Whether it is bright on a dark background.
     pub(crate) bright: bool,
     /// Most slope of its axis.
     pub(crate) tilt: f64,
@@ -146,8 +146,9 @@ fn step(d: f64, sigma: f64) -> f64 {
     g(d + 0.5) - g(d - 0.5)
 }
 
-/// Light of a pixel at (dy, dx) from the centre of a disc: 4 x 4 points of its edge, blurred as a straight one is; a blurred disc's 50 %
-/// contour stands σ²/2R inside it (Laplacian of a curved step).
+/// Light of a pixel at (dy, dx) from the centre of a disc: 4 x 4 points of its edge, blurred as a
+/// straight edge; the 50 % contour of a blurred disc lies σ²/2R inside it (Laplacian of a curved
+/// step).
 fn outside(dy: f64, dx: f64, radius: f64, sigma: f64) -> f64 {
     if (dy.hypot(dx) - radius).abs() > 7.0 * sigma + 1.0 {
         return if dy.hypot(dx) > radius { 1.0 } else { 0.0 };
@@ -296,7 +297,7 @@ impl Kind {
                 }
             }
             Defect::StuckRows(adjacent) => {
-                // In the middle of the part or far out in the light.
+                // In the middle of the part or far from it in the light.
                 let first = match draws.from(0.0, 3.0) as usize {
                     0 => middle as usize,
                     1 => draws.from(0.0, 8.0) as usize,

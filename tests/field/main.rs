@@ -1,5 +1,6 @@
-//! Inputs of other people: each module holds one kind of file, camera, part or table on which the program once failed,
-//! with property tests around it. Files of the collection itself are read from `$SHADOWGAUGE_FIELD` where it is set.
+//! Inputs from the field: each module contains one kind of file, camera, part or table on which the
+//! program once failed, with property tests around it. Files of the collection itself are read from
+//! `$SHADOWGAUGE_FIELD` where it is set.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 mod backends;

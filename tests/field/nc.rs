@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::support::{collected, shadowgauge};
 
-/// A short shaft in two passes before a small camera: runs in a second. Station length and direction as given.
+/// A short shaft in two passes with a small camera: runs in a second. Station length and direction
+/// as given.
 fn job(station_mm: f64, more: &str) -> String {
     format!(
         "name = \"short shaft\"\nseed = 7\n[part]\nlength_mm = 48.0\nstock_diameter_mm = 9.0\n\
@@ -46,7 +47,8 @@ fn nc(run: &Path, options: &[&str]) -> (Option<i32>, String, String) {
     (output.status.code(), text(&output.stdout), said)
 }
 
-/// Moves of a program in the fewest words: (in rapid, X, Z) after each block, read without macro variables.
+/// Moves of a program in short form: (in rapid, X, Z) after each block, read without macro
+/// variables.
 fn moves(program: &str) -> Vec<(bool, f64, f64)> {
     let (mut rapid, mut x, mut z) = (true, f64::NAN, f64::NAN);
     let mut all = Vec::new();
@@ -69,7 +71,8 @@ fn moves(program: &str) -> Vec<(bool, f64, f64)> {
     all
 }
 
-/// No block in rapid below the stock over the part, and the part is cut from least_z_mm to beyond its end face.
+/// No block in rapid below the stock over the part, and the part is cut from least_z_mm to beyond
+/// its end face.
 fn keeps_clear(program: &str, length: f64, stock: f64, nominal: f64) {
     let all = moves(program);
     for pair in all.windows(2) {

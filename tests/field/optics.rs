@@ -1,4 +1,4 @@
-//! One bench for all commands: what `render` draws, `calibrate` fits, `optics esf` prints and `measure` takes up.
+//! One optical setup for all commands: `render`, `calibrate`, `optics esf` and `measure` agree.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::support::shadowgauge;
 
-/// A job's bench and masters; the edge-spread function and more of the optics are put in.
+/// A job's optical setup and masters, with an edge-spread function and further keys of the optics.
 fn job(esf: &str, more: &str) -> String {
     format!(
         r#"
@@ -80,7 +80,7 @@ fn number(v: &Value) -> f64 {
     v.as_f64().unwrap_or_else(|| panic!("{v} is no number"))
 }
 
-/// Light at a distance of a CSV table, linear between its lines.
+/// Light at a distance from a CSV table, linear between its lines.
 fn light(csv: &str, d_um: f64) -> f64 {
     let rows: Vec<(f64, f64)> = csv
         .lines()
@@ -101,7 +101,8 @@ fn close(found: f64, wanted: f64, tolerance: f64, what: &str) {
     assert!((found - wanted).abs() <= tolerance, "{what}: {found}, not {wanted} ± {tolerance}");
 }
 
-/// Closed forms: Φ(d/σ); ¼, .2573, ⅓, .4334 at the edge in partially coherent light, ¼ in a laser's (Fresnel, half the amplitude).
+/// Closed forms: Φ(d/σ); ¼, .2573, ⅓, .4334 at the edge in partially coherent light, ¼ in a laser's
+/// (Fresnel, half the amplitude).
 #[test]
 fn tables_of_optics_are_those_of_closed_forms() {
     let folder = Folder::new();
@@ -129,12 +130,13 @@ fn tables_of_optics_are_those_of_closed_forms() {
     close(light(&csv, 0.0), 0.25, 2e-5, "laser");
     // v = 1.2172 is the first maximum, 1.3704 (Born & Wolf 8.7.3); x = v √(λz/2).
     close(light(&csv, 1.2172 * (0.5 * 0.65 * 40e3_f64).sqrt()), 1.3704, 3e-4, "first ring");
-    // Nearer by y the pattern shrinks with √(1 − y/z).
+    // Closer by y, the pattern shrinks by √(1 − y/z).
     let nearer = table(&folder, &config, &["--axis-y-mm", "10"]);
     close(light(&nearer, 1.2172 * (0.5 * 0.65 * 30e3_f64).sqrt()), 1.3704, 5e-4, "nearer");
 }
 
-/// A matt cylinder mirrors nothing; a polished one lights a strip Rθ²/8 wide beside the edge, wider on a thicker one.
+/// A matt cylinder reflects nothing; a polished one has a bright strip Rθ²/8 wide beside the edge,
+/// wider on a thicker one.
 #[test]
 fn a_thick_polished_cylinder_mirrors_light_beside_its_edge() {
     let folder = Folder::new();
@@ -146,13 +148,13 @@ fn a_thick_polished_cylinder_mirrors_light_beside_its_edge() {
     for radius_mm in [5.0, 20.0] {
         let csv = table(&folder, &config, &["--radius-mm", &radius_mm.to_string()]);
         let strip_um = 1e3 * radius_mm * theta * theta / 8.0;
-        // A good conductor mirrors nearly all of it: light inside the strip, none beyond it.
+        // A good conductor reflects nearly all of it: light inside the strip, none beyond it.
         assert!(light(&csv, -0.5 * strip_um) > 0.9, "{radius_mm}: {}", light(&csv, -0.5 * strip_um));
         assert!(light(&csv, -strip_um - 2.0) < 0.01, "{radius_mm}: {}", light(&csv, -strip_um - 2.0));
     }
 }
 
-/// What `optics esf` prints is read back by `--esf`, as CSV and as JSON, and is the config's own edge.
+/// The output of `optics esf` is read by `--esf`, as CSV and as JSON, and is the config's own edge.
 #[test]
 fn a_printed_table_is_read_back() {
     let folder = Folder::new();
@@ -214,8 +216,9 @@ positions = [{{ height_mm = 0.01 }}]
     )
 }
 
-/// `render` of a calibration's file draws the frames that `calibrate` measures: calibrated from their folders they give the same
-/// numbers; and the flat fields show the light's fall-off, which photons set as well as counts do.
+/// `render` of a calibration's file draws the frames that `calibrate` measures: a calibration from
+/// their folders has the same values; the flat fields show the fall-off of the light, set by
+/// photons as well as by counts.
 #[test]
 fn a_calibration_draws_what_it_measures() {
     let folder = Folder::new();
@@ -243,7 +246,8 @@ fn a_calibration_draws_what_it_measures() {
     let file: Value = serde_json::from_slice(&std::fs::read(folder.path("simulated.json")).unwrap()).unwrap();
     let fall_off = number(&file["bench"]["flat_field"]["fall_off"]);
     assert!((0.04..0.12).contains(&fall_off), "{fall_off}");
-    // The masters' bench is the job's: a frame of the job is measured right with it.
+    // The masters and the job share the optical setup: a frame of the job is measured correctly
+    // with the calibration.
     let out = folder.path("part");
     assert_eq!(folder.run(&["render", &job_config, "--out", &out, "--backend", "cpu"]).0, 0);
     let (frames, calibration) = (format!("{out}/frames"), folder.path("simulated.json"));
@@ -254,7 +258,8 @@ fn a_calibration_draws_what_it_measures() {
     assert!(error.abs() < 3.0 * u + 5e-6 && u < 1e-4, "{error} {u}");
 }
 
-/// A master before the bench of a job and the same shaft in the job itself: one picture, light, lens, edge spread and sensor alike.
+/// A master in the optical setup of a job and the same shaft in the job itself: the same image,
+/// with the same light, lens, edge spread and sensor.
 #[test]
 fn a_master_is_drawn_alike_by_both() {
     let folder = Folder::new();
@@ -299,7 +304,8 @@ fn a_master_is_drawn_alike_by_both() {
     }
 }
 
-/// `calibrate` of a job's own config: its bench on its own master pins, by the same optics that `render` draws.
+/// `calibrate` of a job's own config: its optical setup on its own master pins, with the same
+/// optics as in `render`.
 #[test]
 fn a_job_is_calibrated_by_its_own_config() {
     let folder = Folder::new();
@@ -318,7 +324,8 @@ fn a_job_is_calibrated_by_its_own_config() {
     }
 }
 
-/// A level pin shows no edge-spread function: it was fitted by a Gaussian under another name.
+/// A level pin does not determine an edge-spread function: it used to be fitted by a Gaussian under
+/// another name.
 #[test]
 fn a_level_pin_teaches_no_edge_model() {
     let folder = Folder::new();
@@ -332,7 +339,8 @@ fn a_level_pin_teaches_no_edge_model() {
     assert!(!Path::new(&out).exists());
 }
 
-/// Which edge model was fitted stands in text, JSON, report and file; another is refused, without one the file's own is taken.
+/// The fitted edge model is stated in text, JSON, report and file; another one is refused, and
+/// without one the file's own is used.
 #[test]
 fn a_calibration_says_and_keeps_its_edge_model() {
     let folder = Folder::new();
@@ -377,7 +385,7 @@ fn a_calibration_says_and_keeps_its_edge_model() {
         let all: Value = serde_json::from_slice(&out).unwrap();
         number(&all["frames"][0]["max_diameter_mm"])
     };
-    // The file keeps six decimals of the table.
+    // The file has six decimals of the table.
     close(diameter("table.json", &[]), diameter("table.json", &["--esf", &edge]), 1e-8, "its own table");
     close(diameter("table.json", &["--esf", &config]), 0.40, 1e-4, "the config's own optics are the table's");
     for (calibration, esf) in [
@@ -390,13 +398,14 @@ fn a_calibration_says_and_keeps_its_edge_model() {
         let said = said.replace("│ ", "");
         assert!(code == 2 && said.contains("edge-spread function"), "{calibration} {esf}: {said}");
     }
-    // A file from before names its model only.
+    // A file of an earlier version contains only the name of its model.
     let before = std::fs::read_to_string(folder.path("gaussian.json")).unwrap();
     folder.write("before.json", &before.replace("\"edge_model\": \"gaussian\",", ""));
     close(diameter("before.json", &[]), diameter("gaussian.json", &[]), 1e-12, "a file without a model");
 }
 
-/// What nobody stated is a row: recorded masters without thermometer and conditions have wide ones, rendered ones none.
+/// A missing statement is a row: wide ones for recorded masters without thermometer and conditions,
+/// none for rendered ones.
 #[test]
 fn what_is_not_stated_is_a_row() {
     let folder = Folder::new();
@@ -442,14 +451,15 @@ fn what_is_not_stated_is_a_row() {
     assert!((0.3..0.6).contains(&ground), "{ground}");
     let exact = rows("simulated.json", &[]);
     assert!(u_um(&exact, "edges unlike") + u_um(&exact, "temperature") < 1e-12, "{exact:?}");
-    // A file of conditions states what it names, and no more.
+    // A file of conditions sets only the keys that it contains.
     let conditions = folder.write("conditions.toml", "limit_edge_um = 0.1\n");
     let named = rows("unstated.json", &["--conditions", &conditions]);
     close(u_um(&named, "edges unlike"), 0.2 / 3.0_f64.sqrt(), 1e-9, "stated finish");
     assert!(u_um(&named, "temperature of the part") > 0.9 * ppm_um);
 }
 
-/// `study uncertainty` has the rows of `--budget`, by name, and a part whose edges the lens is inverted for.
+/// `study uncertainty` has the rows of `--budget`, by name, and a part whose rows follow from the
+/// inverted lens model.
 #[test]
 fn the_study_of_uncertainty_has_every_row_of_the_budget() {
     let folder = Folder::new();
@@ -494,7 +504,7 @@ fn the_study_of_uncertainty_has_every_row_of_the_budget() {
     ]);
     for row in measured["frames"][0]["budget"].as_array().unwrap() {
         let source = row["source"].as_str().unwrap();
-        // What is a millionth of the whole may vanish in one of two places in the field.
+        // A contribution of a millionth of the total may vanish at one of two places in the field.
         if number(&row["u_mm"]) > 1e-3 * number(&measured["frames"][0]["u_max_mm"]) {
             assert!(sources.contains(&source), "{source} in {sources:?}");
         }

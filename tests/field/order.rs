@@ -1,4 +1,4 @@
-//! The order of frames, and what stands beside their pixels: tables, orientation, scale.
+//! The order of frames, and their metadata: tables, orientation, scale.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -40,20 +40,20 @@ fn a_folder_is_read_in_the_order_of_its_numbers_which_is_said() {
     for n in [0, 1, 2, 9, 10, 11, 100] {
         save(folder.path(), &names_of(n), &frame(40.0 + 0.1 * n as f64, n as u64).png(&[]));
     }
-    // What a foreign system leaves beside a file is no frame.
+    // A file of a foreign system beside the frames is not a frame.
     save(folder.path(), "._img0.png", b"\0\x05\x16\x07");
     let output = run(&[folder.path()], &["--json"]);
     assert_eq!(names(&json(&output)), ["img0", "img1", "img2", "img9", "img10", "img11", "img100"]);
     assert!(said(&output).contains("order of their numbers"), "{}", said(&output));
     assert_eq!(said(&output).matches("order of their numbers").count(), 1);
-    // Padded names stand in that order anyway, and nothing is said.
+    // Padded names are in that order anyway, and there is no notice.
     let padded = tempfile::tempdir().unwrap();
     for n in [0, 9, 10] {
         save(padded.path(), &format!("{n:06}.png"), &frame(40.0, n).png(&[]));
     }
     let output = run(&[padded.path()], &["--json"]);
     assert_eq!((names(&json(&output)), said(&output)), (vec!["000000", "000009", "000010"], String::new()));
-    // Files that a shell has put into plain order stay in it, with a word.
+    // Files that a shell has sorted alphabetically keep that order, with a notice.
     let files: Vec<PathBuf> = [0, 1, 10, 2].map(|n| folder.path().join(names_of(n.min(100)))).to_vec();
     let output = run(&files.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &["--json"]);
     assert_eq!(names(&json(&output)), ["img0", "img1", "img10", "img2"]);
@@ -66,7 +66,7 @@ fn the_collected_turn_is_read_in_order() {
     let output = run(&[&folder], &["--um-per-px", "1", "--turn", "--angle-step", "30", "--json"]);
     let document = json(&output);
     assert_eq!(names(&document)[..3], ["img0", "img1", "img2"]);
-    // GN - GX is 2.10 µm; in plain order 1.50.
+    // GN - GX is 2.10 µm; in alphabetical order 1.50 µm.
     let section = &document["turn"]["sections"][0];
     let um = |key: &str| 1e3 * section[key].as_f64().unwrap_or_else(|| panic!("{key}: {section}"));
     assert!((um("gn_mm") - um("gx_mm") - 2.1).abs() < 0.03, "{section}");
@@ -109,7 +109,7 @@ fn rows_and_images_without_a_partner_are_named() {
     let output = run(&[folder.path()], &["--json"]);
     assert_eq!(output.status.code(), Some(0));
     assert!(said(&output).contains("frames.csv, row 5: no image of frame 7"), "{}", said(&output));
-    // An image without a row would stand at 0 degrees and 0 mm: a gap.
+    // An image without a row would be at 0 degrees and 0 mm: refused.
     table("frame,angle_deg\n0,0\n1,120\n");
     let output = run(&[folder.path()], &["--json"]);
     let document = json(&output);
@@ -171,7 +171,7 @@ fn orientation_tags_set_pictures_upright() {
     }
 }
 
-/// A calibration of masters at 1 mm/px beside files that say 1.005 and 1.02.
+/// A calibration of masters at 1 mm/px with files that state 1.005 and 1.02.
 #[test]
 fn a_calibrated_scale_goes_before_a_nominal_one_that_is_near() {
     let folder = tempfile::tempdir().unwrap();
@@ -242,7 +242,7 @@ fn scales_that_differ_are_refused() {
         (vec![&a], vec!["--um-per-px", "17.41"], 0, ""),
         (vec![&a], vec!["--um-per-px", "17.45"], 3, "a scale of 17.40"),
         (vec![&a], vec!["--um-per-px", "17.45", "--ignore-file-scale"], 0, ""),
-        // A screen's resolution is no word on the object.
+        // A screen's resolution is no scale of the object.
         (vec![&screen], vec!["--um-per-px", "17.4"], 0, ""),
         (vec![&screen], vec!["--um-per-px", "file"], 3, "a screen's resolution, not a scale of the object"),
         (vec![&bare], vec!["--um-per-px", "file"], 3, "no scale in frames.csv"),

@@ -1,4 +1,4 @@
-//! What outputs must not replace, and two commands that write to one place.
+//! Files that outputs must not replace, and two commands that write to one place.
 #![cfg(unix)]
 
 use std::fs::{self, File};
@@ -24,7 +24,7 @@ fn measure(picture: &Path, edges: &Path, more: &[&str]) -> Output {
     shadowgauge(arguments.into_iter().chain(scale.iter().chain(more).map(std::ffi::OsStr::new)))
 }
 
-/// Exit code and words of a refusal.
+/// Exit code and message of a refusal.
 fn assert_ends(output: &Output, code: i32, word: &str) {
     let said = said(output);
     assert_eq!(output.status.code(), Some(code), "{said}");
@@ -131,7 +131,7 @@ fn stdout_takes_one_output() {
         assert!(edges.starts_with(HEADER));
         assert_ends(&measure(&picture, Path::new(name), &["--json"]), 2, "stdout");
     }
-    // The file that the shell gave stdout or stderr.
+    // The file to which the shell redirects stdout or stderr.
     let log = folder.path().join("log.csv");
     let redirected = |stream: fn(&mut Command, Stdio) -> &mut Command| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_shadowgauge"));
@@ -153,11 +153,11 @@ fn a_file_that_another_process_writes_is_left_to_it() {
     held.lock().unwrap();
     assert_ends(&measure(&picture, &edges, &[]), 2, "is being written by process 17 (shadowgauge measure)");
     assert!(!edges.exists());
-    // What is left of a killed one is locked by nobody.
+    // The remains of a killed command are not locked.
     drop(held);
     assert_ends(&measure(&picture, &edges, &[]), 0, "");
     assert_eq!(names(folder.path()), ["edges.csv", "part.png"]);
-    // Nor is a folder, or a file where a folder is to go.
+    // The same for a folder, and for a file in place of a folder.
     fs::create_dir_all(temporary.join("frames")).unwrap();
     assert_ends(&measure(&picture, &edges, &[]), 0, "");
     let out = folder.path().join("study");
@@ -173,7 +173,7 @@ fn job_text() -> String {
         .replace("station_mm = 0.5\n", "station_mm = 0.5\ntolerance = \"1 ±0,1\"\n")
 }
 
-/// A command that fills a folder, its words before `--out`, and a file that the folder then has.
+/// Commands that fill a folder: arguments before `--out`, and a file of the finished folder.
 fn fillers(folder: &Path) -> Vec<(Vec<String>, &'static str)> {
     let job = folder.join("job.toml");
     fs::write(&job, job_text()).unwrap();
@@ -195,7 +195,7 @@ fn folders_are_filled_whole_behind_links_and_in_their_mode() {
     for (index, (words, holds)) in fillers(folder.path()).into_iter().enumerate() {
         let root = folder.path().join(index.to_string());
         fs::create_dir(&root).unwrap();
-        // What killed commands left, beside a place that is absent and in one that stands.
+        // Remains of killed commands, beside an absent place and in an existing one.
         let (fresh, stands, link) = (root.join("fresh"), root.join("stands"), root.join("link"));
         for left in [".tmp-fresh/frames", "stands/.tmp-partial/frames"] {
             fs::create_dir_all(root.join(left)).unwrap();
@@ -240,7 +240,8 @@ fn what_is_no_folder_is_no_place_for_one() {
     assert_eq!(names(folder.path()), ["file", "job.toml"]);
 }
 
-/// Two processes in one place: the second is told who has it; once the first is killed, the next one clears up and takes it.
+/// Two processes in one place: the second one names the holder in its error; once the first is
+/// killed, the next one clears the remains and takes the place.
 #[test]
 fn a_folder_is_held_while_it_is_filled_and_free_when_its_holder_is_killed() {
     let folder = tempfile::tempdir().unwrap();

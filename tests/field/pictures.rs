@@ -1,10 +1,11 @@
-//! Pictures of a shaft, and files written byte by byte as foreign programs write them.
+//! Images of a shaft, and files written byte by byte as by other programs.
 #![allow(dead_code, reason = "not every module writes every file")]
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Light of a level shaft of `width` px in the middle of `rows`, .05 to .8 of full scale, its edges blurred by `sigma` px; row by row.
+/// Light of a level shaft of `width` px in the middle of `rows`, 0.05 to 0.8 of full scale, its
+/// edges blurred by `sigma` px; row by row.
 pub(crate) fn shaft(rows: usize, columns: usize, width: f64, sigma: f64, seed: u64) -> Vec<f64> {
     let mut rng = Pcg64::seed_from_u64(seed);
     let middle = (rows as f64 - 1.0) / 2.0;
@@ -12,7 +13,7 @@ pub(crate) fn shaft(rows: usize, columns: usize, width: f64, sigma: f64, seed: u
     for row in 0..rows {
         let outside = (row as f64 - middle).abs() - width / 2.0;
         let share = 0.5 * (1.0 + libm::erf(outside / (sigma * std::f64::consts::SQRT_2)));
-        // The sum of four: nearly normal, .004 of full scale.
+        // The sum of four uniform values is nearly normal, 0.004 of full scale.
         let mut noise = || (0..4).map(|_| rng.random_range(-1.0..1.0)).sum::<f64>() * 0.0035;
         light.extend((0..columns).map(|_| (0.05 + 0.75 * share + noise()).clamp(0.0, 1.0)));
     }
@@ -29,14 +30,14 @@ pub(crate) struct Picture {
 }
 
 impl Picture {
-    /// Of light, through an encoding of shares of full scale.
+    /// An image of light, through an encoding of shares of full scale.
     pub(crate) fn of(light: &[f64], rows: usize, bits: u32, encode: impl Fn(f64) -> f64) -> Self {
         let full = f64::from((1_u32 << bits) - 1);
         let values = light.iter().map(|l| (full * encode(*l)).round() as u16).collect();
         Self { rows, columns: light.len() / rows, bits, values }
     }
 
-    /// Values as bytes: one up to 8 bits, else two.
+    /// Values as bytes: one up to 8 bits, otherwise two.
     fn bytes(&self, big_endian: bool) -> Vec<u8> {
         let two = |v: &u16| if big_endian { v.to_be_bytes() } else { v.to_le_bytes() };
         if self.bits <= 8 {
@@ -74,7 +75,7 @@ impl Picture {
     }
 }
 
-/// A TIFF or BigTIFF of one strip a page, little-endian.
+/// A TIFF or BigTIFF with one strip per page, little-endian.
 #[derive(Clone)]
 pub(crate) struct Tiff {
     pub(crate) big: bool,
@@ -121,7 +122,7 @@ impl Tiff {
         self
     }
 
-    /// The pages of another file behind these.
+    /// Appends the pages of another file.
     pub(crate) fn and(mut self, other: &Self) -> Self {
         self.pages.extend(other.pages.clone());
         self
@@ -132,7 +133,7 @@ impl Tiff {
         let size = if self.big { 8 } else { 4 };
         let number = |value: u64, size: usize| value.to_le_bytes()[..size].to_vec();
         let mut file = if self.big { b"II\x2b\0\x08\0\0\0".to_vec() } else { b"II\x2a\0".to_vec() };
-        // Where the place of the next directory is to be written.
+        // Position at which the offset of the next directory is written.
         let mut link = file.len();
         file.extend(vec![0; size]);
         for page in &self.pages {

@@ -1,5 +1,6 @@
-//! Frames that were refused for a reason that was not theirs: uneven light, black margins, stuck lines of the sensor, small
-//! discs, thin wires. They are measured within their uncertainty or refused by what they show.
+//! Frames that used to be refused for a wrong reason: uneven light, black margins, stuck lines of
+//! the sensor, small discs, thin wires. They are measured within their uncertainty or refused for
+//! the right reason.
 
 use std::path::Path;
 
@@ -42,7 +43,7 @@ fn mean_width(edges: &FrameEdges) -> (f64, f64) {
     (bottom.value_px - top.value_px, top.u_px.hypot(bottom.u_px))
 }
 
-/// Edges of a straight shaft of this width in the middle of so many rows, a little out of level.
+/// Edges of a straight, slightly tilted shaft of this width in the middle of `rows` rows.
 fn straight(rows: usize, width: f64) -> impl Fn(usize) -> (f64, f64) + Copy {
     move |column| {
         let middle = 0.5 * rows as f64 + 0.31 + 0.006 * column as f64;
@@ -68,7 +69,8 @@ fn light_fields() -> Vec<(String, Field)> {
     fields
 }
 
-/// Beside another shadow of its size, 20 px of light between them: the wide windows of a first guess of the blur reach it.
+/// Beside another shadow of the same size, with 20 px of light between them: the wide windows of
+/// the first guess of the blur reach it.
 #[test]
 fn a_shadow_close_beside_another_keeps_its_width() {
     let (rows, width, gap) = (160, 30.2, 20.0);
@@ -84,7 +86,8 @@ fn a_shadow_close_beside_another_keeps_its_width() {
         let settings = GaugeSettings { which: Some(which), ..GaugeSettings::default() };
         let edges = Gauge::new(settings).unwrap().edges(&frame.view()).unwrap();
         let (mean, u) = mean_width(&edges);
-        // The second shadow is drawn at the pixels' middles: its width is known to some hundredths only.
+        // The second shadow is drawn at the pixels' middles: its width is accurate to some
+        // hundredths of a pixel only.
         let most = if edges.top[0].row_px < 60.0 { 3.0 * u } else { 0.05 };
         assert!((mean - width).abs() < most, "{which:?}: {mean:.3} u {u:.4}");
     }
@@ -132,7 +135,7 @@ fn black_margins_are_no_shadow() {
         let frame = synth.frame_with(straight(rows, width), field, Some(seed as u64));
         let edges = gauge(24.0).edges(&frame.view()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let (mean, u) = mean_width(&edges);
-        // Columns whose window sees the corner of a margin are not clean; they are few.
+        // Columns whose window contains the corner of a margin are not clean; they are few.
         assert!((mean - width).abs() < (5.0 * u).max(0.02), "{name}: {mean} u {u}");
         assert!(2 * edges.valid() > columns, "{name}: {} of {columns} columns", edges.valid());
     }
@@ -181,7 +184,7 @@ fn stuck_rows_do_not_cut_a_part_and_beside_an_edge_are_named() {
             assert!((mean - width).abs() < 3.5 * u, "row {stuck} at {counts}: {mean} u {u}");
         }
     }
-    // The edges stand at rows 49.8 and 110.2.
+    // The edges are at rows 49.8 and 110.2.
     for (stuck, counts) in [(52, 250), (110, 0), (104, 120)] {
         let refused = gauge(24.0).edges(&with_row(stuck, counts).view()).unwrap_err();
         assert!(refused.detail.contains(&format!("row {stuck} stands at {counts} counts")), "{refused}");
@@ -217,7 +220,8 @@ fn a_wire_below_the_least_size_or_too_blurred_is_named_so() {
     assert!(refused.detail.contains("blurred by"), "{refused}");
 }
 
-/// A round shadow whose pixels average 8 x 8 points of the blurred edge of a disc (straight to 1e-3 px from 20 px on).
+/// A round shadow whose pixels average 8 x 8 points of the blurred edge of a disc (straight to 1e-3
+/// px from 20 px on).
 fn disc(diameter: f64, sigma: f64, seed: u64) -> Frame {
     let size = diameter as usize + 50;
     let synth = synth(size, size + 10, sigma);
@@ -228,7 +232,7 @@ fn disc(diameter: f64, sigma: f64, seed: u64) -> Frame {
         for k in 0..64 {
             let (dy, dx) = ((f64::from(k / 8) + 0.5) / 8.0 - 0.5, (f64::from(k % 8) + 0.5) / 8.0 - 0.5);
             let r = (row as f64 + dy - y).hypot(column as f64 + dx - x);
-            // A blurred disc's 50 % contour stands σ²/2R inside it (Laplacian of a curved step).
+            // A blurred disc's 50 % contour lies σ²/2R inside it (Laplacian of a curved step).
             let d = r - radius + sigma * sigma / (2.0 * radius);
             sum += 0.5 * (1.0 + statrs::function::erf::erf(d / sigma / std::f64::consts::SQRT_2));
         }

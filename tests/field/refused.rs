@@ -1,4 +1,5 @@
-//! Every kind of refused frame, from the command line: the message says what was seen, the limit, and what would help.
+//! Every kind of refused frame, from the command line: the message states the value found, the
+//! limit, and a remedy.
 
 use std::path::Path;
 
@@ -65,7 +66,7 @@ impl Picture {
     }
 }
 
-/// Name, picture, options, and what the message must hold: what was seen, the limit, what would help.
+/// Name, image, options, and parts of the message: value found, limit, remedy.
 type Case = (&'static str, Picture, &'static [&'static str], [&'static str; 3]);
 
 fn views() -> Vec<Case> {

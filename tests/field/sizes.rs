@@ -1,4 +1,4 @@
-//! sizes: the largest diameter over stretches, crests that face roots, several shadows in one field.
+//! Sizes: the largest diameter over stretches, crests opposite roots, several shadows in one field.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use crate::support::{collected, measured, shadowgauge};
 
 const NOISE_COUNTS: f64 = 1.5;
 
-/// A backlit frame of 8 bit: shadows between (upper, lower) edges of a column, blurred by .8 px.
+/// A backlit frame of 8 bit: shadows between (upper, lower) edges of a column, blurred by 0.8 px.
 fn frame(
     name: &str,
     size: (u32, u32),
@@ -61,7 +61,8 @@ fn over_u(document: &Value, right_px: f64) -> (f64, f64) {
 
 type Form = fn(f64) -> f64;
 
-/// Tapers, bumps, collars and waves through pixels: the largest diameter within 3 u each, its place where it is.
+/// Tapers, bumps, collars and waves through pixels: the largest diameter within 3 u each, at its
+/// true place.
 #[test]
 fn the_largest_diameter_of_tapers_bumps_collars_and_waves_is_reached() {
     let forms: [(&str, Form, f64, Option<f64>); 6] = [
@@ -93,7 +94,8 @@ fn the_largest_diameter_of_tapers_bumps_collars_and_waves_is_reached() {
     assert!((0.4..1.5).contains(&rms), "{rms}");
 }
 
-/// A bump above the limit that a mean over 65 columns hides is no GO; its place and the stretch are in the judgement's frame.
+/// A bump above the limit that a mean over 65 columns hides is not GO; its place and its stretch
+/// are reported with the judgement.
 #[test]
 fn a_bump_narrower_than_a_local_size_is_not_good() {
     let (_kept, path) = frame("bump", (160, 400), 5, |c| {
@@ -112,7 +114,7 @@ fn a_bump_narrower_than_a_local_size_is_not_good() {
     assert!((number(first(&wide), "max_diameter_px") - 60.05).abs() < 0.02, "{wide}");
 }
 
-/// Crests that face roots: the distance of the tangents, not the largest width of a column.
+/// Crests opposite roots: the distance of the tangents, not the largest width of a column.
 #[test]
 fn a_knurls_caliper_touches_its_crests() {
     let wave = |c: f64| 1.5 * (std::f64::consts::TAU * c / 24.0).cos();
@@ -143,7 +145,7 @@ fn a_threads_crest_diameter_is_measured_and_named() {
     }
 }
 
-/// A pin that a bright line parts is one part; the walls of a tube are refused until they are stated.
+/// A pin with a bright line inside is one part; the walls of a tube are refused unless stated.
 #[test]
 fn one_wall_is_not_the_part() {
     let pin = |gap: f64, at: f64| {
@@ -175,7 +177,8 @@ fn a_capillary_is_measured_from_its_outermost_edges() {
     assert!(error.abs() < 4.0, "{error} u");
 }
 
-/// A second shadow as large is named, judged frames are not good until it is stated which is meant.
+/// A second shadow of the same size is named, and no frame is judged good until the shadow is
+/// chosen.
 #[test]
 fn a_second_part_is_named() {
     let (_kept, path) = frame("wires", (300, 300), 8, |_| vec![(40.3, 80.6), (130.2, 170.7)]);
@@ -196,7 +199,8 @@ fn a_second_part_is_named() {
 
 #[test]
 fn rejection_is_stated_on_the_command_line() {
-    // A tooth on one side: refused as matter on the part, unless each edge is taken by itself.
+    // A tooth on one side: refused as contamination of the part, unless each edge is measured by
+    // itself.
     let (_kept, path) = frame("tooth", (160, 400), 9, |c| {
         let tooth = if (150.0..220.0).contains(&c) { 0.9 } else { 0.0 };
         vec![(45.3 - tooth, 105.8)]

@@ -1,4 +1,5 @@
-//! What the numbers beside a diameter say: rounding that repeats, frames that scatter, rows that repeat, digits, names.
+//! Figures reported with a diameter: systematic rounding, scatter between frames, repeated rows,
+//! digits, names.
 
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal, Uniform};
@@ -49,7 +50,8 @@ impl Scene {
     }
 }
 
-/// Error over u of the mean width, of the largest diameter and of the mean of the columns' diameters.
+/// Error over u of the mean width, of the largest diameter and of the mean of the columns'
+/// diameters.
 fn errors_over_u(scene: &Scene, columns: usize, seed: u64) -> Option<[f64; 3]> {
     let frame = scene.frame(columns, seed);
     let edges = match Gauge::new(GaugeSettings::default()).unwrap().edges(&frame.view()) {
@@ -88,7 +90,7 @@ fn summary(scenes: &[Scene], columns: usize) -> [[f64; 3]; 3] {
     })
 }
 
-/// Values that scenes take in turn.
+/// Values that scenes cycle through.
 struct Cases<'a> {
     slopes: &'a [f64],
     sigmas: &'a [f64],
@@ -113,7 +115,8 @@ fn drawn(count: usize, seed: u64, noise: f64, cases: &Cases<'_>) -> Vec<Scene> {
         .collect()
 }
 
-/// Without noise every column of a level edge is rounded alike: the mean of all is off as one is. Errors are bounded, so 3 u hold all.
+/// Without noise every column of a level edge is rounded alike: the mean has the error of a single
+/// column. Errors are bounded, so that 3 u covers all.
 #[test]
 fn rounding_without_noise_is_in_u() {
     let slopes = [0.0, 0.0, 2e-4, 0.002, 0.03];
@@ -124,12 +127,12 @@ fn rounding_without_noise_is_in_u() {
     println!("{of:.3?}");
     for [rms, most, beyond_2] in of {
         assert!(rms < 1.1 && most < 3.5 && beyond_2 < 0.06, "{of:.3?}");
-        // Nor is u anything.
+        // u is not too large either.
         assert!(rms > 0.15, "{of:.3?}");
     }
 }
 
-/// Noise of a tenth to a whole count: between errors that all columns share and errors that average.
+/// Noise of a tenth to a whole count: between errors common to all columns and errors that average.
 #[test]
 fn rounding_under_little_noise_is_in_u() {
     for noise in [0.1, 0.2, 0.3, 0.5, 1.0] {
@@ -156,7 +159,8 @@ fn rounding_sweep() {
     }
 }
 
-/// Eight bits in sixteen are as coarse as eight: shifted, stretched, and as floats from 0 to 1.
+/// Eight bits in a 16-bit container are as coarse as eight: shifted, stretched, and as floats from
+/// 0 to 1.
 #[test]
 fn the_step_of_the_grey_scale_is_found() {
     let cases = Cases { slopes: &[0.0, 0.003], sigmas: &[0.7, 1.2], contrasts: &[60.0, 150.0] };
@@ -169,7 +173,8 @@ fn the_step_of_the_grey_scale_is_found() {
         let Pixels::U8(values) = view.pixels() else { panic!("8 bits") };
         let expected = u(&frame);
         assert!(expected.iter().all(|u| *u > 0.0), "{expected:?}");
-        // A step that is no whole number shows only between several grey values, which a level edge without noise has not.
+        // A fractional step is detectable only with several grey values, which a level edge without
+        // noise does not have.
         let factors =
             if scene.slope > 0.0 { &[16.0, 256.0, 257.0, 64.25][..] } else { &[16.0, 256.0, 257.0] };
         for factor in factors {
@@ -227,7 +232,7 @@ fn repeated_rows_and_columns_are_named_and_refused() {
     let once = Frame::new(Buffer::U8(once), PixelFormat::Mono8, 112, 160, FrameMeta::default()).unwrap();
     let refused = gauge.edges(&once.view()).unwrap_err();
     assert!(refused.to_string().contains("rows 55 and 56"), "{refused}");
-    // Without noise lines are alike for no such reason: level, tilted, shaded along and across.
+    // Lines without noise are alike for another reason: level, tilted, shaded along and across.
     for slope in [0.0, 1e-3, 0.02, 0.1] {
         let clean = Scene { noise: 0.0, slope, ..NOISY };
         assert!(gauge.edges(&clean.frame(160, 1).view()).is_ok(), "{slope}");
@@ -259,7 +264,8 @@ fn frames(folder: &std::path::Path, count: u64, sd: f64) {
     }
 }
 
-/// Frames that scatter beyond their u are named, and neither their mean nor an average is surer than the scatter.
+/// Frames that scatter beyond their u are named, and the u of their mean and of an average is not
+/// below the scatter.
 #[test]
 fn frames_that_scatter_beyond_their_u_are_named() {
     let number = |v: &Value| v.as_f64().unwrap();
@@ -274,7 +280,7 @@ fn frames_that_scatter_beyond_their_u_are_named() {
     let together = number(&statistics["u_mean_random_mm"]).hypot(number(&statistics["u_mean_common_mm"]));
     assert!(
         (together / number(&statistics["u_mean_mm"]) - 1.0).abs() < 1e-12
-            // Every frame has its own blur, and the scale is given: what is left in common is rounding.
+            // Every frame has its own blur, and the scale is given: only rounding is common.
             && number(&statistics["u_mean_common_mm"]) >= 0.0
     );
     let shaken = measured(shaking.path(), &options);
@@ -289,7 +295,7 @@ fn frames_that_scatter_beyond_their_u_are_named() {
     let mean = window.iter().sum::<f64>() / 8.0;
     let scatter = (window.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / 7.0).sqrt();
     assert!(number(&frames[15]["u_average_mm"]) >= 0.999 * scatter / 8f64.sqrt(), "{}", frames[15]);
-    // Said on stderr, too; names that were shared are written under both names.
+    // Reported on stderr as well; values with formerly shared names are written under both names.
     let said = shadowgauge([
         "measure".as_ref(),
         shaking.path().as_os_str(),
@@ -329,7 +335,7 @@ fn text_gives_two_digits_of_u() {
     assert_eq!(expanded.trim_start_matches(['0', '.']).replace('.', "").len(), 2, "{budget}");
 }
 
-/// What certificates share needs a name and an amount that U holds.
+/// The common part of certificates needs a name and an amount of at most U.
 #[test]
 fn what_certificates_share_is_checked() {
     let folder = tempfile::tempdir().unwrap();

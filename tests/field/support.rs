@@ -1,4 +1,4 @@
-//! What the modules share: the folder of the collection, and the program run from outside.
+//! Helpers of the modules: the folder of the collection, and runs of the program.
 #![allow(dead_code, reason = "not every module uses every helper")]
 
 use std::path::{Path, PathBuf};
@@ -7,7 +7,8 @@ use serde_json::Value;
 
 pub(crate) use crate::program::{json, said, shadowgauge, text};
 
-/// The path of `name` in the collection, or `None` with a loud word where `$SHADOWGAUGE_FIELD` is not set.
+/// The path of `name` in the collection, or `None` with a notice where `$SHADOWGAUGE_FIELD` is not
+/// set.
 pub(crate) fn collected(name: &str) -> Option<PathBuf> {
     let path = std::env::var_os("SHADOWGAUGE_FIELD").map(|folder| Path::new(&folder).join(name));
     match path {
@@ -22,8 +23,8 @@ pub(crate) fn collected(name: &str) -> Option<PathBuf> {
     }
 }
 
-/// The document that `measure --json` prints for `file` at 1000 µm per pixel (millimetres read as pixels), with
-/// further `options`; panics with the program's own words where it refuses.
+/// The document that `measure --json` prints for `file` at 1000 µm per pixel (millimetres read as
+/// pixels), with further `options`; panics with the program's message where it refuses.
 pub(crate) fn measured(file: &Path, options: &[&str]) -> Value {
     let mut arguments = vec!["measure".as_ref(), file.as_os_str()];
     arguments.extend(["--um-per-px", "1000", "--json"].map(std::ffi::OsStr::new));

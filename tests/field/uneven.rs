@@ -1,5 +1,5 @@
-//! Widths in uneven light, of small parts and beside the sensor's defects lie within their uncertainty: a sample of every kind, and
-//! (by hand) 1000 frames of each.
+//! Widths in uneven light, of small parts and beside the sensor's defects lie within their
+//! uncertainty: a sample of every kind, and (by hand) 1000 frames of each.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use shadowgauge::profile::Reason;
 
 use super::kinds::{Drawn, KINDS, Kind, Part};
 
-/// A value, its standard uncertainty and what is right, px.
+/// A value, its standard uncertainty and the true value, px.
 type Reading = (&'static str, f64, f64, f64);
 
 fn gauge(kind: &Kind) -> Gauge {
@@ -19,7 +19,7 @@ fn gauge(kind: &Kind) -> Gauge {
     Gauge::new(GaugeSettings { min_diameter_px, polarity, ..GaugeSettings::default() }).unwrap()
 }
 
-/// What is read of a frame, or why nothing is.
+/// The readings of a frame, or why there are none.
 fn read(kind: &Kind, gauge: &Gauge, drawn: &Drawn) -> Result<Vec<Reading>, String> {
     let view = drawn.frame.view();
     if matches!(kind.part, Part::Disc | Part::Ring) {
@@ -35,7 +35,7 @@ fn read(kind: &Kind, gauge: &Gauge, drawn: &Drawn) -> Result<Vec<Reading>, Strin
     let edges = gauge.edges(&if kind.vertical { view.transposed() } else { view });
     let edges = edges.map_err(|refused| refused.to_string())?;
     let largest = largest_caliper_over(&edges, 5).ok_or("no largest diameter")?;
-    // Of a part whose rows are counted along columns the caliper is across its axis.
+    // Widths are along columns; the caliper of the part is perpendicular to its axis.
     let (mean, u) = mean_width(&edges);
     Ok(vec![
         ("mean", mean, u, drawn.size_px),
@@ -56,7 +56,7 @@ fn mean_width(edges: &FrameEdges) -> (f64, f64) {
     (bottom.value_px - top.value_px, top.u_px.hypot(bottom.u_px))
 }
 
-/// What a kind gave.
+/// Results of a kind.
 #[derive(Default)]
 struct Tally {
     readings: BTreeMap<&'static str, (Vec<f64>, Vec<f64>)>,
@@ -143,7 +143,7 @@ fn a_sample_of_every_kind_lies_within_its_uncertainty() {
     }
 }
 
-/// By hand: 1000 frames of every kind (`FRAMES=200`, `KIND="spot"`: so many, of one kind).
+/// By hand: 1000 frames of every kind (`FRAMES=200`, `KIND="spot"`: that number, of one kind).
 #[test]
 #[ignore = "some minutes"]
 fn a_thousand_frames_of_every_kind() {

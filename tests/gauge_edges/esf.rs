@@ -1,4 +1,5 @@
-//! Edge-spread functions other than the Gaussian: given as a table, learnt from the frame, and what the wrong one costs.
+//! Edge-spread functions other than the Gaussian: given as a table, estimated from the frame, and
+//! the error of a wrong one.
 
 use crate::gauge_synth::{Synth, drifting};
 use shadowgauge::frame::PixelFormat;
@@ -15,7 +16,8 @@ fn diffraction(coherence_ratio: f64, unit_px: f64) -> (EdgeSpread, f64) {
     (edge.edge_spread().unwrap(), pixel_um)
 }
 
-/// The light over a pixel by Gauss-Legendre over the table's values: another way than the gauge's integral.
+/// The light over a pixel by Gauss-Legendre over the table's values: a method other than the
+/// gauge's integral.
 fn over_pixel(spread: &EdgeSpread, pixel_um: f64, d_px: f64) -> f64 {
     const NODES: [(f64, f64); 5] = [
         (-0.906_179_845_938_664, 0.236_926_885_056_189),
@@ -33,7 +35,8 @@ fn gauge(esf: EsfModel) -> Gauge {
     Gauge::new(GaugeSettings { esf, ..GaugeSettings::default() }).unwrap()
 }
 
-/// Mean error, largest departure from it by the phase (64 columns a bin of the phase, sorted), of both lines.
+/// Mean error, largest departure from it by the phase (64 columns a bin of the phase, sorted), of
+/// both lines.
 fn phase_bias(edges: &FrameEdges) -> (f64, f64) {
     let (mut mean, mut worst) = (0.0_f64, 0.0_f64);
     for (line, top) in [(&edges.top, true), (&edges.bottom, false)] {
@@ -57,7 +60,7 @@ fn still() -> Synth {
     Synth { format: PixelFormat::F32, ..Synth::with_snr(1.0, 100.0, true) }
 }
 
-/// The table of a spread as the gauge takes it.
+/// A gauge that is given the table of a spread.
 fn given(spread: &EdgeSpread, pixel_um: f64) -> Gauge {
     let distance_px: Vec<f64> = (-400..=400).map(|k| f64::from(k) * 0.05).collect();
     let light: Vec<f64> = distance_px.iter().map(|d| spread.value(d * pixel_um)).collect();
@@ -81,14 +84,15 @@ fn a_given_diffraction_edge_is_placed_without_phase_bias() {
         );
         assert!(worst <= 1e-3, "S {coherence}: {worst}");
         assert!(by_phase <= 2e-3, "S {coherence}: {by_phase}");
-        // What a learnt function cannot know of its place is stated: width of both edges, standard uncertainty of a rectangle.
+        // The position that an estimated function leaves undetermined is stated: width of both
+        // edges, standard uncertainty of a rectangle.
         let stated = learnt.figures.u_position_px();
         assert!(2.0 * learnt_mean < 2.0 * stated && stated < 0.5, "S {coherence}: {learnt_mean} {stated}");
         assert_eq!(given.figures.u_position_px() + plain.figures.u_position_px(), 0.0);
     }
 }
 
-/// Edges sharper than a pixel: their blur lies below any that a frame could tell by itself.
+/// Edges sharper than a pixel: their blur is smaller than any that a frame can determine.
 #[test]
 fn a_given_edge_sharper_than_a_pixel_is_placed_without_bias() {
     for (coherence, unit_px) in [(0.5, 2.0), (0.5, 1.1), (0.8, 0.9), (0.8, 0.55)] {
@@ -104,7 +108,8 @@ fn a_given_edge_sharper_than_a_pixel_is_placed_without_bias() {
     }
 }
 
-/// What learning costs where there is noise: the error stays that of the edge given, and the Gaussian's is no better.
+/// The error of an estimated function under noise: equal to that with the given edge, and that of
+/// the Gaussian is not smaller.
 #[test]
 fn a_learnt_edge_is_as_good_as_a_given_one_in_noise() {
     let (spread, pixel_um) = diffraction(0.5, UNIT_PX);
@@ -127,7 +132,8 @@ fn a_learnt_edge_is_as_good_as_a_given_one_in_noise() {
     assert!(learnt.1 <= 1.05 * given.1, "{learnt:?} {given:?}");
 }
 
-/// An edge along a row shows one phase only: nothing can be learnt, and the frame is measured with the Gaussian.
+/// An edge along a row has one phase only: no function can be estimated, and the frame is measured
+/// with the Gaussian.
 #[test]
 fn an_edge_along_the_rows_teaches_nothing() {
     let frame = Synth::with_snr(0.9, 80.0, true).frame(|_| (22.3, 89.6), Some(1));

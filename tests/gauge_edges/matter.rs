@@ -1,4 +1,5 @@
-//! Matter before the part and on it: a fixed, small part of `shadowgauge study contamination`.
+//! Contamination in front of the part and on it: a fixed, small part of `shadowgauge study
+//! contamination`.
 
 use shadowgauge::gauge::{Gauge, GaugeSettings, Rejection};
 use shadowgauge::profile::Reason;
@@ -28,10 +29,11 @@ fn a_film_on_one_side_is_refused_with_its_reason_and_a_collar_is_not() {
     };
     let dirty = edges(&[film], Rejection::Full);
     assert!((180..220).all(|c| dirty.top[c].reason() == Some(Reason::Contaminated)));
-    // What belongs to neither side for sure may go with it, the clean edge beside the film may not.
+    // Columns that are not clearly clean may be refused as well, the clean edge beside the film may
+    // not.
     assert!((180..220).all(|c| dirty.bottom[c].is_usable()));
     assert!(dirty.valid() > COLUMNS - 160);
-    // A collar rises on both sides: it is form.
+    // A collar rises on both sides, so it is form.
     let collar = edges(&[film, Bump { upper: false, ..film }], Rejection::Full);
     assert!(collar.valid() > COLUMNS - 24, "{}", collar.valid());
     // A user with a keyed shaft turns the axis off.
@@ -40,7 +42,8 @@ fn a_film_on_one_side_is_refused_with_its_reason_and_a_collar_is_not() {
 
 #[test]
 fn a_frame_that_no_edge_spread_explains_is_refused() {
-    // Light that falls off by 2 % a pixel beside the upper edge, to half: the fit errs by .3 px at u = .06 px.
+    // Light that falls off by 2 % per pixel beside the upper edge, to half: the fit errs by 0.3 px
+    // at u = 0.06 px.
     let synth = crate::gauge_synth::Synth::with_snr(1.0, 100.0, true);
     let shaded = |fall: f64| {
         let shade = |row: usize, column: usize, mean: f64| {

@@ -21,7 +21,7 @@ fn gauge() -> Gauge {
     Gauge::new(GaugeSettings::default()).unwrap()
 }
 
-/// The scene of [`Synth::with_snr`] as a sensor of another depth gives it.
+/// The scene of [`Synth::with_snr`] from a sensor of another depth.
 fn of_depth(format: PixelFormat, snr: f64) -> Synth {
     let base = Synth::with_snr(1.0, snr, true);
     let k = f64::from(format.full_scale().unwrap()) / 4095.0;
@@ -48,7 +48,7 @@ fn every_depth_is_measured_at_its_bound_with_a_true_uncertainty() {
         };
         let (rms, u, kept, bound) = (mean(|r| r.0), mean(|r| r.1), mean(|r| r.2), synth.bound(22.3));
         println!("{format:?}: rms {rms:.5}, bound {bound:.5}, u {u:.5} px, kept {kept:.4}");
-        // 8192 columns: a standard deviation is known to 0.8 %.
+        // 8192 columns: a standard deviation scatters by 0.8 %.
         let (efficient, honest) = ((0.97..1.04).contains(&(rms / bound)), (0.96..1.05).contains(&(u / rms)));
         assert!(kept > 0.97 && efficient && honest);
     }
@@ -121,7 +121,7 @@ fn light_beyond_full_scale_leaves_gaps_or_edges_called_clipped_that_are_covered(
 
 #[test]
 fn a_lit_part_upright_is_measured_as_a_shadow_is_clipped_or_not() {
-    // The part is what is bright here; 300 lies beyond full scale.
+    // The part is bright here; 300 lies beyond full scale.
     for bright in [225.0, 300.0] {
         let synth = Synth {
             format: PixelFormat::Mono8,
@@ -155,8 +155,8 @@ fn a_lit_part_upright_is_measured_as_a_shadow_is_clipped_or_not() {
     }
 }
 
-/// Light from once to four times full scale: what is accepted lies within three times the u stated of the width, both edges erring
-/// alike; the rest is refused as saturated.
+/// Light from once to four times full scale: accepted widths lie within three times the stated u,
+/// with equal errors of both edges; the others are refused as saturated.
 #[test]
 fn light_beyond_full_scale_is_covered_or_refused() {
     for sigma in [0.6, 1.0, 2.0] {
@@ -195,7 +195,7 @@ fn light_beyond_full_scale_is_covered_or_refused() {
     }
 }
 
-/// Both sides need light beside the edge: where the field ends there, that is the reason given.
+/// Both sides need light beside the edge: where the field ends there, that is the reported reason.
 #[test]
 fn an_edge_at_the_border_is_refused_for_it() {
     let synth = Synth { columns: 256, sigma: 2.0, ..Synth::with_snr(1.0, 60.0, true) };

@@ -1,4 +1,5 @@
-//! Hostile frames, seeded: no panic, no diameter from noise. The fuzz targets' own inputs are run in tests/allocation.rs.
+//! Hostile frames, seeded: no panic, no diameter from noise. The fuzz targets' own inputs are run
+//! in tests/allocation.rs.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -12,7 +13,8 @@ fn gauge() -> Gauge {
     Gauge::new(GaugeSettings::default()).unwrap()
 }
 
-/// Noise of any kind and size, any format, stride and orientation: errors, or edges without any accepted column.
+/// Noise of any kind and size, any format, stride and orientation: errors, or edges without any
+/// accepted column.
 #[test]
 fn noise_of_any_kind_gives_no_diameter() {
     let mut rng = Pcg64::seed_from_u64(13);
@@ -112,7 +114,7 @@ fn sizes_at_the_ends_are_clear_errors() {
     let view = FrameView::new(Pixels::U8(&pixels), PixelFormat::Mono8, rows, columns, columns).unwrap();
     assert_eq!(gauge().edges(&view).unwrap_err().reason, Reason::LowContrast);
     pixels[16 * columns..48 * columns].fill(20);
-    // Edges blurred by .8 px: a step without any blur is no image of an edge.
+    // Edges blurred by 0.8 px: a step without blur is not an image of an edge.
     for (step, grey) in [(0, 193_u8), (1, 150), (2, 70), (3, 27)] {
         pixels[(14 + step) * columns..(15 + step) * columns].fill(grey);
         pixels[(49 - step) * columns..(50 - step) * columns].fill(grey);

@@ -1,4 +1,5 @@
-//! Two windows of 32 rows around the edges, read out as one frame: the same edges as in the whole frame.
+//! Two windows of 32 rows around the edges, read out as one frame: the same edges as in the whole
+//! frame.
 
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
 use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings};
@@ -43,7 +44,8 @@ fn two_windows_read_out_together_give_the_edges_of_the_whole_frame() {
     }
 }
 
-/// `cargo test --release --test gauge_stream frames_a_second -- --ignored --nocapture --test-threads 1`
+/// `cargo test --release --test gauge_stream
+/// frames_a_second -- --ignored --nocapture --test-threads 1`
 #[test]
 #[ignore = "a measurement of speed"]
 fn frames_a_second_of_two_windows() {

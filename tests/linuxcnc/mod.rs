@@ -5,15 +5,15 @@ use std::process::Command;
 /// Where a move ends, (x radius, z), and whether it is in rapid.
 pub type Move = ((f64, f64), bool);
 
-/// What LinuxCNC's interpreter prints of a program: its moves as ((x radius, z), in rapid), and all of it; `None`
-/// without it.
+/// Runs a program through LinuxCNC's interpreter: its moves as ((x radius, z), in rapid), and the
+/// whole output; `None` where it is not installed.
 pub fn interpret(program: &str) -> Option<(Vec<Move>, String)> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("program.ngc");
     std::fs::write(&file, program).expect("written");
     let table = folder.path().join("tool.tbl");
     std::fs::write(&table, "T1 P1 X0 Z0\nT5 P5 X0 Z0\n").expect("written");
-    // it maps ~/.tool.mmap: two at once in one home end with a bus error
+    // it maps ~/.tool.mmap: two processes with the same home end with a bus error
     let run = Command::new("rs274")
         .env("HOME", folder.path())
         .current_dir(folder.path())

@@ -8,9 +8,9 @@ use shadowgauge::nc::{
 use super::linuxcnc::interpret;
 use super::{BEFORE, NOMINAL, changed, program, run, touches};
 
-/// What the probe's X is really off by, less what its data state.
+/// True correction of the probe's X less the stated one, mm.
 const DRIFT: f64 = 0.0031;
-/// The scatter of the five touches of a side, mm of diameter: their standard deviation is .79 µm.
+/// The scatter of the five touches of a side, mm of diameter: their standard deviation is 0.79 µm.
 const SCATTER: [f64; 5] = [0.0004, -0.0006, 0.0011, -0.0009, 0.0];
 
 fn settings(held: bool) -> NcSettings {
@@ -29,7 +29,7 @@ fn settings(held: bool) -> NcSettings {
     }
 }
 
-/// The reference as the drifted, scattering probe meets it.
+/// The reference for the drifted, scattering probe.
 fn met(settings: &NcSettings, run_out_mm: f64) -> Surface {
     let reference = settings.probe.and_then(|p| p.reference).expect("a reference");
     Surface {
@@ -64,7 +64,7 @@ fn the_correction_the_ball_and_the_scatter_are_left_in_variables() {
             let written = qualification.write(dialect).expect("a program");
             let (text, sides) = (written.text, if held { 2 } else { 1 });
             assert_eq!((written.cut.z_mm, written.cut.touches), (30.0, 5 * sides), "{dialect:?}");
-            // 12 µm of indicated run-out, which the angle of 30° meets at .87 of it
+            // 12 µm of indicated run-out, of which 0.87 acts at the angle of 30°
             let run_out = if held { 0.012 } else { 0.0 };
             let working_space =
                 qualification.working_space(dialect, met(&settings, run_out)).expect("a scene");
@@ -135,7 +135,8 @@ fn programs_take_the_correction_that_the_qualification_left() {
         let stored = |working_space: &mut WorkingSpace<'_>, correction: f64, tool: f64| {
             working_space.variables = vec![(820, 0.0), (880, correction), (884, tool)];
         };
-        // the probe reads .0124 too little; with a correction that is off by 20 µm the found diameters are
+        // the probe reads 0.0124 mm too little; with a correction that is wrong by 20 µm so are the
+        // diameters
         for off in [0.0, 0.02] {
             stored(&mut working_space, -0.0124 + off, 5.0);
             let left = left(&text, &working_space);
@@ -176,7 +177,7 @@ fn the_spindle_is_held_at_its_angle_or_the_header_says_that_it_is_not() {
             if !held {
                 continue;
             }
-            // without the block, and after a block that lets go
+            // without the block, and after a block that releases the spindle
             let gone = changed(&text, |l| if l.starts_with("M19") { "-".to_owned() } else { l.to_owned() });
             let said = replay::check(&gone, &working_space).expect_err("refused").to_string();
             assert!(said.contains("not held at its angle"), "{dialect:?}: {said}");
@@ -193,7 +194,7 @@ fn the_spindle_is_held_at_its_angle_or_the_header_says_that_it_is_not() {
             }
         }
     }
-    // a code that must be told to let go, and codes that cannot be
+    // a code that needs a release code, and invalid codes
     let mut other = settings(true);
     let orientation = |m_code: u32, angle_deg: f64| {
         Some(SpindleOrientation { angle_deg, m_code, release_m_code: Some(20) })
@@ -246,12 +247,13 @@ fn references_that_cannot_be_touched_are_named() {
     assert!(Qualification::new(&none).expect_err("no reference").to_string().contains("nc.probe.reference"));
 }
 
-/// A program whose probing moves end where the simulated surface is touched: rs274 ends each at its target.
+/// A program whose probing moves end where the simulated surface is touched: rs274 ends each at its
+/// target.
 fn simulated(text: &str, working_space: &WorkingSpace<'_>) -> String {
     let mut touched = touches(&run(text, working_space)).into_iter();
     changed(text, |l| match l.starts_with("G38.2 X") {
         true => touched.next().map_or(l.to_owned(), |(to, _)| format!("G38.2 X{:.7} F50.", to.x)),
-        // what it leaves, told at the end
+        // its results, printed at the end
         false if l == "M2" => "(DEBUG,LEFT #880 #881 #882 #883 #884)\nM2".to_owned(),
         false => l.to_owned(),
     })
@@ -278,7 +280,7 @@ fn linuxcnc_qualifies_and_measures_with_simulated_touches() -> Result<(), NcErro
         assert!((left(number) - theirs).abs() < 2e-6, "#{number}: {} {theirs}\n{printed}", left(number));
     }
     assert_eq!(numbers.len(), 5, "{told}");
-    // its alarms: a touch that is far off, scatter beyond U
+    // its alarms: a touch far from the expected position, scatter beyond U
     let wild = Surface { scatter_mm: SCATTER.map(|s| 1.4 * s).to_vec(), ..met(&settings, 0.0) };
     let far = Surface { before: vec![(0.0, 40.4)], ..Surface::default() };
     for (surface, word) in [(far, "PROBE RESULT OUT OF RANGE"), (wild, "PROBE SCATTERS BEYOND U")] {
@@ -286,7 +288,7 @@ fn linuxcnc_qualifies_and_measures_with_simulated_touches() -> Result<(), NcErro
         let (_, printed) = interpret(&simulated(&text, &working_space)).expect("it ran before");
         assert!(printed.contains(word) && !printed.contains("PROGRAM_END"), "{word}: {printed}");
     }
-    // the whole program with what was stored: it runs, and stops without it
+    // the whole program with the stored correction: it runs, and stops without it
     let program = program(&settings);
     let text = program.write(Dialect::Linuxcnc)?.text;
     let working_space = program.working_space(Dialect::Linuxcnc, vec![(0.0, BEFORE + 0.02)])?;

@@ -179,7 +179,7 @@ fn a_line_under_two_loads_is_the_sum_of_its_parts() {
     for node in 0..=50 {
         assert!((both[node] - one[node] - other[node]).abs() < 1e-12);
     }
-    // Maxwell: what a load at 10 does at 40, a load at 40 does at 10.
+    // Maxwell: the deflection at 40 by a load at 10 equals that at 10 by a load at 40.
     assert_relative(one[40] / 3.0, other[10] / 2.0, 1e-8, "reciprocity");
     assert!(deflection_line_mm(20.0, &sections, &supports, &[(51, 1.0)]).is_none());
 }

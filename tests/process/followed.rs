@@ -1,4 +1,4 @@
-//! The shaft while it is cut: what the frames see agrees with what the pass leaves.
+//! The shaft while it is cut: its state in the frames is consistent with the result of the pass.
 
 use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
 use shadowgauge::process::bending::axis_at;
@@ -23,7 +23,8 @@ fn turning(settings: &ProcessSettings) -> TurningProcess {
     TurningProcess::new(settings, STOCK, &BaseForm::default(), 1).unwrap()
 }
 
-/// Half the diameter error is the way that the axis has moved away from the tool, in either direction of feed.
+/// Half the diameter error is the displacement of the axis away from the tool, in either direction
+/// of feed.
 #[test]
 fn the_axis_under_the_tool_has_moved_by_half_the_diameter_error() {
     for feed_direction in [FeedDirection::TowardsChuck, FeedDirection::TowardsTailstock] {
@@ -45,7 +46,8 @@ fn the_axis_under_the_tool_has_moved_by_half_the_diameter_error() {
         process.cut(&plan(vec![0.0; 100])).unwrap();
         for (node, away) in [20, 137, 250, 400, 480].into_iter().zip(seen) {
             let half = 0.5 * (process.diameter_mm()[node] - 26.5);
-            // Elements behind and ahead of the tool take their mean diameters: a fraction of the change along one element.
+            // Elements behind and ahead of the tool take their mean diameters: a fraction of the
+            // change along one element.
             assert!((away - half).abs() < 2e-5 * half + 1e-9, "{node}: {away} {half}");
         }
     }
@@ -67,7 +69,7 @@ fn behind_the_tool_lies_what_the_pass_leaves_and_ahead_what_was() {
     assert_eq!(pass.force(-1.0).passive_n, 0.0);
 }
 
-/// What is commanded ahead changes nothing behind: a pass can be corrected under way.
+/// A command ahead of the tool changes nothing behind it: a pass can be corrected in progress.
 #[test]
 fn a_pass_is_causal_along_the_feed() {
     let process = turning(&ProcessSettings::default());
@@ -75,13 +77,14 @@ fn a_pass_is_causal_along_the_feed() {
     let planned = process.followed(&plan(o_mm.clone())).unwrap().at(0.0);
     o_mm[..40].fill(0.02);
     let changed = process.followed(&plan(o_mm)).unwrap().at(0.0);
-    // At the very end of its way the tool stands on the first node.
+    // At the end of its travel the tool is at the first node.
     for (a, b) in planned.profile.iter().zip(&changed.profile).skip(1) {
         assert_eq!(a != b, a.z_mm < 202.5, "{a:?} {b:?}");
     }
 }
 
-/// A tailstock 20 µm further from the tool leaves a taper of 40 µm at its end; across the tool hardly anything.
+/// A tailstock 20 µm further from the tool leaves a taper of 40 µm at its end; across the tool
+/// hardly anything.
 #[test]
 fn a_tailstock_out_of_line_turns_a_taper() {
     let cut = |x_um: f64, y_um: f64, tangential_error: bool| {
@@ -98,7 +101,7 @@ fn a_tailstock_out_of_line_turns_a_taper() {
     };
     let straight = cut(0.0, 0.0, false);
     let away = cut(-20.0, 0.0, false);
-    // Error copying takes a few percent of it: the deeper the shaft yields, the less is cut.
+    // Error copying reduces it by a few percent: the more the shaft yields, the less is cut.
     let taper = away[499] - straight[499];
     assert!((0.036..0.040).contains(&taper), "{taper}");
     // The chuck yields by .05 µm under the bent shaft.
@@ -112,7 +115,8 @@ fn a_tailstock_out_of_line_turns_a_taper() {
     assert!(((carried[node] - straight[node]) / expected - 1.0).abs() < 0.02, "{expected}");
 }
 
-/// The heat of the cut shows while it is cut, not at 20 °C after it; the heat of the scan in the scan.
+/// The heat of the cut affects the shaft during the cut, not at 20 °C after it; the heat of the
+/// scan affects the scan.
 #[test]
 fn a_warm_shaft_is_seen_larger() {
     let mut settings = ProcessSettings::default();

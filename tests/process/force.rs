@@ -106,14 +106,16 @@ fn extrapolation_is_said() {
     let fast = CuttingData { speed_m_per_min: 180.0, feed_mm_per_rev: 0.5 };
     let said = law.extrapolation(&fast, [0.1, 0.5], &tool).join("\n");
     assert!(said.contains("speed") && said.contains("feed") && said.contains("depth"), "{said}");
-    // a_p·f over the edge: 0.25·0.1/(0.4·acos(1 - 0.25/0.4)) = 0.05268 mm; shallower cuts have thinner chips.
+    // a_p·f over the edge: 0.25·0.1/(0.4·acos(1 - 0.25/0.4)) = 0.05268 mm; shallower cuts have
+    // thinner chips.
     let kienzle = ForceLaw::Kienzle(KienzleLaw::default());
     assert!((KienzleLaw::mean_chip_mm(0.1, 0.25, &tool) - 0.05268).abs() < 1e-5);
     assert!(kienzle.extrapolation(&inside, [0.25, 0.3], &tool).is_empty());
     assert!(kienzle.extrapolation(&inside, [0.1, 0.3], &tool)[0].contains("chips"));
 }
 
-/// The tool's angles act on every component by the handbook's factors, and not at all on the tool that a law was fitted to.
+/// The tool's angles act on every component by the handbook's factors, and not at all on the tool
+/// that a law was fitted to.
 #[test]
 fn the_tools_angles_have_their_handbook_factors() {
     let cutting = CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 };
@@ -123,7 +125,8 @@ fn the_tools_angles_have_their_handbook_factors() {
     let paper = ToolSettings::default();
     let plain = PowerLaw::default().at(&cutting).components(0.25);
     assert_eq!(at(&law, &paper), plain);
-    // Rake 15° -> 0°: between the lines of 10° (1) and 20° (.9, .7, .7), against 1.1, 1.4, 1.4.
+    // Rake 15° -> 0°: between the lines for 10° (1) and 20° (0.9, 0.7, 0.7), relative
+    // to 1.1, 1.4, 1.4.
     let blunt = at(&law, &ToolSettings { rake_deg: 0.0, ..paper });
     for (found, was, factor) in [
         (blunt.cutting_n, plain.cutting_n, 1.1 / 0.95),
@@ -137,7 +140,8 @@ fn the_tools_angles_have_their_handbook_factors() {
     assert!((oblique.passive_n / plain.passive_n - 2.0).abs() < 1e-12);
     // Relief and minor cutting edge angle have no factor.
     assert_eq!(at(&law, &ToolSettings { relief_deg: 12.0, minor_angle_deg: 5.0, ..paper }), plain);
-    // Under Kienzle's law, lead angle and nose are in the integral: rake and inclination are left, against 6° and 0°.
+    // Under Kienzle's law, lead angle and nose are in the integral: rake and inclination remain,
+    // relative to 6° and 0°.
     let kienzle = ForceLaw::Kienzle(KienzleLaw::default());
     let tabulated = at(&kienzle, &ToolSettings { rake_deg: 6.0, ..paper });
     let sharper = at(&kienzle, &paper);

@@ -43,7 +43,8 @@ fn check(found: &[f64], expected: impl Fn(f64) -> f64, what: &str) {
     }
 }
 
-/// Sag of every support: cantilever, clamped and propped (also on a yielding centre), between centres, clamped at both ends.
+/// Sag of every support: cantilever, clamped and propped (also on a yielding centre), between
+/// centres, clamped at both ends.
 #[test]
 fn sag_of_every_support_follows_its_closed_form() {
     let s = section();
@@ -61,7 +62,7 @@ fn sag_of_every_support_follows_its_closed_form() {
             let propped = held(clamped, Part::hinged(compliance));
             check(&line(elements, s, W, &propped, &none), |z| cantilever(z) - reaction * tip(z), "propped");
         }
-        // The chuck yields and tilts: its own part of the line is straight.
+        // The chuck yields and tilts: its contribution to the line is straight.
         let (yields, tilts) = (2e-5, 1e-9);
         let total = |z: f64| cantilever(z) + W * L * yields + z * tilts * W * L * L / 2.0;
         let soft = |z: f64| tip(z) + yields + z * tilts * L;
@@ -77,7 +78,8 @@ fn sag_of_every_support_follows_its_closed_form() {
         let fixed = |z: f64| W * z * z * (L - z).powi(2) / (24.0 * ei) + W * z * (L - z) / (2.0 * ga);
         check(&line(elements, s, W, &both, &none), fixed, "clamped at both ends");
     }
-    // The preset's shaft, by hand: w L⁴/185 EI at Ø 27 and 500 mm between rigid supports (maximum .0054161 w L⁴/EI).
+    // The preset's shaft, by hand: w L⁴/185 EI at Ø 27 and 500 mm between rigid supports (maximum
+    // .0054161 w L⁴/EI).
     let material = MaterialSettings::default().resolve().unwrap();
     let w = weight_n_per_mm(27.0, &material);
     assert!((w - 0.044_077).abs() < 1e-6, "{w}");
@@ -103,7 +105,8 @@ fn a_load_at_any_place_follows_its_closed_form() {
     }
 }
 
-/// Offsets of chuck and tailstock bend a clamped and propped shaft: u = e + (d - e)·z²(3L - z)/2L³ for a slender one.
+/// Offsets of chuck and tailstock bend a clamped and propped shaft: u = e + (d - e)·z²(3L - z)/2L³
+/// for a slender one.
 #[test]
 fn offsets_of_the_ends_follow_their_closed_form() {
     let s = section().without_shear();
@@ -113,7 +116,8 @@ fn offsets_of_the_ends_follow_their_closed_form() {
     check(&line(100, s, 0.0, &supports, &action), expected, "offsets");
 }
 
-/// Thrust on a beam-column between centres: EI·u'''' + P·u'' = w has u = w/(P k²)·[(cos k(L/2 - z))/cos(kL/2) - 1] - w z(L - z)/2P.
+/// Thrust on a beam-column between centres: EI·u'''' + P·u'' = w has u = w/(P k²)·[(cos k(L/2 -
+/// z))/cos(kL/2) - 1] - w z(L - z)/2P.
 #[test]
 fn thrust_adds_to_a_sag_as_in_a_beam_column_and_buckles_at_eulers_load() {
     let s = section().without_shear();
@@ -148,7 +152,7 @@ fn thrust_adds_to_a_sag_as_in_a_beam_column_and_buckles_at_eulers_load() {
         bending: &bending,
     };
     let grown = axis_at(&shaft.turning_mm(&bow).unwrap(), L / 2.0);
-    // With shear the shaft is a little softer than Euler's: .3 % at this slenderness.
+    // With shear the shaft is slightly softer than Euler's: 0.3 % at this slenderness.
     assert!((grown[1] / 0.02 - 0.25).abs() < 2e-3 && grown[0] == 0.0, "{grown:?}");
 }
 
@@ -179,7 +183,8 @@ fn rests_anywhere_agree_with_assembled_elements_and_with_the_travelling_load() {
     assert!(deflection_line_mm(&spans(5, s, 1.0), &free, &Action::default()).is_none());
 }
 
-/// Directions: gravity at 180° pulls down in the image; a tool above pushes down, and the force along the speed is against the motion.
+/// Directions: gravity at 180° pulls down in the image; a tool above pushes down, and the force
+/// along the speed is against the motion.
 #[test]
 fn weight_and_force_point_where_the_machine_says() {
     let material = MaterialSettings::default().resolve().unwrap();

@@ -1,4 +1,4 @@
-//! The turning pass: error copying, repeatability, the surface it leaves.
+//! The turning pass: error copying, repeatability, the resulting surface.
 
 use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
 use shadowgauge::process::{
@@ -34,7 +34,7 @@ fn stations(errors: &[f64]) -> Vec<f64> {
 #[test]
 fn errors_grow_without_control() {
     let mut process = process(&ProcessSettings::default(), 1);
-    // An independent prototype, with a coarser account of the half-cut shaft.
+    // From an independent prototype with a coarser model of the half-cut shaft.
     let expected = [42.7, 49.1, 53.0, 57.1];
     for (pass, expected) in (1..).zip(expected) {
         let nominal = 27.0 - 0.5 * f64::from(pass);

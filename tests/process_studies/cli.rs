@@ -10,7 +10,7 @@ fn json(arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Runs with a config of this text; gives the exit code and stderr.
+/// Runs with a config of this text; returns the exit code and stderr.
 fn refused(command: &[&str], config: &str) -> (i32, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("config.toml");
@@ -25,7 +25,7 @@ fn refused(command: &[&str], config: &str) -> (i32, String) {
 fn assert_refused(command: &[&str], config: &str, exit: i32, words: &[&str]) {
     let (code, text) = refused(command, config);
     assert_eq!(code, exit, "{text}");
-    // A terminal's width breaks lines anywhere.
+    // Lines may be broken anywhere at the width of the terminal.
     let flat = |t: &str| t.chars().filter(|c| !c.is_whitespace() && *c != '│').collect::<String>();
     for word in words {
         assert!(flat(&text).contains(&flat(word)), "{word:?} is missing in: {text}");
@@ -100,7 +100,8 @@ fn optimize_prints_the_optimum_and_writes_the_front() {
     assert_eq!(found["feasible"], true);
     assert!((found["optimum"]["time_min"].as_f64().unwrap() - 15.7616).abs() < 2e-3);
     assert!(found["genetic"]["gap"].as_f64().unwrap() < 2e-3);
-    // The last generation's best is the answer; the total of two passes is more than twice eq. 5's second, less than twice its first.
+    // The last generation's best is the answer; the total of two passes is more than twice eq. 5's
+    // second, less than twice its first.
     let generations = found["genetic"]["generations"].as_array().unwrap();
     assert_eq!(generations.last().unwrap()["time_min"], found["genetic"]["solution"]["time_min"]);
     let (one, two) = (&found["passes"][0], &found["passes"][1]);

@@ -1,5 +1,5 @@
-//! Constants of ours changed by 10 %: no contradiction of the paper may hang on one, and a figure that is moved out of its range is a
-//! miss.
+//! Constants of ours changed by 10 %: no contradiction of the paper may depend on one, and a figure
+//! that leaves its range is a miss.
 
 use std::collections::{HashMap, HashSet};
 
@@ -9,7 +9,8 @@ use shadowgauge::studies::{reproduce_000, reproduction};
 
 use super::reproduce::{INPUTS, PROBLEM, verdict_again};
 
-/// Tables of configs/reproduce_003.toml and of configs/optimize_003.toml whose numbers are the paper's. Every other number is ours.
+/// Tables of configs/reproduce_003.toml and of configs/optimize_003.toml whose numbers are the
+/// paper's. Every other number is ours.
 const PRINTED: [&str; 23] = [
     "inputs.beam.length_mm",
     "inputs.beam.diameter_mm",
@@ -45,7 +46,7 @@ const PRINTED_PROBLEM: [&str; 5] = [
     // The range of Table 2.
     "problem.process.force.power.fitted",
 ];
-/// Settings that choose what is computed or compared, and no constant of a model.
+/// Settings that choose a computation or a comparison, not constants of a model.
 const SETTINGS: [&str; 4] =
     ["problem.front_points", "problem.genetic.seed", "problem.reference", "problem.genetic.evaluations"];
 
@@ -135,7 +136,7 @@ fn no_contradiction_hangs_on_a_constant_of_ours() {
             let (mut inputs, mut problem) = (inputs.clone(), problem.clone());
             scale(if path.starts_with("inputs") { &mut inputs } else { &mut problem }, path, factor);
             let after = rows(&inputs, &problem);
-            // The same contradictions, and every one by the same figure to the last bit.
+            // The same contradictions, each by the same figure to the last bit.
             assert_eq!(contradicted(&after), expected, "{path} x {factor}");
             for row in &after {
                 let was = before.iter().find(|other| other.id == row.id);
@@ -154,7 +155,8 @@ fn no_contradiction_hangs_on_a_constant_of_ours() {
         }
         assert!(moved > 0, "{path} moves nothing");
     }
-    // The test can fail: 10 % of the constants that figures answer to directly do move them out.
+    // The test can fail: a change by 10 % of the constants that figures depend on directly does
+    // move them out of their range.
     for path in [
         "inputs.beam.youngs_modulus_n_per_mm2",
         "inputs.handbook.feed_exponent",
@@ -199,8 +201,9 @@ fn no_contradiction_of_paper_000_hangs_on_a_constant_of_ours() {
     }
 }
 
-/// The constants of the experiment through frames (length, depth, scatter) act through the parts alone: whatever these are, no
-/// row turns contradiction, and a change of the means that is out of its range is a miss.
+/// The constants of the experiment through frames (length, depth, scatter) act through the parts
+/// alone: for any parts no row becomes a contradiction, and a change of the means out of its range
+/// is a miss.
 #[test]
 fn no_contradiction_hangs_on_the_simulated_experiment() {
     let inputs = reproduce_000::Inputs::default();
@@ -224,7 +227,7 @@ fn no_contradiction_hangs_on_the_simulated_experiment() {
     }
 }
 
-/// With Fig. 2's data the 52.5 % would be judged.
+/// With Fig. 2's data the 52.5 % is judged.
 #[test]
 fn the_reduction_of_paper_000_needs_the_data_of_its_figure_2() {
     let verdict = |limit_error_mm: Option<[f64; 2]>| {

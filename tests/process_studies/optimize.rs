@@ -1,4 +1,5 @@
-//! Choice of cutting data: the optimum against dense search and hand calculation, the genetic algorithm against it.
+//! Choice of cutting data: the optimum against dense search and hand calculation, the genetic
+//! algorithm against it.
 
 use std::time::Instant;
 
@@ -54,7 +55,7 @@ fn the_optimum_is_proven_and_known() {
     assert!(problem().violated(&s.point).is_empty());
 }
 
-/// A dense grid in place of any cleverness: nothing on it is shorter than the optimum, and the best of it is near.
+/// A dense grid search: no point of it is shorter than the optimum, and its best point is near.
 fn dense_search(problem: &Problem) -> f64 {
     let n = 60;
     let at = |[low, high]: [f64; 2], i: usize| low + (high - low) * i as f64 / (n - 1) as f64;
@@ -79,7 +80,8 @@ fn dense_search(problem: &Problem) -> f64 {
 #[test]
 fn no_grid_point_beats_the_optimum() {
     let mut interior = config();
-    // Expensive tool changes move the optimum off the speed bound; loose quality frees feed and depth.
+    // Long tool changes move the optimum away from the speed bound; loose quality limits release
+    // feed and depth.
     interior.limits.speed_m_per_min = [30.0, 300.0];
     interior.time.tool_change_min = 30.0;
     interior.quality.size_error_mm = 0.2;
@@ -135,7 +137,8 @@ fn table_ones_force_makes_it_infeasible_and_it_says_so() {
 
 #[test]
 fn limits_that_exclude_each_other_together_are_both_named() {
-    // A force that falls with the feed: roughness asks for little feed, the size error for much.
+    // A force that decreases with the feed: the roughness requires a small feed, the size error a
+    // large one.
     let mut config = config();
     config.process.force =
         ForceLaw::Power(PowerLaw { feed_exponent: -1.5, coefficient_n: 15.0, ..PowerLaw::table_2() });

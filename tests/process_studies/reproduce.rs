@@ -1,4 +1,5 @@
-//! Reproduction of the slender-shaft paper: limits of every group of rows, and that ours really follows the inputs.
+//! Reproduction of the slender-shaft paper: limits of every group of rows, and the dependence of
+//! ours on the inputs.
 
 use std::collections::HashSet;
 
@@ -51,7 +52,7 @@ fn every_row_has_a_name_a_number_and_a_reason() {
     }
 }
 
-/// The verdict of every row again, from what is written beside it and nothing else.
+/// The verdict of a row recomputed from its other fields alone.
 pub fn verdict_again(row: &Row) -> &'static str {
     if row.missing.is_some() {
         return "undetermined";
@@ -72,7 +73,7 @@ fn every_verdict_follows_from_figure_ours_and_range() {
         let word = serde_json::to_value(row.verdict).unwrap();
         assert_eq!(word, verdict_again(row), "{row:?}");
         assert!(!row.is_unexplained_miss(), "{row:?}");
-        // Figure and range belong together.
+        // Figure and range are consistent.
         if let (Some(paper), Some(from), Some(to)) = (row.paper, row.accepted_from, row.accepted_to) {
             assert!(from <= paper && paper <= to, "{row:?}");
         }
@@ -99,7 +100,8 @@ fn known_misses_miss_for_the_reasons_given() {
             assert!(exists, "{} names {named}", miss.id);
         }
     }
-    // Fig. 7's errors are those of the largest over z, which lies beyond 500 mm; a load fixed at node 71 reaches them nowhere.
+    // Fig. 7's errors are those of the largest over z, which lies beyond 500 mm; a load fixed at
+    // node 71 does not reach them anywhere.
     assert_eq!(of("fig7.compliance").verdict, Verdict::Reproduced);
     assert!(of("fig7.maximum").ours > 550.0);
     let most = of("fig7.node71.most").ours;
@@ -116,18 +118,19 @@ fn known_misses_miss_for_the_reasons_given() {
         assert!(linear.ours > linear.paper.unwrap(), "{linear:?}");
         assert_eq!(linear.verdict, Verdict::Contradiction);
     }
-    // Growth: no length and no supports bring it, and copied errors level off.
+    // Growth: no length and no supports produce it, and copied errors level off.
     let (growth, most) = (of("fig11.physical.growth"), of("fig11.physical.growth.most"));
     assert!(most.ours >= growth.ours && most.ours < growth.accepted_from.unwrap(), "{most:?}");
     let none = |k: usize| of(&format!("fig11.physical.none.pass{k}")).ours;
     assert!(none(2) - none(1) > none(3) - none(2) && none(3) - none(2) > none(4) - none(3));
-    // Offsets that replace each other: the gain is too large for them, and every other pass is worse than the one before.
+    // Offsets that replace each other: the gain is too large for them, and every other pass is
+    // worse than the one before.
     assert!(of("fig11.physical.gain").ours > of("stability.absolute").ours);
     let absolute = |k: usize| of(&format!("fig11.physical.absolute.pass{k}")).ours;
     assert!(absolute(2) < absolute(1) && absolute(3) > 2.0 * absolute(2) && absolute(4) < absolute(3));
 }
 
-/// No verdict is written down: outside the module that computes them their names do not occur.
+/// No verdict is hard-coded: outside the module that computes them their names do not occur.
 #[test]
 fn no_verdict_is_a_literal() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -166,7 +169,8 @@ fn the_figures_are_reproduced_within_their_limits() {
         let expected = if number == 7 { Verdict::NotReproduced } else { Verdict::Reproduced };
         assert_eq!(eight.verdict, expected, "{eight:?}");
     }
-    // Known mismatch of 17 %: the paper's Fig. 8 does not follow its own Table 2 by a static model.
+    // Known mismatch of 17 %: the paper's Fig. 8 is inconsistent with its own Table 2 under a
+    // static model.
     let known = row(&rows, "fig8.row7");
     assert!((known.ours / known.paper.unwrap() - 1.17).abs() < 0.01, "{known:?}");
     assert!(known.known_miss.as_ref().is_some_and(|why| why.contains("fig8.linear")));
@@ -184,8 +188,8 @@ fn the_figures_are_reproduced_within_their_limits() {
     assert_eq!(row(&rows, "table1.row4").verdict, Verdict::Contradiction);
     assert!((row(&rows, "table2.row8").ours - 7.73).abs() < 0.05);
     assert!((row(&rows, "beam.E").ours / 2.1e11 - 1.0).abs() < 0.02);
-    // Both tables against the handbook's force with the tool's angles: C = 1950 N times .50 (lead 90°) times .85 (rake 15°) times
-    // .66·(.4/.5)^(ln(.82/.66)/ln 2) (nose .4 mm).
+    // Both tables against the handbook's force with the tool's angles: C = 1950 N times .50 (lead
+    // 90°) times .85 (rake 15°) times .66·(.4/.5)^(ln(.82/.66)/ln 2) (nose .4 mm).
     let handbook = 1950.0 * 0.5 * 0.85 * 0.66 * 0.8_f64.powf((0.82_f64 / 0.66).ln() / 2.0_f64.ln());
     let force = |a: f64, v: f64| handbook * a.powf(0.901) * 0.1_f64.powf(0.6) * v.powf(-0.3);
     let two = row(&rows, "table2.handbook");
@@ -207,7 +211,8 @@ fn trends_and_the_fixed_load() {
     let wrong = rows_of(&INPUTS.replacen("force_n = 7.24", "force_n = 30.0", 1).replacen("7.73", "30.0", 1));
     assert_eq!(row(&wrong, "trend.speed").verdict, Verdict::NotReproduced);
 
-    // Clamped at 0, supported at L, load at a: w(z) = [z²(3a - z)/6 - R z²(3L - z)/6]/EI for z < a, R = a²(3L - a)/2L³, without shear.
+    // Clamped at 0, supported at L, load at a: w(z) = [z²(3a - z)/6 - R z²(3L - z)/6]/EI for z < a,
+    // R = a²(3L - a)/2L³, without shear.
     let fixed = &found.curves.fixed_load[0];
     let (length, a, inertia) =
         (1000.0_f64, 1000.0 * 70.0 / 99.0, std::f64::consts::PI * 50.0_f64.powi(4) / 64.0);
@@ -234,7 +239,8 @@ fn curves_over_z_carry_the_printed_figures() {
         }
     }
     assert_eq!((curves.fig_9.len(), curves.fig_11_none.len(), curves.fig_11_pid.len()), (4, 4, 4));
-    // Every pass without control stays large in the middle; the first error is the paper's, by identification.
+    // Every pass without control stays large in the middle; the first error is the paper's, by
+    // identification.
     assert_eq!(row(&found.rows, "fig11.shape.none").ours, 4.0);
     let first = &curves.fig_11_none[0];
     let at = first.points.iter().find(|p| p.0 == 250.0).unwrap();
@@ -303,12 +309,14 @@ fn the_optimum_and_the_genetic_algorithm() {
     assert!((row(&rows, "eq10.t").ours - 15.7616).abs() < 2e-3);
     assert!(row(&rows, "ga.median").ours <= 0.05 && row(&rows, "ga.worst").ours <= 0.2);
     assert!((row(&rows, "eq5").ours - 15.512).abs() < 1e-3);
-    // Without tool change, auxiliary time and number of passes nothing contradicts the printed 24 min.
+    // Without tool change, auxiliary time and number of passes nothing contradicts the printed 24
+    // min.
     assert_eq!(row(&rows, "eq4").verdict, Verdict::Undetermined);
     let given = "seeds = 20\ntool_change_min = 1.0\nauxiliary_min = 0.5\npasses = 1";
     let given = rows_of(&INPUTS.replacen("seeds = 20", given, 1));
     assert_eq!(row(&given, "eq4").verdict, Verdict::NotReproduced);
-    // Without the force law of equation 6 neither its size error nor what follows from it is judged; with Table 2's, it is.
+    // Without the force law of equation 6 neither its size error nor dependent rows are judged;
+    // with Table 2's they are.
     for id in ["eq6", "eq9", "eq10.ap"] {
         assert_eq!(row(&rows, id).verdict, Verdict::Undetermined, "{id}");
     }
@@ -316,7 +324,7 @@ fn the_optimum_and_the_genetic_algorithm() {
     assert_eq!(row(&with_law, "eq9").verdict, Verdict::Reproduced);
     assert_eq!(row(&with_law, "eq10.ap").verdict, Verdict::NotReproduced);
     assert!(row(&rows, "eq10.table1").reason.contains("infeasible"));
-    // The depth of the optimum lies outside Table 2's own range, and the note says so.
+    // The depth of the optimum lies outside Table 2's own range, and the note states that.
     let study = shadowgauge::studies::optimize::Problem::new(&problem()).unwrap();
     let notes = study.notes(&shadowgauge::studies::optimize::Point {
         speed_m_per_min: 80.0,
@@ -343,7 +351,7 @@ fn ours_follows_the_inputs() {
     assert!(moved(&hotter, "fig11.physical.accumulated.pass3"));
     let slower = changed("depth_mm = 0.25", "depth_mm = 0.3");
     assert!(moved(&slower, "eq5") && moved(&slower, "eq6"));
-    // A paper's figure that cannot be met is no longer reproduced.
+    // A changed figure of the paper that ours cannot meet is no longer reproduced.
     let off = changed("error_um = 15.4", "error_um = 18.0");
     assert_eq!(row(&off, "fig7.row1").verdict, Verdict::NotReproduced);
     assert!(row(&off, "fig7.row1").is_unexplained_miss());
@@ -407,12 +415,12 @@ fn two_groups_through_frames() {
     let rows: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).unwrap();
     let find = |id: &str| rows.iter().find(|row| row["id"] == id).unwrap_or_else(|| panic!("no row {id}"));
     let ours = |id: &str| find(id)["ours"].as_f64().unwrap();
-    // The compensated group meets the target; the other keeps the line's mean of about 49 µm.
+    // The compensated group meets the target; the other retains the line's mean of about 49 µm.
     assert!((ours("experiment.frames.compensated") - 23.2).abs() < 0.004);
     assert!((ours("experiment.frames.contrast") - 23.2488).abs() < 0.004);
     assert!(ours("experiment.frames.reading") < 0.002);
     assert_eq!(find("experiment.frames.change")["verdict"], "consistent");
-    // The paper's means lie .19 mm above the target for a reason that it does not give.
+    // The paper's means lie 0.19 mm above the target for a reason that it does not state.
     assert_eq!(find("experiment.frames.contrast")["verdict"], "undetermined");
     assert!(out.join("fig2.svg").exists() && out.join("fig2_x.svg").exists());
     assert!(std::fs::read_to_string(out.join("report.html")).unwrap().matches("<svg").count() == 2);

@@ -15,7 +15,8 @@ fn request() -> FrameRequest {
     FrameRequest { format: Some(PixelFormat::F32), ..Default::default() }
 }
 
-/// A stepped shaft about z = 0 of a small frame: shoulder, chamfer, fillet, groove; pixels of 15 µm.
+/// A stepped shaft about z = 0 of a small frame: shoulder, chamfer, fillet, groove; pixels of 15
+/// µm.
 fn stepped() -> Shaft {
     let at = |z_px: f64, radius_px: f64| ContourPoint {
         z_mm: z_px * 0.015,
@@ -52,7 +53,7 @@ fn apart(scene: &Scene, renderer: &Renderer, truth: impl Fn(&GaussianReference) 
 
 #[test]
 fn a_shoulder_is_the_closed_form() {
-    // Light above e1 before x0 and above e2 behind it: A(x)·B(e1 - y) + (1 - A(x))·B(e2 - y).
+    // Light above e1 before x0 and above e2 after it: A(x)·B(e1 - y) + (1 - A(x))·B(e2 - y).
     let (sigma, x0, r1, r2) = (1.2, 17.3, 60.2, 71.9);
     let setup = setup(200, 40, sigma);
     let mut shaft = Shaft::cylinder(1.0);
@@ -113,7 +114,8 @@ fn steps_chamfers_fillets_and_grooves_meet_the_two_dimensional_integral() {
     }
 }
 
-/// The outline as a closed polygon of (column, row), turned by the tilt: plain geometry, none of the silhouette's code.
+/// The outline as a closed polygon of (column, row), rotated by the tilt: plain geometry, without
+/// the silhouette's code.
 fn polygon(scene: &Scene, tilt_mrad: f64) -> Vec<[f64; 2]> {
     let setup = scene.setup();
     let (sin, cos) = (1e-3 * tilt_mrad).sin_cos();
@@ -126,8 +128,9 @@ fn polygon(scene: &Scene, tilt_mrad: f64) -> Vec<[f64; 2]> {
     upper.chain(knots.iter().rev().map(|k| place(k.z_mm, -k.radius_mm))).collect()
 }
 
-/// Shares of light of an opaque polygon blurred in both directions: Simpson's rule along the row between the corners,
-/// in steps in which no edge climbs by more than σ/12; every stretch of shadow down a column by itself.
+/// Shares of light of an opaque polygon blurred in both directions: Simpson's rule along the row
+/// between the corners, in steps in which no edge rises by more than σ/12; every stretch of shadow
+/// down a column separately.
 fn polygon_light(polygon: &[[f64; 2]], rows: usize, columns: usize, sigma: f64) -> Vec<f64> {
     let cdf = |u: f64| 0.5 * libm::erfc(-u / (sigma * std::f64::consts::SQRT_2));
     let step = |u: f64| {
@@ -216,10 +219,11 @@ fn a_thread_meets_the_two_dimensional_integral() {
     assert!(shift < 2e-4 && pixel < 1e-4, "{shift} {pixel}");
 }
 
-/// Light past an opaque quadrant in collimated light of one colour, v along both sides into the light: the amplitudes of the
-/// half planes multiply in what the quadrant covers.
+/// Light past an opaque quadrant in collimated monochromatic light, v along both sides into the
+/// light: the covered amplitudes of the half planes multiply.
 fn quadrant(vx: f64, vy: f64) -> f64 {
-    // Share of the amplitude that a half plane which covers v > 0 … takes away: ((½ - C) + i(½ - S))·(1 - i)/2.
+    // Share of the amplitude blocked by a half plane that covers v > 0: ((½ - C) + i(½ - S))·(1 -
+    // i)/2.
     let covered = |v: f64| {
         let (c, s) = fresnel(v);
         let (re, im) = (0.5 - c, 0.5 - s);
@@ -230,8 +234,8 @@ fn quadrant(vx: f64, vy: f64) -> f64 {
     re * re + im * im
 }
 
-/// Light, as a share of the bright field, on 900 x 200 pixels about the end of a shaft at column 99.5: a corner of the shadow, its far
-/// side out of reach.
+/// Light, as a share of the bright field, on 900 x 200 pixels about the end of a shaft at
+/// column 99.5: a corner of the shadow, with its far side out of reach.
 fn corner_light(esf: Esf, pixel_um: f64) -> (Vec<f64>, OpticalSetup) {
     let mut settings = shadowgauge::render::settings::SetupSettings {
         departures: shadowgauge::render::settings::SetupDeviations::none(),
@@ -277,12 +281,14 @@ fn a_shoulder_in_laser_light_is_the_product_of_amplitudes() {
         }
     }
     println!("laser corner: {near:.3} of full intensity at most, {along:.3} six units along the edge");
-    // What is left are the rings 10 units from the corner, 2 % of the amplitude, where columns of their own end.
+    // The remaining error comes from the rings 10 units from the corner, 2 % of the amplitude,
+    // where the columns with their own profiles end.
     assert!(near < 0.06 && along < 0.02, "{near} {along}");
 }
 
-/// Image of an opaque quarter plane vx < 0, vy < 0 (in λ/NA) by Abbe's sum over the points of a circular source of S = .5: a coherent image
-/// each, by an inverse transform of the spectrum of a periodic quarter plane. On a grid of .25, .0625 beside the corner.
+/// Image of an opaque quarter plane vx < 0, vy < 0 (in λ/NA) by Abbe's sum over the points of a
+/// circular source of S = 0.5: a coherent image for each, by an inverse transform of the spectrum
+/// of a periodic quarter plane. On a grid of 0.25, displaced by 0.0625 from the corner.
 struct AbbeCorner {
     light: Vec<f64>,
 }
@@ -296,7 +302,8 @@ impl AbbeCorner {
         use rustfft::{FftPlanner, num_complex::Complex};
         let (n, period) = (Self::N, Self::PERIOD);
         let order = |k: usize| if k < n / 2 { k as f64 } else { k as f64 - n as f64 };
-        // The half wave that is 1 from -period/2 to 0, moved so that the grid's first point is OFFSET beside the corner.
+        // The half wave that is 1 from -period/2 to 0, moved so that the grid's first point is
+        // OFFSET beside the corner.
         let half: Vec<Complex<f64>> = (0..n)
             .map(|k| {
                 let turn = Complex::cis(std::f64::consts::TAU * order(k) * Self::OFFSET / period);
@@ -339,12 +346,13 @@ impl AbbeCorner {
     /// Light at steps of .25 from the corner.
     fn at(&self, x: isize, y: isize) -> f64 {
         let wrapped = |k: isize| k.rem_euclid(Self::N as isize) as usize;
-        // Symmetric in x and y: which of the two runs fastest does not matter.
+        // Symmetric in x and y: the order of the indices does not matter.
         self.light[wrapped(x) * Self::N + wrapped(y)]
     }
 }
 
-/// Far along an edge Abbe's sum is the family's own edge; near the corner the renderer's rule errs by what is printed.
+/// Far along an edge Abbe's sum is the family's own edge; near the corner the error of the
+/// renderer's rule is printed.
 #[test]
 fn a_shoulder_in_partially_coherent_light_keeps_to_its_stated_error() {
     let edge = shadowgauge::render::esf_families::PartiallyCoherentEdge::default();

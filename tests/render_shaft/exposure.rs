@@ -40,7 +40,8 @@ fn shaft() -> Shaft {
     shaft
 }
 
-/// Frames at many instants, the shaft lifted by hand, and their mean; mean top edges too.
+/// The mean of frames at many instants, with the shaft displaced explicitly; also the mean top
+/// edges.
 fn averaged(
     setup: &OpticalSetup,
     shaft: &Shaft,

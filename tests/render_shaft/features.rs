@@ -17,7 +17,8 @@ fn shaft(form: &ShaftForm) -> Shaft {
     form_shaft(vec![ProfileKnot { z_mm: 0.0, radius_mm: R }], form, 60.0, 3).unwrap()
 }
 
-/// Largest r(θ)cos(θ + facing) by sweeping θ, then about the best once more: misses a rim by the last step at most.
+/// Largest r(θ)cos(θ + facing) by a sweep of θ and a finer one about its best: misses a rim by the
+/// last step at most.
 fn brute(outline: &Outline, z_mm: f64, facing: f64) -> f64 {
     let height = |t: f64| outline.radius_mm(z_mm, t) * (t + facing).cos();
     let mut best = (0.0, f64::NEG_INFINITY);
@@ -68,7 +69,7 @@ fn a_flat_that_turns_through_the_edge_is_the_closed_form() {
     let half = (11.0f64 / R).acos();
     for i in 0..720 {
         let angle = 0.5 * f64::from(i);
-        // The flat's normal stands at 30° + φ; the edge looks up (0°).
+        // The flat's normal is at 30° + φ; the edge is the upper one (0°).
         let away = ((30.0 + angle).to_radians() + PI).rem_euclid(TAU) - PI;
         let wanted = if away.abs() < half { R * (half - away.abs()).cos() } else { R };
         close(outline.turned(angle).edges(20.0).top_mm, wanted, 1e-10, &format!("D at {angle}°"));
@@ -104,7 +105,7 @@ fn cuts_in_a_lobed_rough_shaft_meet_brute_force() {
     let flats = vec![flat(12.3, 40.0), flat(11.7, 75.0)];
     let keyways = vec![keyway(5.0, 9.0, 62.0), keyway(3.0, 10.0, 230.0)];
     let form = ShaftForm { lobes, texture, flats, keyways, ..Default::default() };
-    // Brute force ends a rim one step of 1.6e-8 rad early.
+    // Brute force misses a rim by one step of 1.6e-8 rad.
     against_brute_force(&form, &[3.3, 20.0], 3e-7);
 }
 
@@ -141,13 +142,13 @@ fn an_iso_thread_has_its_depth_and_climbs_by_its_pitch() {
     let heights: Vec<f64> = (0..4000).map(|i| turned.edges(10.0 + 1e-3 * f64::from(i)).top_mm).collect();
     let (low, high) = heights.iter().fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(*v), h.max(*v)));
     close(high, R, 1e-12, "crest");
-    // Major less 5/8 H; the helix closes a little of the root for the eye.
+    // Major less 5/8 H; the helix hides a small part of the root.
     let depth = 0.625 * 3f64.sqrt() / 2.0 * 2.0;
     assert!((R - depth..R - depth + 0.02).contains(&low), "root {low}");
     for i in 0..2000 {
         close(heights[i], heights[i + 2000], 1e-9, "a pitch further on");
     }
-    // The other edge shows the crests half a pitch away.
+    // On the other edge the crests are half a pitch away.
     let other = |z: f64| -turned.edges(z).bottom_mm;
     for i in 0..500 {
         let z = 10.0 + 4e-3 * f64::from(i);

@@ -1,4 +1,5 @@
-//! What a shaft, a lens and an exposure do to the edges: against closed forms, brute force and second integrations.
+//! Effects of shaft, lens and exposure on the edges, against closed forms, brute force and second
+//! integrations.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "../support/program.rs"]

@@ -1,4 +1,4 @@
-//! Bad input from outside the binary, and files that a config names.
+//! Invalid input from outside the binary, and files named in a config.
 
 use std::path::Path;
 

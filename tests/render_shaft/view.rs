@@ -31,7 +31,7 @@ fn a_shoulder_tilted_towards_the_camera_is_the_envelope() {
     for share in [-1.2f64, -0.7, -0.2, 0.0, 0.3, 0.7, 0.95, 1.05, 1.3] {
         let z = share * spread;
         let e = turned.edges_seen(z, &View::default());
-        // The rim is an ellipse; before it the larger, behind it the smaller cylinder.
+        // The rim is an ellipse; on one side of it the larger, on the other the smaller cylinder.
         let rim =
             if share <= 0.0 { 12.5 } else { 12.5 * (1.0 - (share * tilt.cos()).powi(2)).max(0.0).sqrt() };
         let wanted = rim.max(10.0);
@@ -54,7 +54,8 @@ fn a_cylinder_in_perspective_shows_its_tangents() {
     }
 }
 
-/// Silhouette by painting: every point of the surface about z, projected; the largest height in a narrow column.
+/// Silhouette by painting: every point of the surface about z, projected; the largest height in a
+/// narrow column.
 fn painted(
     outline: &Outline,
     angle_deg: f64,
@@ -67,7 +68,7 @@ fn painted(
         let machine = std::f64::consts::PI * (f64::from(i) / 34_000.0 - 0.5) * 0.34;
         let theta = machine - phi;
         let r0 = outline.radius_mm(z_mm, theta);
-        // Only slices near the one that lands in the column.
+        // Only slices near the one that projects to the column.
         let centre = z_mm + (z_mm - project(r0 * machine.cos(), r0 * machine.sin(), z_mm).0);
         for j in -8..=8 {
             let s = centre + width * f64::from(j) / 4.0;
@@ -94,7 +95,8 @@ fn lobes_flats_and_keyways_in_oblique_views_meet_painting() {
     let outline = Outline::new(shaft).unwrap();
     let (sin, cos) = 0.015f64.sin_cos();
     let per_distance = 1.0 / 180.0;
-    // Where a flat faces up, painting's steps along z miss its rim towards the lens: by hand it is 9.2/(1 - 3.52/180) = 9.3835 there.
+    // Where a flat faces up, the steps along z miss its rim towards the lens: calculated by hand it
+    // is 9.2/(1 - 3.52/180) = 9.3835 there.
     let up = outline.turned(-20.0).edges_seen(-6.0, &View { middle_z_mm: 1.0, per_distance });
     close(up.top_mm, 9.3835, 2e-3, "rim of a flat that faces up");
     for angle in [0.0, 60.0, 57.0, 133.0] {
@@ -106,7 +108,8 @@ fn lobes_flats_and_keyways_in_oblique_views_meet_painting() {
                 let m = 1.0 / (1.0 - y * per_distance);
                 (1.0 + m * (z - 1.0), m * x)
             });
-            // Painting ends a rim one step of 3e-5 rad early, where the height changes by 3.5 mm/rad.
+            // Painting misses a rim by one step of 3e-5 rad, where the height changes by 3.5
+            // mm/rad.
             close(e.top_mm, seen, 2.5e-4, &format!("{angle}° z {z}"));
         }
     }

@@ -1,7 +1,8 @@
 //! A lathe, its gauge and their faults, fast enough for 10⁵ cycles.
 //!
-//! Every station by itself: the shaft yields by H(z, k)·(a/.25 mm)^.9 with a the depth really cut, H a barrel that grows
-//! from pass to pass; repeatability .4 µm, reading .3 µm. One fault a part, or none.
+//! Stations are independent: the shaft yields by H(z, k)·(a/0.25 mm)^0.9 with the actual depth of
+//! cut a and a barrel H that grows from pass to pass; repeatability 0.4 µm, reading 0.3 µm. One
+//! fault per part, or none.
 
 use super::plant::CUTTING;
 use rand::{RngExt, SeedableRng};
@@ -16,13 +17,13 @@ use shadowgauge::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 const STATIONS: usize = 24;
 const NOMINALS_MM: [f64; 4] = [26.5, 26.0, 25.5, 25.0 - 0.0065];
 const LOWER_MM: f64 = 25.0 - 0.013;
-/// A step against an error of at least this is a step in the wrong direction, mm: half the tolerance.
+/// Error from which a step that increases it is in the wrong direction, mm: half the tolerance.
 const CLEAR_MM: f64 = 0.0065;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     None,
-    /// The last pass's profile, as it was.
+    /// The last pass's profile, unchanged.
     Stale,
     /// The last pass's values under this pass's number and a new scan.
     StaleRelabelled,
@@ -30,14 +31,14 @@ enum Fault {
     WrongPart,
     /// Values of another part of the batch under this part's labels.
     Swapped,
-    /// One station reads off by this: in one scan, or in both (dirt on the shaft).
+    /// Error of one station: in one scan, or in both (dirt on the shaft).
     Outlier {
         size_mm: f64,
         lasting: bool,
     },
-    /// The gauge drifts by this much a pass, seen by the master.
+    /// Drift of the gauge per pass, detectable on the master.
     Drift(f64),
-    /// The machine takes the offset times this.
+    /// The machine multiplies the offset by this.
     Factor(f64),
     Gap,
 }
@@ -83,7 +84,7 @@ pub fn run(name: ControllerName, parts: usize, seed: u64) -> Tally {
     Cell::new(&settings(name), seed).run(parts, true)
 }
 
-/// Guards opened as far as they go, nothing said of where a measurement comes from, alarms ignored.
+/// Guards as wide as possible, no origin of measurements, alarms ignored.
 pub fn run_unguarded(name: ControllerName, parts: usize, seed: u64) -> Tally {
     let mut open = settings(name);
     let g = &mut open.guards;
@@ -207,7 +208,7 @@ impl Cell {
             let yields = part.height_mm * (1.0 - 0.9 * xi * xi) * grown;
             let noise = self.normal(0.0004);
             let commanded = plan.nominal_mm - factor * plan.offset.o_mm[i];
-            // each round shrinks the change to about H·.9/(2·.25 mm), a twelfth
+            // each round reduces the change to about H·0.9/(2·0.25 mm), a twelfth
             let after = (0..6)
                 .fold(commanded, |d, _| commanded + yields * ((part.d_mm[i] - d).max(0.0) / 0.5).powf(0.9));
             part.d_mm[i] = after + noise;

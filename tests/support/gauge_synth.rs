@@ -1,5 +1,6 @@
-//! Frames made without the crate's renderer or gauge: pixel-integrated edges by the textbook formula with another
-//! library's erf, noise from rand_distr. The judge of the gauge shares no function with it.
+//! Frames computed without the crate's renderer or gauge: pixel-integrated edges by the textbook
+//! formula with another library's erf, noise from rand_distr. This reference shares no function
+//! with the gauge.
 
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
@@ -22,7 +23,8 @@ pub struct Synth {
 }
 
 impl Synth {
-    /// A 12-bit frame with the given contrast-to-noise ratio at mid-edge; `shot`: photon noise, else additive.
+    /// A 12-bit frame with the given contrast-to-noise ratio at mid-edge; `shot`: photon noise,
+    /// otherwise additive.
     pub fn with_snr(sigma: f64, snr: f64, shot: bool) -> Self {
         let (dark, light) = (700.0, 3300.0);
         let variance = ((light - dark) / snr).powi(2);
@@ -55,7 +57,7 @@ impl Synth {
         self.read * self.read + self.gain * (level - self.black)
     }
 
-    /// Draws a frame; `edges` gives (top, bottom) of a column in px.
+    /// Draws a frame; `edges` returns (top, bottom) of a column in px.
     pub fn frame(&self, edges: impl Fn(usize) -> (f64, f64), seed: Option<u64>) -> Frame {
         self.frame_with(edges, |_, _, m| m, seed)
     }
@@ -82,7 +84,8 @@ impl Synth {
         self.digitise(&counts)
     }
 
-    /// As [`Self::frame`], with another edge: `step` is the light on a pixel whose centre lies so far (px) in the light.
+    /// As [`Self::frame`], with another edge: `step` is the light on a pixel over the distance of
+    /// its centre (px) on the light side.
     #[allow(dead_code, reason = "not every test binary needs it")]
     pub fn frame_of(
         &self,
@@ -109,8 +112,8 @@ impl Synth {
         Frame::new(buffer, self.format, self.rows, self.columns, FrameMeta::default()).unwrap()
     }
 
-    /// Cramér-Rao bound on the standard deviation of an upper edge at `x`, levels and blur known, by numerical derivatives;
-    /// quantisation counts as 1/12 count².
+    /// Cramér-Rao bound on the standard deviation of an upper edge at `x`, with given levels and
+    /// blur, by numerical derivatives; quantisation counts as 1/12 count².
     #[allow(dead_code, reason = "not every test binary needs it")]
     pub fn bound(&self, x: f64) -> f64 {
         let h = 1e-4;
@@ -127,7 +130,8 @@ impl Synth {
     }
 }
 
-/// Light fraction of the pixel at `row` for an edge at `x` with light on the far side: ∫Φ over the pixel.
+/// Light fraction of the pixel at `row` for an edge at `x` with light on the far side: ∫Φ over the
+/// pixel.
 fn step(row: f64, x: f64, sigma: f64) -> f64 {
     let cdf = |t: f64| 0.5 * (1.0 + erf(t / std::f64::consts::SQRT_2));
     let pdf = |t: f64| (-0.5 * t * t).exp() / (2.0 * std::f64::consts::PI).sqrt();

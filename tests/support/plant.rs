@@ -1,7 +1,9 @@
-//! A slender shaft to control, by itself: it shares nothing with `process` or with the controllers' models.
+//! An independent plant: a slender shaft that shares nothing with `process` or with the
+//! controllers' models.
 //!
-//! Beam clamped in a chuck that yields sideways (1/k_c), tailstock of stiffness k_t at L, radial load F at a. The
-//! tailstock's reaction R follows from its own deflection R/k_t; Euler-Bernoulli, one diameter along the shaft.
+//! Beam clamped in a chuck that yields sideways (1/k_c), tailstock of stiffness k_t at L, radial
+//! load F at a. The tailstock's reaction R follows from its own deflection R/k_t; Euler-Bernoulli,
+//! one diameter along the shaft.
 
 use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
 use shadowgauge::profile::{Diameter, DiameterProfile, Reading, Station};

@@ -1,4 +1,4 @@
-//! The program from outside: run with arguments, and what it says.
+//! Runs of the program with arguments, and their output.
 #![allow(dead_code, reason = "not every test uses every helper")]
 
 use std::ffi::OsStr;
@@ -15,7 +15,7 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// What a command says on stderr, without the line breaks and rulers of a narrow terminal.
+/// The text of a command on stderr, without the line breaks and rulers of a narrow terminal.
 pub fn said(output: &Output) -> String {
     let text = text(&output.stderr);
     let words = text.split(|c: char| c.is_whitespace() || c == '│').filter(|word| !word.is_empty());

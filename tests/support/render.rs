@@ -1,11 +1,11 @@
-//! Benches, scenes and comparisons for the renderer's tests.
+//! Optical setups, scenes and comparisons for the renderer's tests.
 
 use shadowgauge::frame::{Frame, Pixels};
 use shadowgauge::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
 use shadowgauge::render::{BackendChoice, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::{ProfileKnot, Shaft};
 
-/// A bench with nominal optics of the size and blur given; 15 µm a pixel.
+/// An optical setup with nominal optics of the given size and blur; 15 µm per pixel.
 pub fn setup(rows: u32, columns: u32, sigma_px: f64) -> OpticalSetup {
     let mut settings = SetupSettings { departures: SetupDeviations::none(), ..Default::default() };
     settings.camera.rows = rows;
@@ -16,12 +16,13 @@ pub fn setup(rows: u32, columns: u32, sigma_px: f64) -> OpticalSetup {
     OpticalSetup::resolve(&settings, 0).unwrap()
 }
 
-/// A cone whose upper edge crosses the central column at `row` and falls along z with slope tan β = `slope`.
+/// A cone whose upper edge crosses the central column at `row` and falls along z with slope tan β =
+/// `slope`.
 ///
 /// The field's centre is z = 0.
 pub fn cone(setup: &OpticalSetup, row: f64, slope: f64) -> Shaft {
     let radius = (setup.centre_row() - row) * setup.pixel_mm;
-    // Straight beyond the frame as far as any blur reaches.
+    // Straight beyond the frame over the reach of any blur.
     let half = (setup.columns() + 40) as f64 * setup.pixel_mm;
     let mut shaft = Shaft::cylinder(2.0 * radius);
     shaft.profile = vec![
@@ -31,10 +32,10 @@ pub fn cone(setup: &OpticalSetup, row: f64, slope: f64) -> Shaft {
     shaft
 }
 
-/// A device renderer, or a loud skip; an error where `REQUIRE_VULKAN=1`.
+/// A device renderer, or `None` with a notice; an error where `REQUIRE_VULKAN=1`.
 pub fn device() -> Option<Renderer> {
     match Renderer::new(BackendChoice::Vulkan) {
-        // Strict: a device that fails must not be compared as if the twin were it.
+        // Strict: where the device fails, the twin must not be compared with itself.
         Ok(renderer) => Some(renderer.strict()),
         Err(e) => {
             assert!(

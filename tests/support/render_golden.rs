@@ -1,4 +1,4 @@
-//! Golden frames: cases, frames of three kinds that cannot be mixed up, and the comparator.
+//! Golden frames: cases, frames of three kinds with distinct types, and the comparator.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,7 +17,7 @@ pub struct Truth {
     pub bottom_px: Vec<f64>,
 }
 
-/// 16-bit pixels with the act that made them: no two acts share an id.
+/// 16-bit pixels with the id of the rendering: no two renderings have the same id.
 #[derive(Clone, Debug)]
 pub struct Shot {
     pub rows: usize,
@@ -32,7 +32,7 @@ impl Shot {
         Self { rows, columns, pixels, id: NEXT.fetch_add(1, Ordering::Relaxed) }
     }
 
-    /// The same pixels as if made anew, with some changed.
+    /// The same pixels as if rendered anew, with some changed.
     pub fn spoiled(&self, spoil: impl FnOnce(&mut Vec<u16>)) -> Self {
         let mut pixels = self.pixels.clone();
         spoil(&mut pixels);
@@ -40,14 +40,14 @@ impl Shot {
     }
 }
 
-/// From the file that the reference blessed.
+/// From the golden file, written by the reference.
 pub struct GoldenFrame(pub Shot);
 /// Rendered just now by the CPU twin.
 pub struct CpuFrame(pub Shot);
 /// Rendered just now by a device.
 pub struct GpuFrame(pub Shot);
 
-/// A frame under test and the frame it is held against; only these pairs exist.
+/// A frame under test and the frame that it is compared with; only these pairs exist.
 pub trait HeldAgainst<Judge> {
     fn pair<'a>(&'a self, judge: &'a Judge) -> (&'a Shot, &'a Shot);
 }
@@ -71,7 +71,7 @@ pub enum Mismatch {
     Shift(FrameDifference),
 }
 
-/// Holds a frame against its judge.
+/// Compares a frame with its reference.
 pub fn compare<J, T: HeldAgainst<J>>(
     test: &T,
     judge: &J,
@@ -96,7 +96,7 @@ pub fn compare<J, T: HeldAgainst<J>>(
     Ok(difference)
 }
 
-/// A case made ready to be drawn.
+/// A case prepared for rendering.
 pub struct GoldenScene {
     pub name: String,
     pub folder: PathBuf,
@@ -141,7 +141,8 @@ impl GoldenScene {
         Shot::new(view.rows(), view.columns(), pixels.to_vec())
     }
 
-    /// Whether light is even and clean, no well is full and the blur Gaussian: what a gauge may take for granted.
+    /// Whether the light is even and clean, no pixel saturated and the blur Gaussian: the
+    /// assumptions of a gauge.
     pub fn is_plain(&self) -> bool {
         let setup = self.scene.setup();
         let levels = self.scene.levels(PixelFormat::Mono16);
@@ -194,7 +195,7 @@ impl GoldenScene {
         }
     }
 
-    /// What window and air leave of the light, drawn apart from the renderer.
+    /// Transmission of window and air, drawn independently of the renderer.
     fn clear_light(&self) -> Option<TransmissionMap> {
         let setup = self.scene.setup();
         setup.contamination.as_ref().filter(|s| s.dims())?;
@@ -258,7 +259,7 @@ impl GoldenScene {
     }
 }
 
-/// Every case there is.
+/// All cases.
 pub fn cases() -> Vec<GoldenScene> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden");
     let mut folders: Vec<PathBuf> =

@@ -1,4 +1,4 @@
-//! `calibrate` and what `measure` does with a calibration, from outside the binary.
+//! `calibrate`, and `measure` with a calibration, from outside the binary.
 
 use std::path::Path;
 use std::process::Output;
@@ -11,7 +11,8 @@ use shadowgauge::studies::calibration::{CalibrationPlan, Laid, SimulatedSetup};
 
 use crate::program::shadowgauge;
 
-/// A small bench without distortion (its truth is drawn apart from [`true_setup`]); every test changes what it needs.
+/// A small optical setup without distortion (its truth is drawn apart from [`true_setup`]); every
+/// test changes the keys it needs.
 pub const PLAN: &str = r#"
 optics_id = "small bench"
 date = "2026-11-22"
@@ -82,7 +83,7 @@ pub fn save(frame: &Frame, to: &Path) {
         .unwrap();
 }
 
-/// The true bench behind [`PLAN`], and its renderer.
+/// The true optical setup of [`PLAN`], and its renderer.
 pub fn true_setup(plan: &str) -> OpticalSetup {
     let plan: CalibrationPlan = toml::from_str(plan).unwrap();
     let simulate = plan.simulate.unwrap();
@@ -101,12 +102,12 @@ pub fn laid(diameter_mm: f64, angle_deg: f64, lobes: Vec<Lobe>) -> Laid {
     }
 }
 
-/// Frames of a part of 5.0 mm before the calibrated bench.
+/// Frames of a part of 5.0 mm in the calibrated optical setup.
 fn part(folder: &Path, frames: usize) -> String {
     part_before(folder, frames, PLAN)
 }
 
-/// The same before the bench of another plan.
+/// The same in the optical setup of another plan.
 fn part_before(folder: &Path, frames: usize, plan: &str) -> String {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
     let mut setup = SimulatedSetup::new(&renderer, true_setup(plan), 0.0, 3);
@@ -121,7 +122,7 @@ pub fn json(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// A picture and the same read column by column.
+/// An image, transposed.
 fn upright(folder: &Path, image: &str) -> String {
     let level = image::open(image).unwrap().into_luma16();
     let turned = image::ImageBuffer::from_fn(level.height(), level.width(), |x, y| *level.get_pixel(y, x));
@@ -144,11 +145,12 @@ fn a_calibration_holds_for_its_edge_model_and_for_upright_frames() {
         let fixed = ["measure", image, "--calibration", &calibration, "--as-of", "2026-12-01", "--json"];
         shadowgauge([&fixed[..], more].concat())
     };
-    // The offset holds for the Gaussian that was fitted to the masters.
+    // The offset is valid for the Gaussian that was fitted to the masters.
     let learnt = measure(&level, &["--esf", "learnt"]);
     assert_eq!(learnt.status.code(), Some(2));
     assert!(text(&learnt.stderr).contains("edge-spread function gaussian"), "{}", text(&learnt.stderr));
-    // A perfect lens is the same either way round, but for what noise left of its keystones in the adjustment.
+    // A perfect lens is the same in both orientations, except for the effect of noise on the
+    // adjusted keystones.
     let (lying, standing) = (json(&measure(&level, &[])), json(&measure(&upright, &["--vertical"])));
     for key in ["max_diameter_mm", "mean_diameter_mm", "u_max_mm"] {
         let [a, b] = [&lying, &standing].map(|all| all["frames"][0][key].as_f64().unwrap());
@@ -189,7 +191,7 @@ fn a_calibration_is_made_and_used() {
     let sum: f64 = rows.iter().map(|r| number(&r["u_mm"]).powi(2)).sum();
     assert!((sum.sqrt() / number(&frame["u_max_mm"]) - 1.0).abs() < 1e-9 && rows.len() > 5);
     assert!((number(&frame["expanded_u_max_mm"]) / number(&frame["u_max_mm"]) - 3.0).abs() < 1e-9);
-    // A stream takes the blur from every frame anew: its error averages.
+    // A stream estimates the blur in every frame anew: its error averages.
     for (source, share) in [
         ("noise of the edges", "random"),
         ("quantisation", "random"),
@@ -212,7 +214,7 @@ fn a_calibration_is_made_and_used() {
     tolerances_are_judged(&input, &measure);
 }
 
-/// A file that names one condition leaves the others, and so u, as the calibration has them.
+/// A file with one condition leaves the others, and with them u, as in the calibration.
 fn conditions_are_taken(folder: &Path, frame: &Value, measure: &dyn Fn(&[&str]) -> Output) {
     let number = |v: &Value| v.as_f64().unwrap();
     let one = path(folder, "one.toml");
@@ -226,7 +228,7 @@ fn conditions_are_taken(folder: &Path, frame: &Value, measure: &dyn Fn(&[&str]) 
     std::fs::write(&one, "limit_axis_y_mm = 3.0\n").unwrap();
     let far = json(&measure(&["--conditions", &one]));
     assert!(number(&far["frames"][0]["u_max_mm"]) > number(&frame["u_max_mm"]));
-    // Ten kelvin warmer: 11.5 ppm a kelvin smaller at 20 °C.
+    // Ten kelvin warmer: 11.5 ppm per kelvin smaller at 20 °C.
     let warm = json(&measure(&["--part-temperature", "30"]));
     let ratio = number(&warm["frames"][0]["max_diameter_mm"]) / number(&frame["max_diameter_mm"]);
     assert!((ratio - 1.0 / (1.0 + 1.15e-4)).abs() < 1e-9, "{ratio}");
@@ -239,7 +241,7 @@ fn tolerances_are_judged(input: &str, measure: &dyn Fn(&[&str]) -> Output) {
     let good = json(&good);
     assert_eq!(good["frames"][3]["judgement"], "GO");
     assert!(good["frames"][3]["average_mm"].is_number() && good["statistics"]["count"] == 4);
-    // Frames of one part show no process.
+    // Frames of one part have no process capability.
     assert!(good["statistics"]["cp"].is_null() && good["statistics"]["cpk"].is_null(), "{good}");
     assert!(good["statistics"]["capability_none"].as_str().unwrap().contains("--parts"), "{good}");
     let none = measure(&["--tolerance", "4.9999..5.0001"]);
@@ -250,7 +252,7 @@ fn tolerances_are_judged(input: &str, measure: &dyn Fn(&[&str]) -> Output) {
     assert!(said.contains("mean diameters of 4 frames: mean ") && !said.contains('{'), "{said}");
     assert!(warned.contains("scale and edge offset are not calibrated"), "{warned}");
     let bad = measure(&["--tolerance", "5 h6", "--station-mm", "1"]);
-    // 5 h6 ends at 5.000 mm: the part stands on the limit, which is not proven good.
+    // 5 h6 ends at 5.000 mm: the part is at the limit, which is not proven good.
     assert_eq!(bad.status.code(), Some(1));
     assert!(json(&bad)["frames"][0]["stations"].as_array().unwrap().len() >= 4);
 }
@@ -338,7 +340,7 @@ fn a_wrong_plan_is_named() {
     assert_eq!(scenes.status.code(), Some(2), "{}", text(&scenes.stderr));
 }
 
-/// Without a check pin nothing is accepted, and stdout says so.
+/// Without a check pin nothing is accepted, and stdout states it.
 #[test]
 fn a_calibration_without_a_check_pin_is_not_called_accepted() {
     let folder = tempfile::tempdir().unwrap();
@@ -353,7 +355,8 @@ fn a_calibration_without_a_check_pin_is_not_called_accepted() {
     assert!(human.contains("no check pin") && !human.contains("middle master"), "{human}");
 }
 
-/// The same pins as files: recorded frames give a calibration, and a check pin with a wrong certificate is refused.
+/// The same pins as files: recorded frames give a calibration, and a check pin with a wrong
+/// certificate is refused.
 #[test]
 fn recorded_frames_calibrate_and_a_wrong_check_pin_refuses() {
     let folder = tempfile::tempdir().unwrap();
@@ -382,7 +385,8 @@ fn recorded_frames_calibrate_and_a_wrong_check_pin_refuses() {
     let made = calibrate(folder.path(), &plan);
     assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
     let scale = json(&made)["scale_mm_per_px"].as_f64().unwrap();
-    // Two frames of each pin: levels common to a frame leave some thousandths of a pixel over 170.
+    // Two frames of each pin: levels common to a frame cause errors of some thousandths of a pixel
+    // over 170.
     assert!((scale / pixel_mm - 1.0).abs() < 5e-5, "{scale} {pixel_mm}");
     std::fs::remove_file(folder.path().join("calibration.json")).unwrap();
     let wrong = calibrate(folder.path(), &plan.replace("diameter_mm = 5.2", "diameter_mm = 5.205"));
@@ -439,13 +443,13 @@ fn a_turn_shows_sizes_and_lobes_of_the_silhouette() {
         ["u_gg_random_mm", "u_gg_common_mm", "u_gg_mm"].map(|key| number(&section[key]));
     assert!(common > random && (random.hypot(common) / both - 1.0).abs() < 1e-12, "{section}");
     assert!(number(&section["harmonics"]["even_spindle"][0]["amplitude_mm"]) >= 0.0);
-    // 16 tangents a revolution carry up to 8 undulations, not 15.
+    // 16 tangents per revolution resolve up to 8 undulations, not 15.
     assert!(
         all["turn"]["filter"].as_str().unwrap().contains("as far as the angles reach: 16"),
         "{}",
         all["turn"]
     );
-    // Half a turn takes the spindle as still: it tells nothing of its motion.
+    // With half a turn the spindle is assumed free of error motion, which is not determined.
     let half: Vec<String> = (0..8).map(|i| format!("{input}/{i:06}.png")).collect();
     let files = ["measure", "--um-per-px", "15.27", "--turn", "--angle-step", "22.5", "--json"].into_iter();
     let half = json(&shadowgauge(files.chain(half.iter().map(String::as_str)).collect::<Vec<_>>()));

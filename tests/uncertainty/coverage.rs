@@ -1,4 +1,4 @@
-//! A cheap, fixed part of `study coverage`: intervals cover the truth where they say so.
+//! A small, fixed part of `study coverage`: intervals cover the truth with the stated probability.
 
 use shadowgauge::render::{BackendChoice, Renderer};
 use shadowgauge::studies::coverage::{Class, class_figures};
@@ -29,7 +29,8 @@ fn scenes_outside_the_limits_are_flagged_where_a_frame_shows_it() {
     }
 }
 
-/// A Gaussian fitted to partially coherent light misfits masters and part alike: what both share is absorbed by the offset and not stated.
+/// A Gaussian fitted to partially coherent light has the same systematic residual on masters and
+/// part, which the offset absorbs and u need not contain.
 #[test]
 fn a_misfit_that_the_masters_share_is_neither_flagged_nor_stated() {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
@@ -37,11 +38,11 @@ fn a_misfit_that_the_masters_share_is_neither_flagged_nor_stated() {
     println!("{c:?}");
     assert!(c.flagged <= 0.05, "{c:?}");
     assert!(c.covered >= 0.92, "{c:?}");
-    // A 95th percentile of 80 is known to a tenth.
+    // A 95th percentile of 80 values scatters by a tenth.
     assert!(c.half_over_p95() <= 1.65, "{c:?}");
 }
 
-/// Light clipped on the part: the intervals of what is measured cover the truth.
+/// Light clipped on the part: the intervals of the measured diameters cover the truth.
 fn clipped_scenes_are_covered(scenes: usize) {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
     let c = class_figures(Class::Clipped, scenes, 7, &renderer).unwrap();

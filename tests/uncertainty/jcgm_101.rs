@@ -1,4 +1,5 @@
-//! Monte Carlo propagation against the examples of JCGM 101:2008, clause 9, whose figures are published.
+//! Monte Carlo propagation against the examples of JCGM 101:2008, clause 9, whose figures are
+//! published.
 
 use shadowgauge::gauge::monte_carlo::{
     Distribution, Input, StopRule, law_of_propagation, monte_carlo, monte_carlo_adaptive,
@@ -13,8 +14,9 @@ fn close(found: f64, published: f64, tolerance: f64, what: &str) {
     assert!((found - published).abs() <= tolerance, "{what}: {found}, published {published}");
 }
 
-/// 9.2.3: sum of four rectangular inputs of standard deviation 1; u = 2.00, 95 % interval ± 3.88, the GUM's ± 3.92 is not
-/// validated at two digits (9.2.3.4 and table 3) but the normal one of 9.2.2 is.
+/// 9.2.3: sum of four rectangular inputs of standard deviation 1; u = 2.00, 95 % interval ± 3.88,
+/// the GUM's ± 3.92 is not validated at two digits (9.2.3.4 and table 3) but the normal one
+/// of 9.2.2 is.
 #[test]
 fn additive_model() {
     let sum = |x: &[f64]| Some(x.iter().sum());
@@ -43,8 +45,9 @@ fn additive_model() {
     assert!(!validate(&gum, &mc, 0.95, 2).validated);
 }
 
-/// 9.3: mass calibration. δm = (m_Rc + δm_Rc)[1 + (ρ_a − ρ_a0)(1/ρ_W − 1/ρ_R)] − m_nom, mg. Published: 1.2340, u = .0754,
-/// shortest 95 % interval [1.0834, 1.3825]; the law of propagation gives u = .0539, [1.1285, 1.3395], not validated.
+/// 9.3: mass calibration. δm = (m_Rc + δm_Rc)[1 + (ρ_a − ρ_a0)(1/ρ_W − 1/ρ_R)] − m_nom, mg.
+/// Published: 1.2340, u = .0754, shortest 95 % interval [1.0834, 1.3825]; the law of propagation
+/// gives u = .0539, [1.1285, 1.3395], not validated.
 #[test]
 fn mass_calibration() {
     let inputs = [
@@ -70,8 +73,8 @@ fn mass_calibration() {
     close(numerical_tolerance(0.0996, 1), 0.05, 1e-12, "tolerance, rounded up a decade");
 }
 
-/// 9.4.2.2: comparison loss δY = X1² + X2², both 0 ± .005, uncorrelated: y = 50·10⁻⁶, u = 50·10⁻⁶, shortest 95 % interval
-/// [0, 150]·10⁻⁶; the first-order law of propagation gives y = 0, u = 0.
+/// 9.4.2.2: comparison loss δY = X1² + X2², both 0 ± .005, uncorrelated: y = 50·10⁻⁶, u = 50·10⁻⁶,
+/// shortest 95 % interval [0, 150]·10⁻⁶; the first-order law of propagation gives y = 0, u = 0.
 #[test]
 fn comparison_loss() {
     let inputs = vec![input(0.0, Distribution::Normal { u: 0.005 }); 2];

@@ -1,4 +1,4 @@
-//! Calibration of a bench, its budget, Monte Carlo and coverage.
+//! Calibration of an optical setup, its budget, Monte Carlo and coverage.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 mod cli;

@@ -1,4 +1,4 @@
-//! The adjustment of a bench against benches whose parameters are known.
+//! The adjustment of an optical setup against setups with given parameters.
 
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -16,7 +16,7 @@ fn master(name: &str, diameter_mm: f64, expanded_u_mm: f64) -> MasterPrior {
     MasterPrior { name: name.to_owned(), certificate, common: None }
 }
 
-/// The world as it is.
+/// True values.
 #[derive(Clone, Copy)]
 struct World {
     scale: f64,
@@ -30,8 +30,8 @@ struct World {
     noise_px: f64,
 }
 
-/// What the image shows of a pin at a height and a distance from the plane: rows at which the ideal row takes the wanted
-/// value, by bisection, and not by the correction's own inverse.
+/// The image of a pin at a height and a distance from the plane: rows at which the ideal row has
+/// the given value, by bisection instead of the correction's own inverse.
 fn observations(world: &World, diameters: &[f64; 2], rng: &mut Pcg64) -> Vec<Observation> {
     let mut all = Vec::new();
     let mut frame = 0;
@@ -127,7 +127,7 @@ fn a_known_bench_is_found() {
     for ((f, e), t) in found.parameters.iter().zip(expected).zip(tolerance) {
         assert!((f - e).abs() < t, "{:?} {expected:?}", found.parameters);
     }
-    // A part of 20 mm anywhere in the field, warm as the masters, off the plane.
+    // A part of 20 mm anywhere in the field, at the masters' temperature, out of the plane.
     let lens = found.lens;
     let (top, bottom) = (-500.0, 811.0);
     let exact = |s: f64, o: f64, l: &LensModel| s * (l.ideal(700.0, bottom) - l.ideal(700.0, top)) + o;
@@ -137,7 +137,8 @@ fn a_known_bench_is_found() {
     assert!(found.residuals.iter().all(|r| r.residual_mm.abs() < 1e-5));
 }
 
-/// Scatter of the result over worlds drawn from the priors is what the covariance says, source by source.
+/// Scatter of the result over worlds drawn from the priors agrees with the covariance, source by
+/// source.
 #[test]
 fn the_covariance_is_the_scatter_over_worlds_drawn_from_the_priors() {
     let diameters = [16.0, 26.0];
@@ -207,7 +208,7 @@ fn deviated_data_move_the_result_as_the_covariance_says() {
     assert!((change.abs() / part.variance(&by).sqrt() - 1.0).abs() < 1e-3, "{change}");
 }
 
-/// A clean first block must not hide what the other columns of its frame share.
+/// A clean first block must not hide the common error of the other columns of its frame.
 #[test]
 fn what_any_block_of_a_frame_shares_counts() {
     let u_of = |shared: [f64; 6]| {
@@ -220,15 +221,16 @@ fn what_any_block_of_a_frame_shares_counts() {
         part.variance(&[1300.0, 1.0, 0.0, 0.0, 0.0, 0.0]).sqrt()
     };
     let even = u_of([0.05; 6]);
-    // The same mean square, the first block clean, and the other way round.
+    // The same mean square, with the first block clean, and the reverse.
     let late = u_of([0.0, 0.05, 0.05, 0.05, 0.05, 0.05 * 2.0_f64.sqrt()]);
     let early = u_of([0.05 * 6.0_f64.sqrt(), 0.0, 0.0, 0.0, 0.0, 0.0]);
     println!("{even} {late} {early} mm");
     assert!(even > 1e-4 && (late / even - 1.0).abs() < 1e-6 && (early / even - 1.0).abs() < 1e-6);
 }
 
-/// An edge model that is not the light's puts edges 0.05 px elsewhere 3 mm out of the plane, more on one side than on the other: the
-/// lens' parameters and their rows stay what they are, and a row of its own says it.
+/// A wrong edge model displaces edges by 0.05 px at 3 mm out of the plane, more on one side than on
+/// the other: the lens' parameters and their rows are unaffected, and a separate row states the
+/// effect.
 #[test]
 fn a_wrong_edge_model_is_not_the_lens() {
     let seen = |bias_px: [f64; 2]| {
@@ -249,7 +251,8 @@ fn a_wrong_edge_model_is_not_the_lens() {
     for k in 0..PARAMETERS {
         println!("{k}: {:e} {:e}", right.parameters[k], wrong.parameters[k]);
     }
-    // The telecentricity is told by the two diameters at one place, to 1.2e-6/mm under this noise: 0.06 px of difference would be 7e-6.
+    // The telecentricity is determined by the two diameters at one place, to 1.2e-6/mm under this
+    // noise: 0.06 px of difference would be 7e-6/mm.
     let t = |found: &shadowgauge::gauge::calibration::Adjusted| found.lens.telecentricity_per_mm;
     assert!((t(&wrong) - world().lens.telecentricity_per_mm).abs() < 3e-6, "{:e}", t(&wrong));
     assert!((wrong.parameters[1] - right.parameters[1]).abs() < 1e-4);
@@ -283,8 +286,9 @@ fn masters_that_determine_no_bench_are_refused() {
     assert!(matches!(adjust(seen, unseen), Err(CalibrationError::Unseen { .. })));
 }
 
-/// Two masters hold a line: a diameter between them has the levers a and b of both, and of certificates with the covariance c₁c₂ the variance
-/// a²u₁² + b²u₂² + 2ab·c₁c₂. Half-way between fully shared ones nothing averages, between independent ones half does.
+/// Two masters determine a line: a diameter between them has the weights a and b of both, and with
+/// certificates of the covariance c₁c₂ the variance a²u₁² + b²u₂² + 2ab·c₁c₂. Half-way between
+/// fully correlated ones nothing averages, between independent ones half of the variance does.
 #[test]
 fn certificates_of_one_laboratory_are_correlated() {
     let (small, large) = (16.0, 26.0);

@@ -86,7 +86,7 @@ fn the_edge_spread_function_is_chosen_on_the_command_line() {
     assert_eq!(rendered.status.code(), Some(0), "{}", text(&rendered.stderr));
     let input = format!("{out}/frames");
     let truth = std::fs::read_to_string(format!("{out}/truth.csv")).unwrap();
-    // The same edge as a file: what the config's family says at 1201 distances.
+    // The same edge as a file: the config's family at 1201 distances.
     let table = {
         use shadowgauge::render::esf_families::PartiallyCoherentEdge;
         let family = PartiallyCoherentEdge {
@@ -140,7 +140,8 @@ fn the_edge_spread_function_is_chosen_on_the_command_line() {
     refused(&["--esf", "learnt", "--shape", "ring"], 2, "--shape shaft");
 }
 
-/// Two turns and a half of an oval shaft; in one frame of the second turn a collar of .07 mm stands there.
+/// Two turns and a half of an oval shaft; in one frame of the second turn there is a collar of 0.07
+/// mm.
 #[test]
 fn a_station_that_jumps_against_an_earlier_turn_is_a_gap() {
     let folder = tempfile::tempdir().unwrap();
@@ -171,7 +172,7 @@ fn a_station_that_jumps_against_an_earlier_turn_is_a_gap() {
     let jumps = all["turn"]["implausible"].as_array().unwrap();
     assert!(jumps.len() >= 4, "{jumps:?}");
     assert!((jumps[0]["jump_mm"].as_f64().unwrap() - 0.07).abs() < 0.003 && jumps[0]["angle_deg"] == 495.0);
-    // The turn's size is that of the frames that agree; believed, the collar moves it.
+    // The turn's size is that of the consistent frames; if accepted, the collar changes it.
     let gg = |all: &Value| all["turn"]["sections"][0]["gg_mm"].as_f64().unwrap();
     let believed = measure(&["--station-mm", "1", "--turn-limit-um", "200"]);
     assert_eq!(refused(&believed, 11), 0);
@@ -181,7 +182,7 @@ fn a_station_that_jumps_against_an_earlier_turn_is_a_gap() {
     assert_eq!(without.status.code(), Some(2), "--turn-limit-um needs --turn");
 }
 
-/// A frame blurred by half as much again as the masters were: no diameter, unless with consent.
+/// A frame with 1.5 times the masters' blur: no diameter, unless requested.
 #[test]
 fn a_frame_out_of_focus_gives_no_diameter() {
     let folder = tempfile::tempdir().unwrap();
@@ -211,7 +212,7 @@ fn a_frame_out_of_focus_gives_no_diameter() {
         "{warning}"
     );
     assert!(bad["max_diameter_px"].is_null() && bad["u_max_px"].is_null(), "{bad}");
-    // Its edges are gaps with a reason; where no other frame is left, the command fails.
+    // Its edges are gaps with a reason; where no other frame remains, the command fails.
     let edges = path(folder.path(), "edges.csv");
     assert_eq!(measure(&["--edges", &edges]).status.code(), Some(0));
     let edges = std::fs::read_to_string(edges).unwrap();
@@ -219,7 +220,7 @@ fn a_frame_out_of_focus_gives_no_diameter() {
     let alone = path(folder.path(), "part/b.png");
     let none = shadowgauge(["measure", &alone, "--calibration", &calibration, "--as-of", "2026-12-01"]);
     assert_eq!(none.status.code(), Some(3), "{}", text(&none.stderr));
-    // What was not measured is not proven good.
+    // A diameter that was not measured is not proven good.
     assert_eq!(measure(&["--tolerance", "4.9..5.1"]).status.code(), Some(1));
     let consent = measure(&["--tolerance", "4.9..5.1", "--accept-blur"]);
     assert_eq!(consent.status.code(), Some(0), "{}", text(&consent.stderr));

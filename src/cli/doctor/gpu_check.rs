@@ -1,5 +1,5 @@
-//! `shadowgauge doctor --gpu-check`: a graphics adapter held against the CPU twin, golden case by
-//! golden case, and what a frame costs on both beside the floor of a kernel that only writes a
+//! `shadowgauge doctor --gpu-check`: a graphics adapter compared with the CPU twin, golden case by
+//! golden case, and the time of a frame on both, beside that of a kernel that only writes a
 //! constant.
 
 use crate::config;
@@ -9,8 +9,8 @@ use crate::studies::golden_cases::{CASES, FrameDifference, GoldenCase, compare};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::render::timing::{Timing, edge_windows, timing};
 
-/// What is timed: its name, config and how many rows of two windows are read, if not the whole
-/// sensor.
+/// The timed cases: name, config and number of rows of two windows that are read out, if not the
+/// whole sensor.
 const TIMED: [(&str, &str, Option<u32>); 3] = [
     ("2048 x 2048, 12 bit, noise", include_str!("../../../configs/bench_2048.toml"), None),
     ("the same, two windows of 32 rows", include_str!("../../../configs/bench_2048.toml"), Some(32)),
@@ -49,8 +49,8 @@ struct TimeCheck {
 /// Checks the adapter of `backend` over the golden cases and times `frames` frames of each kind.
 ///
 /// # Errors
-/// Exit 3 where there is no adapter (`auto`: no hardware adapter) or it fails on the way; exit 1
-/// where a frame of it differs from the twin's by more than a thousandth of a pixel.
+/// Exit 3 where there is no adapter (`auto`: no hardware adapter) or it fails during the check;
+/// exit 1 where one of its frames differs from the twin's by more than a thousandth of a pixel.
 pub(super) fn run(backend: BackendChoice, frames: usize, json: bool) -> CommandResult {
     let (device, twin) = (open(backend)?, Renderer::new(BackendChoice::Cpu).map_err(Failure::fail)?);
     let check = Check {
@@ -68,7 +68,7 @@ pub(super) fn run(backend: BackendChoice, frames: usize, json: bool) -> CommandR
     Ok(if agree { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 
-/// The adapter, for which a device that fails is an error.
+/// The adapter; a device that fails is an error here.
 fn open(backend: BackendChoice) -> Result<Renderer, Failure> {
     let renderer = Renderer::new(backend).map_err(Failure::fail)?;
     if renderer.backend_name() == "cpu" {

@@ -1,7 +1,7 @@
-//! `shadowgauge doctor`: adapters, drivers, what `auto` would choose, what is missing and how to
-//! install it.
+//! `shadowgauge doctor`: adapters, drivers, the choice of `auto`, missing parts and how to install
+//! them.
 //!
-//! `gpu_check` compares an adapter's frames with the CPU twin's and takes the time of both.
+//! `gpu_check` compares an adapter's frames with the CPU twin's and times both.
 
 mod gpu_check;
 
@@ -21,10 +21,12 @@ pub struct DoctorArgs {
     /// List OpenGL's adapters, which are else looked at only where Vulkan offers none.
     #[arg(long, conflicts_with = "gpu_check")]
     gl: bool,
-    /// Hold an adapter against the CPU path over the golden frames and print what a frame costs on both.
+    /// Hold an adapter against the CPU path over the golden frames and print what a frame costs on
+    /// both.
     #[arg(long)]
     gpu_check: bool,
-    /// With --gpu-check: which adapter; auto takes a hardware adapter and fails where there is none.
+    /// With --gpu-check: which adapter; auto takes a hardware adapter and fails where there is
+    /// none.
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto, requires = "gpu_check")]
     backend: BackendChoice,
     /// With --gpu-check: frames to time of each kind.
@@ -39,7 +41,7 @@ struct Findings {
     threads: usize,
     simd: &'static str,
     adapters: Vec<AdapterReport>,
-    /// Not there where OpenGL's adapters alone were asked for.
+    /// Absent where only OpenGL's adapters were requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     auto: Option<Choice>,
     missing: Vec<Missing>,
@@ -58,10 +60,10 @@ struct Missing {
     install: String,
 }
 
-/// Prints what the machine has; never fails for what is missing.
+/// Prints the findings; a missing part is no failure.
 ///
 /// # Errors
-/// None but those of `--gpu-check`.
+/// Only those of `--gpu-check`.
 pub fn run(args: &DoctorArgs) -> CommandResult {
     if args.gpu_check {
         return gpu_check::run(args.backend, args.frames as usize, args.json);
@@ -88,7 +90,7 @@ fn look(gl: bool) -> Findings {
     }
 }
 
-/// What `--backend auto` takes of these adapters.
+/// The choice of `--backend auto` among these adapters.
 fn auto(adapters: &[AdapterReport]) -> Choice {
     automatic(adapters).and_then(|index| adapters.get(index)).map_or_else(
         || Choice { backend: "cpu".into(), adapter: "CPU twin".into() },

@@ -1,5 +1,5 @@
-//! What `measure` is given about the part itself (which of several shadows, what becomes of refused
-//! columns), and the words on what was left out.
+//! Arguments of `measure` on the part itself (which of several shadows, rejection of columns), and
+//! the warnings on shadows and columns left out.
 
 use serde_json::{Map, Value, json};
 
@@ -9,12 +9,14 @@ use crate::profile::Reason;
 /// The part in the frame.
 #[derive(Debug, clap::Args)]
 pub struct ChoiceArgs {
-    /// Which of several shadows is measured: largest, nearest-centre, outermost (from the first edge to the last: the walls of a tube)
-    /// or N, counted from the top. Without it the largest, across a bright line inside it; two equal shadows that may be one tube are refused.
+    /// Which of several shadows is measured: largest, nearest-centre, outermost (from the first
+    /// edge to the last: the walls of a tube) or N, counted from the top. Without it the largest,
+    /// across a bright line inside it; two equal shadows that may be one tube are refused.
     #[arg(long, value_name = "WHICH", value_parser = which)]
     which: Option<Which>,
-    /// Columns refused: full (by residual, levels, neighbours and what leaves the axis on one side), by_edge (each edge by itself: keyways,
-    /// flats, threads, knurls) or off (none, for comparisons).
+    /// Columns refused: full (by residual, levels, neighbours and what leaves the axis on one
+    /// side), by_edge (each edge by itself: keyways, flats, threads, knurls) or off (none, for
+    /// comparisons).
     #[arg(long, value_name = "HOW", value_parser = rejection)]
     rejection: Option<Rejection>,
 }
@@ -49,13 +51,13 @@ impl ChoiceArgs {
         self.which
     }
 
-    /// The rejection stated, else the gauge's own.
+    /// The rejection stated, otherwise the gauge's default.
     pub fn rejection(&self) -> Rejection {
         self.rejection.unwrap_or_default()
     }
 
     /// Whether a frame that is refused for its outline is measured again as crests and roots: not
-    /// where rejection is stated.
+    /// where the rejection is stated.
     pub fn tries_crests(&self) -> bool {
         self.rejection.is_none()
     }
@@ -67,11 +69,12 @@ impl ChoiceArgs {
             .find_map(|(given, name)| given.then_some(name))
     }
 
-    /// Warns of what a frame shows beside the part, and adds it to the frame's JSON object.
+    /// Warns of other shadows and of light inside the part, and adds them to the frame's JSON
+    /// object.
     pub fn report(&self, stem: &str, edges: &FrameEdges, out: &mut Map<String, Value>) {
         let seen = &edges.figures.shadows;
         out.insert("shadows".to_owned(), json!(seen));
-        // The flanks of a disc seen end-on are steep, and not measured.
+        // The flanks of a disc seen end-on are always steep and are not measured.
         let steep = if out.get("max_of") == Some(&json!("disc")) { None } else { steep(edges) };
         let words = [beside(seen, self.which), inside(seen), steep];
         for word in words.into_iter().flatten() {
@@ -80,7 +83,7 @@ impl ChoiceArgs {
         }
     }
 
-    /// Whether a shadow as large as the one measured was left out without being asked to.
+    /// Whether a shadow as large as the measured one was left out without a request.
     pub fn is_ambiguous(&self, edges: &FrameEdges) -> bool {
         self.which.is_none() && edges.figures.shadows.left_out_px > 0.0
     }
@@ -94,7 +97,7 @@ pub fn add_warning(out: &mut Map<String, Value>, word: &str) {
     }
 }
 
-/// The word on a shadow that was left out.
+/// The warning on a shadow that was left out.
 fn beside(seen: &ShadowsSeen, which: Option<Which>) -> Option<String> {
     let (row, size) = (seen.left_out_row_px, seen.left_out_px);
     let stated =
@@ -109,7 +112,7 @@ fn beside(seen: &ShadowsSeen, which: Option<Which>) -> Option<String> {
     })
 }
 
-/// The word on light inside what was measured.
+/// The warning on light inside the measured shadow.
 fn inside(seen: &ShadowsSeen) -> Option<String> {
     (seen.joined > 1).then(|| {
         format!(
@@ -120,7 +123,7 @@ fn inside(seen: &ShadowsSeen) -> Option<String> {
     })
 }
 
-/// Of a part with flanks too steep to be measured: what was.
+/// The warning on flanks that are too steep to be measured.
 fn steep(edges: &FrameEdges) -> Option<String> {
     let is_steep =
         |c: &usize| [&edges.top[*c], &edges.bottom[*c]].iter().any(|e| e.reason() == Some(Reason::Steep));

@@ -1,5 +1,6 @@
-//! Threads and knurls in `measure`: what is refused for leaving its neighbours or for its steep
-//! flanks is measured again as an outline of crests and roots, and kept where it is one.
+//! Threads and knurls in `measure`: a frame whose columns are refused because they depart from
+//! their neighbours or are steep is measured again as an outline of crests and roots, and the
+//! result is kept where it is one.
 
 use serde_json::{Map, Value, json};
 
@@ -23,8 +24,8 @@ impl CrestStream {
         Self { settings: settings.clone().for_crests(), stream: None }
     }
 
-    /// The frame's edges and the pitch of its crests, px, where the first measurement is poor and
-    /// the outline goes up and down.
+    /// The frame's edges and the pitch of its crests, px, where few columns of the first
+    /// measurement have edges and the outline is periodic.
     pub fn measure(
         &mut self,
         first: &Result<FrameEdges, FrameRefused>,
@@ -50,8 +51,8 @@ impl CrestStream {
     }
 }
 
-/// Whether most of what was refused is steep or leaves its neighbours: flanks and roots, not
-/// contamination by its residual.
+/// Whether most refusals are for steepness or departure from the neighbours (flanks and roots), not
+/// for the residual (contamination).
 fn is_crested(edges: &FrameEdges) -> bool {
     let reasons = || {
         edges
@@ -73,7 +74,7 @@ pub fn report(stem: &str, pitch_px: f64, out: &mut Map<String, Value>) {
     out.insert("crest_pitch_px".to_owned(), json!(pitch_px));
 }
 
-/// The word on a frame measured as crests and roots.
+/// The warning on a frame measured as crests and roots.
 fn word(pitch_px: f64) -> String {
     format!(
         "crests and roots every {pitch_px:.1} px (a thread, a knurl): the largest diameter is that of the crests, the distance of their \

@@ -8,7 +8,7 @@ use crate::gauge::{EdgeTable, EsfModel};
 use crate::job::sampled_edge;
 use crate::render::optics::edge_spread::MeasuredEdge;
 
-/// Whether a model is in µm and needs a scale to be read by.
+/// Whether a model is in µm and needs a scale.
 pub fn needs_scale(text: &str) -> bool {
     matches!(Path::new(text).extension().and_then(|e| e.to_str()), Some("csv" | "json"))
 }
@@ -17,8 +17,8 @@ pub fn needs_scale(text: &str) -> bool {
 /// prints them), or the `[optics]` of a config.
 ///
 /// # Errors
-/// Exit 2 for a name that is none, a file without a scale to read it by, or one that is no edge; 3
-/// for one that cannot be read.
+/// Exit 2 for an unknown name, a file in µm without a scale, or one that is not an edge; 3 for one
+/// that cannot be read.
 pub fn esf_model(text: &str, um_per_px: Option<f64>) -> Result<EsfModel, Failure> {
     match text {
         "gaussian" => return Ok(EsfModel::Gaussian {}),
@@ -75,7 +75,7 @@ fn measured(text: &str, um_per_px: f64) -> Result<EsfModel, String> {
     Ok(sampled_edge(from / um_per_px, to / um_per_px, |d_px| spread.value(d_px * um_per_px)))
 }
 
-/// The family that a config renders with, in focus on the finished part, at the scale given or the
+/// The model of a config's optics, in focus on the finished part, at the given scale or the
 /// config's own.
 fn of_config(path: &Path, um_per_px: Option<f64>) -> Result<EsfModel, Failure> {
     let nominal = NominalOptics::load(path)?;

@@ -1,5 +1,5 @@
-//! Frames of `measure`: where they stand, in which order, of which channel, scale and encoding;
-//! what a user should see of that is logged once.
+//! Frames of `measure`: their files and order, their channel, scale and encoding; each note on
+//! these is logged once.
 
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::source::{Channel, FileFrames, FileScale, SAME_SCALE, StoredFrame, listing, out_of_order};
 
-/// How far a camera's nominal scale may lie from a calibrated one: makers state the magnification
+/// How far a camera's nominal scale may lie from a calibrated one: makers specify the magnification
 /// of lenses to about 1 %.
 const NOMINAL_SCALE: f64 = 0.01;
 
@@ -19,7 +19,8 @@ pub struct FrameArgs {
     /// Channel of colour images that is measured; without it red, green and blue must be equal.
     #[arg(long, value_enum, value_name = "r|g|b", hide_possible_values = true)]
     channel: Option<Channel>,
-    /// Takes the scale given, or the calibration's, though that of a file (frames.csv, its tags) is another one.
+    /// Takes the scale given, or the calibration's, though that of a file (frames.csv, its tags) is
+    /// another one.
     #[arg(long)]
     ignore_file_scale: bool,
 }
@@ -29,14 +30,14 @@ pub struct FrameArgs {
 pub enum ScaleArgument {
     /// µm per pixel.
     Given(f64),
-    /// What `frames.csv` or the file's own tags state.
+    /// The scale in `frames.csv` or in the file's own tags.
     File,
 }
 
 /// Parses `--um-per-px`.
 ///
 /// # Errors
-/// An argument that is no scale: the text states what would be right.
+/// An argument that is not a scale: the message gives the valid values.
 pub fn scale_argument(text: &str) -> Result<ScaleArgument, String> {
     if text == "file" {
         return Ok(ScaleArgument::File);
@@ -48,7 +49,7 @@ pub fn scale_argument(text: &str) -> Result<ScaleArgument, String> {
 }
 
 /// The images of all inputs; folders in the order of the numbers in their names, which is reported
-/// where it is another one.
+/// where it differs from alphabetical order.
 ///
 /// # Errors
 /// An input that cannot be read, a folder without images.
@@ -119,7 +120,7 @@ impl<'a> Frames<'a> {
         Self { source, args, calibration, scale, said: HashSet::new() }
     }
 
-    /// The next frame by its name, or why it is none.
+    /// The next frame with its name, or why it cannot be read.
     pub fn next_frame(&mut self) -> Option<(String, Result<Frame, String>)> {
         let stem = self.source.next_stem()?;
         let read = self.source.next_stored()?;
@@ -133,8 +134,8 @@ impl<'a> Frames<'a> {
         Some((stem, frame))
     }
 
-    /// Logs what was done to the first such frame's values; refuses another scale or encoding than
-    /// the calibration's.
+    /// Logs changes of grey values at their first occurrence; refuses a scale or encoding other
+    /// than the calibration's.
     fn checked(&mut self, stored: &StoredFrame) -> Result<(), String> {
         for change in &stored.changed {
             if self.said.insert(change.clone()) {
@@ -151,9 +152,8 @@ impl<'a> Frames<'a> {
         }
     }
 
-    /// A scale given by the user is refused where the file states another one. Masters determine
-    /// the scale better than a file's statement of its camera: there a nominal scale that is off by
-    /// little is reported once.
+    /// A scale given by the user is refused where the file states another one. A calibration on
+    /// masters is better than a file's nominal scale: a small difference is then reported once.
     fn same_as_used(&mut self, stored: &StoredFrame, used_um_per_px: f64, typed: bool) -> Result<(), String> {
         let used = if typed { "--um-per-px" } else { "the calibration" };
         let Some(own) = &stored.scale else { return Ok(()) };

@@ -19,30 +19,34 @@ use crate::gauge::{
 };
 use crate::profile::{Diameter, Reading, Reason};
 
-/// Columns of a local size that is judged where no stations are given: as many as the largest
-/// diameter is the median of.
+/// Columns of a local size that is judged where no stations are given: as many as in the median of
+/// the largest diameter.
 const LOCAL_COLUMNS: f64 = 65.0;
-/// Stretches along z that are compared from turn to turn where no stations are given, mm.
+/// Length of the stretches along z that are compared from turn to turn where no stations are given,
+/// mm.
 const TURN_STRETCH_MM: f64 = 1.0;
 
-/// Probability that the scatter of parts that are all alike passes for one of the process.
+/// Probability that the scatter of identical parts is taken for scatter of the process.
 const SCATTER_RISK: f64 = 0.05;
 
 /// What to say of diameters.
 #[derive(Debug, clap::Args)]
 pub struct JudgeArgs {
-    /// Tolerance of the part as on its drawing: "25 h6", "Ø25 ±0.01", "25 0/-0.013", "24.987..25", with (E) or (GN) where --turn is given; exit
-    /// code 1 unless every value is proven good: each frame's largest diameter, its local sizes (means over about 65 columns, or over
-    /// the stations of --station-mm) and its mean.
+    /// Tolerance of the part as on its drawing: "25 h6", "Ø25 ±0.01", "25 0/-0.013", "24.987..25",
+    /// with (E) or (GN) where --turn is given; exit code 1 unless every value is proven good: each
+    /// frame's largest diameter, its local sizes (means over about 65 columns, or over the stations
+    /// of --station-mm) and its mean.
     #[arg(long, value_name = "T")]
     tolerance: Option<Tolerance>,
     /// Probability of conformity to both limits behind GO (ISO 14253-1).
     #[arg(long, value_name = "P", default_value_t = 0.95)]
     conformance_probability: f64,
-    /// Length of the stations that are given and judged, mm; without it 65 columns, as the largest diameter is found.
+    /// Length of the stations that are given and judged, mm; without it 65 columns, as the largest
+    /// diameter is found.
     #[arg(long, value_name = "MM", value_parser = length)]
     station_mm: Option<f64>,
-    /// Least width of a stretch that counts for the largest diameter, columns; without it 5, as far as noise lets a narrow one be distinguished.
+    /// Least width of a stretch that counts for the largest diameter, columns; without it 5, as far
+    /// as noise lets a narrow one be distinguished.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     stretch_columns: Option<u16>,
     /// Least width of a stretch that counts for the largest diameter, mm along the axis.
@@ -51,27 +55,29 @@ pub struct JudgeArgs {
     /// Averages successive frames: moving:N, median:N or recursive:W.
     #[arg(long, value_name = "HOW", value_parser = averaging)]
     average: Option<Averaging>,
-    /// Coverage factor k of the expanded uncertainties; without it that of 95.45 % at the effective degrees of freedom: 2 where
-    /// there are many.
+    /// Coverage factor k of the expanded uncertainties; without it that of 95.45 % at the effective
+    /// degrees of freedom: 2 where there are many.
     #[arg(long, value_name = "K", value_parser = length)]
     coverage_factor: Option<f64>,
     /// Uncertainty budget of every frame's largest diameter.
     #[arg(long)]
     budget: bool,
-    /// Takes the frames as one turn (angles from frames.csv) and adds sizes, roundness, run-out and harmonics.
+    /// Takes the frames as one turn (angles from frames.csv) and adds sizes, roundness, run-out and
+    /// harmonics.
     #[arg(long)]
     turn: bool,
     /// Spindle angles of the frames of a turn in their order, degrees from one to the next.
     #[arg(long, value_name = "DEG", value_parser = length, requires = "turn")]
     angle_step: Option<f64>,
-    /// Largest change of a diameter from one turn to the next that is believed, µm; more (and more than noise explains) is a gap
-    /// with the flag `implausible`.
+    /// Largest change of a diameter from one turn to the next that is believed, µm; more (and more
+    /// than noise explains) is a gap with the flag `implausible`.
     #[arg(long, value_name = "UM", default_value_t = 5.0, value_parser = length, requires = "turn")]
     turn_limit_um: f64,
     /// Takes every frame as another part: the statistics are those of a batch, and have Cp and Cpk.
     #[arg(long, conflicts_with_all = ["turn", "average"])]
     parts: bool,
-    /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of focus, moving), with a warning.
+    /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of
+    /// focus, moving), with a warning.
     #[arg(long)]
     accept_blur: bool,
     /// Gaussian filter of roundness, undulations per revolution (15, 50, 150).
@@ -139,7 +145,7 @@ impl JudgeArgs {
     }
 }
 
-/// About [`LOCAL_COLUMNS`], so that no rest of a few columns stays at the end of a frame.
+/// About [`LOCAL_COLUMNS`], such that no remainder of a few columns is left at the end of a frame.
 fn local_columns(columns: usize) -> f64 {
     let places = (columns as f64 / LOCAL_COLUMNS).round().max(1.0);
     (columns as f64 / places).ceil()
@@ -150,8 +156,8 @@ fn local_columns(columns: usize) -> f64 {
 pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditions: &Conditions) -> Budget {
     let mut budget = reading.budget(calibration, conditions);
     if is_uncalibrated(calibration) {
-        // Without masters there is nothing that the part's edges or temperature could differ from:
-        // U is the image's alone.
+        // Without masters there is no reference for the part's edges or temperature: U is that of
+        // the image alone.
         let temperature = (conditions.limit_temperature_k == 0.0).then_some("temperature of the part");
         budget.contributions.extend(temperature.into_iter().chain(["scale and edge offset"]).map(|source| {
             Contribution {
@@ -167,7 +173,7 @@ pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditio
     budget
 }
 
-/// Whether all there is is a scale: no masters, no uncertainty.
+/// Whether the calibration is a scale only: no masters, no uncertainty.
 fn is_uncalibrated(calibration: &Calibration) -> bool {
     calibration.setup.is_none() && calibration.masters.is_empty() && calibration.covariance == [0.0; 3]
 }
@@ -175,7 +181,8 @@ fn is_uncalibrated(calibration: &Calibration) -> bool {
 /// A frame's largest diameter.
 #[derive(Clone, Copy)]
 struct Largest {
-    /// Whether the part has this one size: chords of a disc and roots beneath crests are none.
+    /// Whether this is the only size of the part: chords of a disc and roots beneath crests are not
+    /// sizes.
     alone: bool,
     z_mm: f64,
     diameter: Diameter,
@@ -219,7 +226,7 @@ impl<'a> InspectionReport<'a> {
     /// Checks the arguments.
     ///
     /// # Errors
-    /// Exit 2 for limits and probabilities that judge nothing.
+    /// Exit 2 for limits and probabilities out of range.
     pub fn new(
         args: &'a JudgeArgs,
         calibration: &'a Calibration,
@@ -272,7 +279,7 @@ impl<'a> InspectionReport<'a> {
         })
     }
 
-    /// What a frame adds to its JSON object.
+    /// Adds the results of a frame to its JSON object.
     pub fn add(&mut self, meta: &FrameMeta, edges: Option<&FrameEdges>, out: &mut Map<String, Value>) {
         let index = self.frames;
         self.frames += 1;
@@ -303,7 +310,7 @@ impl<'a> InspectionReport<'a> {
         if let Some(d) = mean.value() {
             put(out, "mean_diameter_mm", d.d_mm);
             put(out, "u_mean_diameter_mm", d.u_mm());
-            // For one version also under the name that it shared with the u of the frames' mean.
+            // For one version also under its old name, which the u of the frames' mean has too.
             put(out, "u_mean_mm", d.u_mm());
             self.means.push(d);
             self.noise.push(d.u_random_mm.powi(2));
@@ -334,8 +341,7 @@ impl<'a> InspectionReport<'a> {
         }
     }
 
-    /// A frame that is blurred otherwise than the masters were and is measured all the same carries
-    /// a warning.
+    /// Warns of a frame that is measured although its blur differs from the masters'.
     fn warn_of_blur(&self, meta: &FrameMeta, edges: &FrameEdges, out: &mut Map<String, Value>) {
         let setup = self.calibration.setup.as_ref();
         if let Some(Err(error)) = setup.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) {
@@ -344,7 +350,7 @@ impl<'a> InspectionReport<'a> {
         }
     }
 
-    /// Makes a gap of every column of a frame.
+    /// Turns every column of a frame into a gap.
     fn give_no_diameter(&mut self, reason: Reason, edges: &FrameEdges, out: &mut Map<String, Value>) {
         for key in ["max_diameter_px", "u_max_px", "max_diameter_mm", "u_max_mm"] {
             out.insert(key.to_owned(), Value::Null);
@@ -354,14 +360,15 @@ impl<'a> InspectionReport<'a> {
         self.not_proven(out);
     }
 
-    /// Whether frames have sizes that the tolerance is for; else it is for those of the revolution.
+    /// Whether the tolerance applies to sizes of single frames; otherwise it applies to those of
+    /// the revolution.
     fn judges_frames(&self) -> bool {
         let two_point =
             |t: Tolerance| matches!(t.criterion, SizeCriterion::TwoPoint | SizeCriterion::Envelope);
         self.args.tolerance.is_some_and(two_point)
     }
 
-    /// What was not measured, or may be another part, is not proven good.
+    /// A size that was not measured, or that may be another part's, is not proven good.
     pub fn not_proven(&mut self, out: &mut Map<String, Value>) {
         if self.judge.is_some() {
             out.insert("judgement".to_owned(), Value::Null);
@@ -369,7 +376,8 @@ impl<'a> InspectionReport<'a> {
         }
     }
 
-    /// Makes gaps of what contradicts earlier revolutions, and counts them among the frame's flags.
+    /// Turns diameters that contradict earlier revolutions into gaps, and counts them among the
+    /// frame's flags.
     fn compare_with_turns(
         &mut self,
         meta: &FrameMeta,
@@ -395,8 +403,8 @@ impl<'a> InspectionReport<'a> {
 
     fn add_budget(&self, budget: &Budget, out: &mut Map<String, Value>) {
         let k = budget.factor_or(self.args.coverage_factor);
-        // `u_random_mm` and `u_common_mm` are those of `d_mm` in stations and tables; here they
-        // were those of the largest diameter.
+        // In stations and tables `u_random_mm` and `u_common_mm` belong to `d_mm`; here they used
+        // to belong to the largest diameter.
         for (name, old, u) in [
             ("u_max_random_mm", "u_random_mm", budget.u_random_mm()),
             ("u_max_common_mm", "u_common_mm", budget.u_common_mm()),
@@ -427,8 +435,9 @@ impl<'a> InspectionReport<'a> {
         out.insert("stations".to_owned(), rows.into());
     }
 
-    /// All of a frame that must lie within the limits. A disc seen end-on has one size, its chords
-    /// are none; crests that face roots have the distance of their tangents.
+    /// All values of a frame that must lie within the limits. A disc seen end-on has a single size,
+    /// of which its chords are not; the size of crests opposite roots is the distance of their
+    /// tangents.
     fn to_be_judged(
         &self,
         meta: &FrameMeta,
@@ -449,7 +458,7 @@ impl<'a> InspectionReport<'a> {
             Some(length) => ("station", length),
             None => ("local", local_columns(diameters.readings.len()) * diameters.pitch_mm),
         };
-        // Their u is by the noise of very many pixels, and by the calibration.
+        // Their u comes from the noise of very many pixels, and from the calibration.
         let of = |what, z_mm, reading| Judged { what, z_mm, reading, freedom: MANY };
         let places =
             diameters.record(meta, length).into_iter().map(|(z_mm, reading)| of(what, z_mm, reading));
@@ -458,7 +467,7 @@ impl<'a> InspectionReport<'a> {
     }
 
     /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and
-    /// reports which it was.
+    /// reports which one it is.
     fn judge_frame(&mut self, values: &[Judged], out: &mut Map<String, Value>) {
         if !self.judges_frames() {
             return;
@@ -506,16 +515,16 @@ impl<'a> InspectionReport<'a> {
         self.worst == Judgement::GO
     }
 
-    /// What all frames together add to the document.
+    /// Adds the results over all frames to the document.
     ///
     /// # Errors
-    /// Exit 3 for frames that make no turn.
+    /// Exit 3 for frames that do not form a turn.
     pub fn finish(&mut self, out: &mut Map<String, Value>) -> Result<(), Failure> {
         if let Some(statistics) = self.statistics_json() {
             out.insert("statistics".to_owned(), statistics);
         }
         let mut words = Vec::new();
-        // Over a revolution the means differ by the form that is measured.
+        // Over a revolution the means differ by the form error of the part.
         words.extend(if self.args.turn { None } else { self.means.word() });
         if self.args.turn {
             let form = part_form(&self.turn.frames, self.args.station_mm, self.args.cutoff_upr)?;
@@ -556,8 +565,8 @@ impl<'a> InspectionReport<'a> {
     /// Cp and Cpk of the batch with intervals of 95 %.
     ///
     /// # Errors
-    /// Why there are none: they are a process's, which one part does not show, nor scatter that is
-    /// the gauge's own.
+    /// Why there are none: a single part has no process capability, and scatter of the gauge alone
+    /// is not that of a process.
     fn capability(&self, lower: f64, upper: f64) -> Result<(Capability, Capability), String> {
         if !self.args.parts {
             return Err("one part has none; --parts takes every frame as another part".to_owned());
@@ -586,7 +595,7 @@ fn station_row(z_mm: f64, reading: &Reading) -> Value {
     }
 }
 
-/// The one that is farther from good.
+/// The judgement that is farther from good.
 fn worse(a: Judgement, b: Judgement) -> Judgement {
     if rank(b) > rank(a) { b } else { a }
 }

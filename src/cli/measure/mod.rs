@@ -1,11 +1,11 @@
 //! `shadowgauge measure`: edges and diameters of frames in files.
 //!
 //! In: frames (`frames`), a calibration and conditions, an edge-spread function (`esf_argument`).
-//! Out: a table (`table`) or JSON, edges as CSV. This file measures frame by frame; what follows
-//! from several is beside it: `judge` (budgets, decisions on a tolerance), `size` and `turn` (a
-//! part over its angles), `statistics` (series), `crests` (largest diameters of a stretch), `ring`
-//! (parts seen end-on), `timing`. A new figure of a frame is a key of its JSON object, made here;
-//! one of a series has a file of its own.
+//! Out: a table (`table`) or JSON, edges as CSV. This file measures frame by frame; results over
+//! several frames are in the files beside it: `judge` (budgets, decisions on a tolerance), `size`
+//! and `turn` (a part over its angles), `statistics` (series), `crests` (largest diameters of a
+//! stretch), `ring` (parts seen end-on), `timing`. A new result of a frame is a key of its JSON
+//! object, added here; a result over a series has a file of its own.
 
 mod choice;
 mod crests;
@@ -50,10 +50,12 @@ use crate::profile::Reason;
 /// Arguments of `shadowgauge measure`.
 #[derive(Debug, clap::Args)]
 pub struct MeasureArgs {
-    /// Images, stacks or folders of images (grey PNG, TIFF, JPEG, BMP, PGM), in this order; a folder's by the numbers in their names.
+    /// Images, stacks or folders of images (grey PNG, TIFF, JPEG, BMP, PGM), in this order; a
+    /// folder's by the numbers in their names.
     #[arg(required = true)]
     input: Vec<PathBuf>,
-    /// Scale, µm per pixel, when there is no calibration; `file` takes that of frames.csv or of the files' own tags.
+    /// Scale, µm per pixel, when there is no calibration; `file` takes that of frames.csv or of the
+    /// files' own tags.
     #[arg(long, value_name = "S|file", conflicts_with = "calibration", value_parser = scale_argument)]
     um_per_px: Option<ScaleArgument>,
     /// Calibration file (JSON) with scale, edge offset and their uncertainty.
@@ -68,7 +70,8 @@ pub struct MeasureArgs {
     /// Judges the calibration's validity on this day instead of today, YYYY-MM-DD.
     #[arg(long, value_name = "DATE", requires = "calibration")]
     as_of: Option<Date>,
-    /// Conditions of the part (TOML): temperature, expansion, place, with their limits; what it leaves out is the calibration's.
+    /// Conditions of the part (TOML): temperature, expansion, place, with their limits; what it
+    /// leaves out is the calibration's.
     #[arg(long, value_name = "FILE.toml")]
     conditions: Option<PathBuf>,
     /// Temperature of the part, °C, in place of the conditions' one.
@@ -86,31 +89,34 @@ pub struct MeasureArgs {
     /// Prints JSON.
     #[arg(long)]
     json: bool,
-    /// What the part looks like: a shaft from the side, or a ring or disc seen end-on (radial calipers).
+    /// What the part looks like: a shaft from the side, or a ring or disc seen end-on (radial
+    /// calipers).
     #[arg(long, value_enum, default_value_t = Shape::Shaft)]
     shape: Shape,
     /// The shaft's axis stands upright in the images.
     #[arg(long)]
     vertical: bool,
-    /// Rows of the sensor between two windows that each frame was read out as, the one around the upper edge first.
+    /// Rows of the sensor between two windows that each frame was read out as, the one around the
+    /// upper edge first.
     #[arg(long, value_name = "ROWS", default_value_t = 0)]
     rows_between: u32,
     /// The part is lit before a dark ground.
     #[arg(long)]
     bright_on_dark: bool,
-    /// Smallest shadow taken for a part, px across; anything smaller is dirt. 24 for a shaft and 20 for a ring unless given;
-    /// 4 at least for a shaft (a wire), 16 for a ring.
+    /// Smallest shadow taken for a part, px across; anything smaller is dirt. 24 for a shaft and 20
+    /// for a ring unless given; 4 at least for a shaft (a wire), 16 for a ring.
     #[arg(long, value_name = "PX", value_parser = positive_px)]
     min_diameter_px: Option<f64>,
-    /// Edge-spread function that is fitted: gaussian, learnt (from the first frame), a table `distance_um,light` (.csv or .json, as
-    /// `optics esf` prints it) or the optics of a config (.toml). Without it the calibration's, else gaussian.
+    /// Edge-spread function that is fitted: gaussian, learnt (from the first frame), a table
+    /// `distance_um,light` (.csv or .json, as `optics esf` prints it) or the optics of a config
+    /// (.toml). Without it the calibration's, else gaussian.
     #[arg(long, value_name = "NAME|FILE")]
     esf: Option<String>,
     /// Threads (default: all cores).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Measures N frames from memory, cycling through those given, and reports the time; with several threads also what they gain, beside
-    /// what streams gain that share nothing.
+    /// Measures N frames from memory, cycling through those given, and reports the time; with
+    /// several threads also what they gain, beside what streams gain that share nothing.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     bench: Option<u32>,
 }
@@ -174,7 +180,8 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
     pool.install(|| measure_all(args, &gauge, calibration.as_ref(), conditions, paths))
 }
 
-/// Measures rings; files that give no frame are warned of, and fail the command where none is left.
+/// Measures rings; files without a readable frame give a warning; the command fails where none is
+/// left.
 fn rings(
     args: &MeasureArgs,
     calibration: Option<&Calibration>,
@@ -214,11 +221,13 @@ fn rings(
     }
 }
 
-/// The edge-spread function of the command line, else that of the masters' edges, else the Gaussian.
+/// The edge-spread function of the command line, otherwise that of the masters' edges, otherwise
+/// the Gaussian.
 fn edge_model(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<EsfModel, Failure> {
     match &args.esf {
         Some(text) => esf_model(text, calibration.map(|c| 1e3 * c.scale_mm_per_px)),
-        // A ring's outline is read with Gaussian edges: a calibration of others does not hold.
+        // A ring's outline is measured with Gaussian edges: a calibration with another model does
+        // not apply.
         None if args.shape == Shape::Ring => Ok(EsfModel::default()),
         None => Ok(calibration.and_then(Calibration::edge_model).unwrap_or_default()),
     }
@@ -248,8 +257,8 @@ fn calibration(args: &MeasureArgs, paths: &[PathBuf]) -> Result<Option<Calibrati
     Ok(Some(if args.vertical { calibration.transposed() } else { calibration }))
 }
 
-/// The part's conditions: the file given, else the calibration's own; the temperature of the
-/// command line before both.
+/// The part's conditions: from the file, otherwise from the calibration; the temperature of the
+/// command line overrides both.
 fn conditions(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<Conditions, Failure> {
     let known = match calibration {
         Some(c) if c.leaves_conditions_open() => Conditions::unstated(),
@@ -267,7 +276,7 @@ fn conditions(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<C
     Ok(conditions)
 }
 
-/// The calibration's conditions with the keys that a file gives in their place.
+/// The calibration's conditions, overridden by the keys in a file.
 fn merged(text: &ConfigText, known: &Conditions) -> Result<Conditions, Failure> {
     let given: GivenConditions = text.parse()?;
     let named: toml::Table = text.parse()?;
@@ -281,8 +290,8 @@ fn merged(text: &ConfigText, known: &Conditions) -> Result<Conditions, Failure> 
     Ok(given.over(known))
 }
 
-/// A frame with the calibration's corrections of sensor and light; one of another size than
-/// calibrated is refused.
+/// A frame with the calibration's corrections of sensor and light; a frame of another size than the
+/// calibration's is refused.
 fn prepared(args: &MeasureArgs, frame: Frame, calibration: Option<&Calibration>) -> Result<Frame, String> {
     let Some(setup) = calibration.and_then(|c| c.setup.as_ref()) else { return Ok(frame) };
     let view = view(args, &frame);
@@ -296,7 +305,7 @@ fn prepared(args: &MeasureArgs, frame: Frame, calibration: Option<&Calibration>)
     })
 }
 
-/// Measures every frame of the source; gives the frames too where they are to be timed.
+/// Measures every frame of the source; also returns the frames where they are to be timed.
 fn measure_each(
     args: &MeasureArgs,
     gauge: &Gauge,
@@ -334,7 +343,7 @@ fn measure_each(
     (results, frames)
 }
 
-/// Adds to a frame's row what the choice of the shadow and the series before it give.
+/// Adds the remarks on the choice of the shadow and the results over the series to a frame's row.
 fn add_follower(
     args: &MeasureArgs,
     measured: &Measured,
@@ -460,7 +469,7 @@ fn measure_one(
     Measured { stem, meta, columns: view.columns(), pitch_px, result }
 }
 
-/// Warns where an edge-spread function was to be learnt and could not be.
+/// Warns where an edge-spread function could not be determined from the frame.
 fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
     let unlearnt =
         |m: &&Measured| m.result.as_ref().is_ok_and(|e| e.figures.position_ambiguity_px == [0.0; 2]);
@@ -472,8 +481,8 @@ fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
     }
 }
 
-/// A frame that is blurred otherwise than the masters were is refused: its edges stand elsewhere
-/// than theirs.
+/// A frame whose blur differs from the masters' is refused, because its edges are displaced against
+/// theirs.
 fn sharp(mut measured: Measured, calibration: Option<&Calibration>, conditions: &Conditions) -> Measured {
     if let (Ok(edges), Some(setup)) = (&measured.result, calibration.and_then(|c| c.setup.as_ref()))
         && let Err(error) = setup.check_focus(edges.figures.sigma_px, conditions)
@@ -546,15 +555,15 @@ fn frame_figures(
     figures
 }
 
-/// The reason that stands for a column: a gap's before an impairment's.
+/// The reason reported for a column: that of a gap takes precedence over an impairment's.
 fn column_reason(top: &Edge, bottom: &Edge) -> Option<Reason> {
     let gap = [top, bottom].into_iter().find(|e| !e.is_usable()).and_then(Edge::reason);
     gap.or_else(|| top.reason()).or_else(|| bottom.reason())
 }
 
-/// Claims the file of --edges, which must be nothing that is read. On stdout it stands alone.
+/// Claims the file of --edges, which must not be an input. On stdout it is the only output.
 fn claim_edges(args: &MeasureArgs, path: &Path, images: &[PathBuf]) -> Result<OutputFile, Failure> {
-    // Tables of frames stand beside the images or above their folder.
+    // Tables of frames are beside the images or above their folder.
     let tables =
         images.iter().flat_map(|image| image.ancestors().skip(1).take(2)).map(|f| f.join("frames.csv"));
     let named = [&args.calibration, &args.conditions].into_iter().flatten().cloned();

@@ -11,8 +11,8 @@ use crate::gauge::stated::stated;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 
 /// Measures a ring in each named frame and prints one JSON document
-/// (`{"frames":[{"frame":…,"outer_diameter_px":…}]}`) or a line each, in mm too with a calibration;
-/// a frame that shows no ring carries its `error` and does not stop the others.
+/// (`{"frames":[{"frame":…,"outer_diameter_px":…}]}`) or one line per ring, in mm as well with a
+/// calibration; a frame without a ring has an `error` and does not stop the others.
 ///
 /// # Errors
 /// Settings out of range (exit 2); no frame that could be measured (exit 3).

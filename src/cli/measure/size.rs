@@ -1,4 +1,4 @@
-//! Sizes over a revolution that a tolerance's modifiers ask for: the envelope (E), the least
+//! Sizes over a revolution for the modifiers of a tolerance: the envelope (E), the least
 //! circumscribed cylinder (GN) and circles (GN) ACS.
 
 use serde_json::{Value, json};
@@ -11,21 +11,21 @@ use crate::gauge::diameter::sections::{Envelope, PartForm, TurnAverager};
 use crate::gauge::form::Cutoff;
 use crate::gauge::{Calibration, ColumnDiameters};
 
-/// Columns of the sections that an envelope is taken over: crests as wide as that are seen, single
-/// columns' noise is not.
+/// Columns of a section of an envelope: wide enough to suppress the noise of single columns, narrow
+/// enough to resolve a crest of that width.
 const ENVELOPE_COLUMNS: f64 = 8.0;
 
-/// The judgement of a revolution, worst first, and what it rests on.
+/// The judgement of a revolution with its values.
 pub(super) struct TurnJudgement {
-    /// The worst.
+    /// The worst judgement.
     pub(super) judgement: Judgement,
-    /// For the document.
+    /// The entry of the document.
     pub(super) json: Value,
 }
 
-/// Judges the sizes over a revolution that `tolerance` asks for; `None` where it asks for none.
-/// `common_mm` is the common standard uncertainty of sizes at z, `envelope` what was found or why
-/// nothing was.
+/// Judges the sizes over a revolution that `tolerance` applies to; `None` where there are none.
+/// `common_mm` is the common standard uncertainty of sizes at z, mm, `envelope` the envelope or why
+/// there is none.
 pub(super) fn judge_turn(
     tolerance: &Tolerance,
     rule: DecisionRule,
@@ -52,7 +52,7 @@ pub(super) fn judge_turn(
     };
     match tolerance.criterion {
         SizeCriterion::TwoPoint => None,
-        // The lower limit is that of the two-point sizes, which the frames are judged by.
+        // The lower limit applies to the two-point sizes, which are judged by frame.
         SizeCriterion::Envelope => Some(over_length(f64::NEG_INFINITY)),
         SizeCriterion::CircumscribedCylinder => Some(over_length(lower)),
         SizeCriterion::CircumscribedCircle => {
@@ -68,7 +68,7 @@ pub(super) fn judge_turn(
                 judgement: Judgement::HI,
                 json: json!({ "what": tolerance.criterion.as_str(), "z_mm": z_mm, "judgement": null, "why": why }),
             });
-            // A section that makes no turn is not proven good.
+            // A section without a full turn is not proven good.
             match (worst, refused) {
                 (Some(worst), Some(refused)) if worst.judgement == Judgement::GO => Some(refused),
                 (Some(worst), _) => Some(worst),
@@ -118,10 +118,10 @@ fn z_range_mm(turn: &Frames) -> Option<(f64, f64)> {
     (high > low).then_some((low, high))
 }
 
-/// Places at which the axis is given where no stations are.
+/// Number of places at which the axis is reported where there are no stations.
 const AXIS_PLACES: f64 = 16.0;
 
-/// The axis along the length that the frames show, by stations of a length.
+/// The axis along the length covered by the frames, by stations of a length.
 pub(super) fn axis_line(turn: &Frames, station_mm: Option<f64>, calibration: &Calibration) -> AxisLine {
     let Some((low, high)) = z_range_mm(turn) else { return AxisLine::default() };
     let length_mm = station_mm.unwrap_or((high - low) / AXIS_PLACES).min(high - low);
@@ -133,7 +133,7 @@ pub(super) fn axis_line(turn: &Frames, station_mm: Option<f64>, calibration: &Ca
     averager.finish()
 }
 
-/// The frames by sections of a length, as many as are whole.
+/// The frames by sections of a length, whole sections only.
 fn sections(turn: &Frames, (low, high): (f64, f64), length_mm: f64) -> TurnAverager {
     let count = ((high - low) / length_mm + 1e-6).floor().clamp(1.0, 1e5) as usize;
     let z_mm = (0..count).map(|i| low + (i as f64 + 0.5) * length_mm).collect();
@@ -142,7 +142,7 @@ fn sections(turn: &Frames, (low, high): (f64, f64), length_mm: f64) -> TurnAvera
     averager
 }
 
-/// The envelope over the length that the frames show.
+/// The envelope over the length covered by the frames.
 ///
 /// # Errors
 /// Why there is none.
@@ -150,7 +150,7 @@ pub(super) fn envelope(turn: &Frames, cutoff_upr: f64) -> Result<Envelope, Strin
     let (low, high) = z_range_mm(turn).ok_or("no frame of the turn could be measured")?;
     let pitch_mm = turn.iter().map(|(_, d)| d.pitch_mm).fold(f64::NAN, f64::max);
     let cutoff = Cutoff::upr(cutoff_upr).map_err(|e| e.to_string())?;
-    // From the outer side of the first column to that of the last, without a rest.
+    // From the outer side of the first column to that of the last, without a remainder.
     let range = (low - 0.5 * pitch_mm, high + 0.5 * pitch_mm);
     let count = ((range.1 - range.0) / (ENVELOPE_COLUMNS * pitch_mm)).round().max(1.0);
     sections(turn, range, (range.1 - range.0) / count).envelope(cutoff)
@@ -159,7 +159,7 @@ pub(super) fn envelope(turn: &Frames, cutoff_upr: f64) -> Result<Envelope, Strin
 /// Form and sizes over the revolution, by stations of a length or of the frames as a whole.
 ///
 /// # Errors
-/// Exit 3 for frames that make no turn.
+/// Exit 3 for frames that do not form a turn.
 pub(super) fn part_form(
     turn: &Frames,
     station_mm: Option<f64>,
@@ -179,8 +179,8 @@ pub(super) fn part_form(
     }
 }
 
-/// Common standard uncertainty of the sizes of the section at `z_mm`, mm: that of its columns,
-/// which they share.
+/// Common standard uncertainty of the sizes of the section at `z_mm`, mm: that of its columns, to
+/// which it is common.
 pub(super) fn common_mm(turn: &Frames, z_mm: f64, length_mm: f64) -> Option<f64> {
     let (mut sum, mut n) = (0.0, 0.0);
     for (meta, diameters) in turn {

@@ -1,4 +1,4 @@
-//! Statistics of the frames' mean diameters, as `measure` gives them.
+//! Statistics of the frames' mean diameters, as `measure` prints them.
 
 use serde_json::{Value, json};
 
@@ -38,7 +38,7 @@ impl FrameMeans {
         Some(json!({
             "count": self.series.len(),
             "mean_mm": of.mean.d_mm,
-            // One value shows no scatter.
+            // A single value has no scatter.
             "sd_mm": several.then_some(of.sd_mm),
             "u_mean_mm": of.mean.u_mm(),
             "u_mean_random_mm": of.mean.u_random_mm,
@@ -51,7 +51,7 @@ impl FrameMeans {
         }))
     }
 
-    /// A word where the frames scatter beyond their u.
+    /// A warning where the frames scatter beyond their u.
     pub(super) fn word(&self) -> Option<String> {
         let test = self.scatter().filter(|test| test.beyond_u)?;
         let sd_um = 1e3 * SeriesMean::of(&self.series)?.sd_mm;
@@ -70,7 +70,7 @@ impl FrameMeans {
     }
 }
 
-/// Statistics for people.
+/// The statistics as a line of text.
 pub(super) fn statistics_line(s: &Value) -> String {
     let number = |key: &str| s[key].as_f64().unwrap_or(f64::NAN);
     let u = number("u_mean_mm");

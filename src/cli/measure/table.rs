@@ -1,4 +1,4 @@
-//! The table of `measure`, a line a frame.
+//! The table of `measure`, one line per frame.
 
 use serde_json::Value;
 
@@ -46,7 +46,7 @@ pub(super) fn print_table(figures: &[Value], bench: Option<&Value>) {
     }
 }
 
-/// What the frames give together.
+/// The results over all frames.
 pub(super) fn print_series(out: &serde_json::Map<String, Value>) {
     if let Some(statistics) = out.get("statistics").filter(|s| s["count"].as_u64() > Some(1)) {
         say_line!("{}", statistics_line(statistics));

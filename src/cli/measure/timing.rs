@@ -1,5 +1,5 @@
-//! `measure --bench`: how long a frame takes in memory; with more threads than one also what they
-//! gain, beside what the machine itself gains by them.
+//! `measure --bench`: the time to measure a frame from memory; with several threads also their
+//! speed-up, beside that of independent streams on the same machine.
 
 use std::num::NonZeroUsize;
 use std::time::Instant;
@@ -10,12 +10,11 @@ use crate::frame::FrameView;
 use crate::gauge::{EdgeStream, FrameEdges, FrameRefused, Gauge, Lanes};
 use crate::numerics::robust::median_of;
 
-/// Rounds in which ways of using the threads take turns, and frames of a round.
+/// Number of rounds, in which the ways of using the threads alternate.
 const ROUNDS: usize = 15;
 const FRAMES: usize = 256;
 
-/// Times `count` frames in one stream that starts anew, on the threads of the pool that this is
-/// called in.
+/// Times `count` frames in one new stream, on the threads of the calling pool.
 pub(super) fn benchmark(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> Value {
     let mut stream = gauge.stream();
     let mut edges = FrameEdges::default();
@@ -52,18 +51,18 @@ pub(super) fn benchmark(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> 
     out
 }
 
-/// What several threads gain over one, as medians over rounds.
+/// Speed-up of several threads over one, medians over rounds.
 struct Gains {
-    /// Lanes that take the frames in turn: time of one thread over time of all.
+    /// Lanes that take the frames in turn: time with one thread over time with all.
     of_lanes: f64,
     /// One stream each of whose frames is shared between the threads.
     within_a_frame: f64,
-    /// As many streams as threads, which share nothing: what the cores, caches and memory of this
-    /// machine allow.
+    /// As many independent streams as threads: the limit of this machine's cores, caches and
+    /// memory.
     of_independent_streams: f64,
 }
 
-/// A stream with what it writes to.
+/// A stream with its output buffer.
 struct Worker {
     stream: EdgeStream,
     edges: FrameEdges,
@@ -108,7 +107,7 @@ fn compare(gauge: &Gauge, frames: &[FrameView<'_>], threads: usize) -> Gains {
     }
 }
 
-/// Runs each worker on a thread of its own, outside the pool.
+/// Runs each worker on its own thread, outside the pool.
 fn at_once(workers: &mut [Worker], frames: &[FrameView<'_>]) {
     std::thread::scope(|scope| {
         for worker in workers {

@@ -1,4 +1,4 @@
-//! The form over a revolution as `measure --turn` gives it.
+//! The form over a revolution as `measure --turn` prints it.
 
 use serde_json::{Value, json};
 
@@ -6,8 +6,8 @@ use crate::gauge::axis_line::{AxisLine, STILL_TOWARDS_CAMERA};
 use crate::gauge::diameter::sections::{PartForm, SectionForm};
 use crate::gauge::stated::stated;
 
-/// A revolution as the JSON document has it; `common_mm` gives the common standard uncertainty of a
-/// section's sizes.
+/// A revolution in the JSON document; `common_mm` is the common standard uncertainty of a section's
+/// sizes as a function of z, mm.
 pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>) -> Value {
     let mut all = json!(form);
     all["filter"] = json!(filter_text(form));
@@ -21,8 +21,8 @@ pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>)
             section["u_gg_mm"] = json!(common.map(|common| random.hypot(common)));
             section["u_gg_common_mm"] = json!(common);
             if section["half_turn"] == true {
-                // Half a revolution takes the spindle as still: of its even motion nothing is
-                // known.
+                // With half a revolution the spindle is assumed free of error motion: its even
+                // harmonics are not determined.
                 section["harmonics"]["even_spindle"] = Value::Null;
             }
             section["roundness_mm"] = json!({ "lsci": lsci, "mzci": mzci, "mici": mici, "mcci": mcci });
@@ -31,7 +31,7 @@ pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>)
     all
 }
 
-/// The axis over the revolution as the JSON document has it.
+/// The axis over the revolution in the JSON document.
 pub(super) fn axis_json(axis: &AxisLine) -> Value {
     let bend = axis.bend_mm();
     let stations: Vec<Value> = axis
@@ -53,7 +53,7 @@ pub(super) fn axis_json(axis: &AxisLine) -> Value {
     json!({ "stations": stations, "gaps": gaps, "still_towards_camera": STILL_TOWARDS_CAMERA })
 }
 
-/// The axis for people: its largest bend and run-out.
+/// The axis in words: its largest bend and run-out.
 fn axis_words(axis: &Value) -> String {
     let stations = || axis["stations"].as_array().into_iter().flatten();
     let largest = |value: &dyn Fn(&Value) -> Option<f64>| {
@@ -78,7 +78,7 @@ fn axis_words(axis: &Value) -> String {
     )
 }
 
-/// A word where sections scatter by more than their form and their u explain.
+/// A warning where sections scatter by more than their form and their u explain.
 pub(super) fn scatter_word(form: &PartForm) -> Option<String> {
     let beyond: Vec<&SectionForm> =
         form.sections.iter().filter(|s| s.scatter.is_some_and(|test| test.beyond_u)).collect();
@@ -100,8 +100,8 @@ pub(super) fn scatter_word(form: &PartForm) -> Option<String> {
     ))
 }
 
-/// The filter and how far the angles let it reach: n tangents a revolution carry up to n/2
-/// undulations.
+/// The filter and the highest harmonic that the angles resolve: n tangents per revolution resolve
+/// up to n/2 undulations.
 fn filter_text(form: &PartForm) -> String {
     let tangents = |s: &SectionForm| if s.half_turn { 2 * s.angles } else { s.angles };
     let Some(section) = form.sections.iter().min_by_key(|s| tangents(s)) else { return String::new() };
@@ -116,7 +116,7 @@ fn filter_text(form: &PartForm) -> String {
     }
 }
 
-/// The part's form for people.
+/// The part's form as a table of text.
 pub fn turn_table(turn: &Value) -> String {
     let um = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| format!("{:.3}", 1e3 * x));
     let mut text = format!(

@@ -1,4 +1,4 @@
-//! Where a largest diameter stands and what was judged, for JSON and for the table.
+//! The place of a largest diameter and the judged value, for JSON and for the table.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use crate::frame::FrameMeta;
 use crate::gauge::stated::stated;
 use crate::gauge::{Calibration, LargestCaliper};
 
-/// Where the largest diameter stands and over which stretch.
+/// The place of the largest diameter and its stretch.
 pub fn place(
     (meta, columns): (&FrameMeta, usize),
     largest: &LargestCaliper,
@@ -29,13 +29,13 @@ pub fn place(
     }
 }
 
-/// The stretch that a largest diameter stands for: its first and last column.
+/// The stretch of a largest diameter: its first and last column.
 pub fn stretch_text(figures: &Value) -> String {
     let columns = figures["max_stretch_px"].as_array();
     columns.map_or_else(|| "-".to_owned(), |c| format!("{}..{}", c[0], c[1]))
 }
 
-/// A frame's judgement and the value that it rests on.
+/// A frame's judgement and the value that decided it.
 pub fn judged_by(figures: &Value) -> String {
     let Some(judgement) = figures.get("judgement") else { return String::new() };
     let judged = &figures["judged"];

@@ -1,4 +1,4 @@
-//! Arguments of `render`, and the scene and requests they stand for.
+//! Arguments of `render`, and the scene and frame requests that follow from them.
 
 use std::path::PathBuf;
 
@@ -30,13 +30,15 @@ pub struct RenderArgs {
     /// Leave the sensor's temporal noise out.
     #[arg(long)]
     pub(super) no_noise: bool,
-    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software adapter only by name).
+    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software
+    /// adapter only by name).
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     pub(super) backend: BackendChoice,
     /// Draw N frames without writing them and print how long one takes.
     #[arg(long, value_name = "N")]
     pub(super) bench: Option<usize>,
-    /// With --bench: read two windows of so many rows around the shaft's edges, not the whole sensor.
+    /// With --bench: read two windows of so many rows around the shaft's edges, not the whole
+    /// sensor.
     #[arg(long, value_name = "ROWS", requires = "bench")]
     pub(super) windows: Option<u32>,
     /// Threads to use; all of the machine's by default.
@@ -56,7 +58,7 @@ pub(crate) fn scene(job: &Job) -> Result<Scene, Failure> {
     Scene::new(&setup, shaft).map_err(Failure::refuse)
 }
 
-/// Request number `index` of the scan, going round again beyond its end.
+/// Request number `index` of the scan, starting over at its end.
 pub(super) fn request(args: &RenderArgs, job: &Job, index: usize) -> FrameRequest {
     let plan = job.scan_plan();
     let angles = plan.angle_deg.len().max(1);

@@ -1,5 +1,5 @@
-//! `shadowgauge render` of a calibration's file with `[simulate]`: the very frames that `calibrate`
-//! measures, in folders, with their true edges, and the same calibration for these folders.
+//! `shadowgauge render` of a calibration's file with `[simulate]`: the frames that `calibrate`
+//! measures, in folders, with their true edges, and the calibration's config for these folders.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -68,8 +68,8 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// Everything in the order in which `calibrate` asks for it: numbers, and so noise, are then
-    /// the same.
+    /// Everything in the order of `calibrate`: frame numbers, and with them the noise, are then the
+    /// same.
     fn write(mut self, renderer: &Renderer) -> Result<usize, Failure> {
         let mut recordings = SimulatedRecordings::new(self.plan, renderer).map_err(Failure::refuse)?;
         let simulate = self.plan.simulate.clone().unwrap_or_default();

@@ -1,5 +1,5 @@
-//! Files of a folder of frames: the table beside them, writing, and what a renderer's error means
-//! for the exit code.
+//! Files of a folder of frames: the table beside them, writing, and the exit codes of renderer
+//! errors.
 
 use std::fmt::Write as _;
 use std::io::Error as IoError;
@@ -25,7 +25,7 @@ pub(super) fn describe(csv: &mut String, stem: &str, frame: &Frame, um_per_px: f
     );
 }
 
-/// Writes a file of a folder, its name with the folders in it.
+/// Writes a file of a folder; its name may contain folders.
 pub(super) fn put(folder: &OutputFolder, name: &str, bytes: Result<Vec<u8>, IoError>) -> Result<(), Failure> {
     let bytes = bytes.map_err(|e| Failure::fail(format!("{name}: cannot be written: {e}")))?;
     Ok(folder.write(name, &bytes)?)

@@ -50,7 +50,7 @@ pub fn encode_mask(view: &FrameView<'_>, mask: &[u8], um_per_px: f64) -> Result<
     write_png(view.columns(), view.rows(), png::BitDepth::Eight, mask, um_per_px)
 }
 
-/// An 8-bit grey PNG without a scale, as small as it gets.
+/// An 8-bit grey PNG without a scale, at the strongest compression.
 ///
 /// # Errors
 /// When the encoder refuses it.

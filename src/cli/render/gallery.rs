@@ -22,10 +22,10 @@ const ACROSS: usize = 5;
 /// Frame pixels averaged into one of the sheet's, along either side.
 const REDUCTION: usize = 2;
 
-/// White between pictures, px.
+/// White gap between pictures, px.
 const GAP: usize = 6;
 
-/// Grey of the brightest light on the sheet: the field is bright, not burnt.
+/// Grey value of the brightest light on the sheet, so that the field is bright but not saturated.
 const BRIGHTEST: f32 = 225.0;
 
 /// Draws the gallery into `out`.

@@ -1,14 +1,14 @@
 //! The gallery's cases: one frame for every family of edges, feature of a shaft, light,
 //! contamination and sensor.
 //!
-//! Each case is the text of a config, so that what the gallery shows can be tried and changed.
+//! Each case is the text of a config, so that a user can run and change it.
 
 /// One frame of the gallery.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Case {
     /// File stem.
     pub name: &'static str,
-    /// Words below the picture.
+    /// Label below the picture.
     pub label: &'static str,
     /// Size of a pixel on the object, µm.
     pub um_per_px: f64,
@@ -217,8 +217,7 @@ impl Case {
     pub(super) fn toml(&self) -> String {
         let [rows, columns] = FRAME;
         let d = self.diameter_mm;
-        // A `[camera]` or `[optics]` table of the case's own is joined with the one that every case
-        // has.
+        // The case's own `[camera]` or `[optics]` table is merged with the common one.
         let mut camera = format!("columns = {columns}\nrows = {rows}\npixel_um = 3.0\n");
         let mut rest = String::new();
         for table in

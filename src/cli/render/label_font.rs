@@ -1,6 +1,6 @@
 //! Small letters for the contact sheet: five by seven dots, capitals for every letter.
 
-/// Rows of dots from the top, the leftmost dot in bit 4; blank for a character that is not known.
+/// Rows of dots from the top, the leftmost dot in bit 4; blank for a character without a glyph.
 fn dots(character: char) -> [u8; 7] {
     match character.to_ascii_uppercase() {
         'A' => [14, 17, 17, 31, 17, 17, 17],

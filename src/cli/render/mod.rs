@@ -3,8 +3,8 @@
 //! In: a job, or a calibration with `[simulate]` (`calibration`), or `--gallery` (`gallery`,
 //! `gallery_cases`, `label_font`). Out: a folder of frames in one of the formats of `frame_files`,
 //! with `frames.csv` and the truth (`folder_files`); with `--bench` times alone (`timing`). `args`
-//! holds the arguments, the scene and the requests they stand for. A new kind of output is a file
-//! beside these with an entry in [`run`]; none imports this file.
+//! holds the arguments, the scene and the frame requests. A new kind of output is a file beside
+//! these with an entry in [`run`]; no file imports this one.
 
 mod args;
 mod calibration;
@@ -111,7 +111,7 @@ impl Series<'_> {
             put(folder, &name, encode(&frame, args.format, um_per_px))?;
             put(folder, &format!("previews/{stem}.png"), preview(&frame, um_per_px))?;
             if let Some(mask) = mask {
-                // What contamination touches, as an 8-bit PNG: the sum of the bits of
+                // The mask of the contamination as an 8-bit PNG: the sum of the bits of
                 // `contamination::mask`.
                 put(folder, &format!("masks/{stem}.png"), encode_mask(&frame.view(), &mask, um_per_px))?;
             }
@@ -128,7 +128,7 @@ impl Series<'_> {
     }
 }
 
-/// The true optical setup: what only truth may contain.
+/// The true optical setup, which only the truth may contain.
 fn true_setup(scene: &Scene) -> String {
     let setup = scene.setup();
     let json = serde_json::json!({

@@ -1,5 +1,5 @@
-//! `shadowgauge render --bench`: how long a frame takes beside the floor of a kernel that only
-//! writes a constant, and whether memory grows.
+//! `shadowgauge render --bench`: the time of a frame beside that of a kernel that only writes a
+//! constant, and the growth of memory.
 
 use std::time::Instant;
 
@@ -14,7 +14,7 @@ use crate::cli::failure::{CommandResult, Failure, Outcome};
 /// Frames drawn before the clock starts: pipelines are compiled and caches filled.
 const WARM_UP: usize = 3;
 
-/// Frames after which memory is looked at a second time.
+/// Frames after which memory is measured a second time.
 const RSS_AFTER: usize = 1000;
 
 /// Times in ms, sorted, memory before the first frame, after [`RSS_AFTER`] of them and after the
@@ -60,7 +60,7 @@ pub(super) fn benchmark(args: &RenderArgs, job: &Job, frames: usize) -> CommandR
     Ok(Outcome::Done)
 }
 
-/// Times at least one frame, each beside the floor of its buffers.
+/// Times at least one frame, each beside the write floor of its buffers.
 ///
 /// # Errors
 /// As `render`.
@@ -70,7 +70,7 @@ pub(crate) fn timing(
     request: impl Fn(usize) -> FrameRequest,
     frames: usize,
 ) -> Result<Timing, Failure> {
-    // Written beforehand: the record of the times shall not look like a leak.
+    // Allocated beforehand: the record of the times must not look like a leak.
     let unknown = || vec![f64::NAN; frames];
     let mut run = Timing { frames: unknown(), floors: unknown(), rss_mib: [None; 3], columns_rows: (0, 0) };
     let mut spare: Option<Frame> = None;
@@ -94,7 +94,7 @@ pub(crate) fn timing(
     Ok(run)
 }
 
-/// A frame, what it took and what the floor takes in the same buffers, ms.
+/// A frame, its time and that of the write floor in the same buffers, ms.
 fn one(
     renderer: &Renderer,
     scene: &Scene,
@@ -163,7 +163,7 @@ pub(crate) fn edge_windows(scene: &Scene, request: &FrameRequest, rows: u32) -> 
     Ok([about(|e| e.top_px), about(|e| e.bottom_px)])
 }
 
-/// Memory of this process that stands in RAM, MiB, where the system reports it.
+/// Resident memory of this process, MiB, where the system reports it.
 fn resident_mib() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmRSS:"))?;

@@ -21,7 +21,8 @@ pub enum Paper {
     /// Least-squares compensation of a single shaft through macro variables.
     #[command(name = "000")]
     P000(Reproduce000Args),
-    /// Slender shaft: forces, deflection, choice of cutting data, PID compensation (Xue, Miao, Xue 2023).
+    /// Slender shaft: forces, deflection, choice of cutting data, PID compensation (Xue, Miao,
+    /// Xue 2023).
     #[command(name = "003")]
     P003(Reproduce003Args),
 }

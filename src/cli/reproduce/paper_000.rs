@@ -15,7 +15,8 @@ use crate::studies::reproduction::Row;
 /// Arguments of `reproduce 000`.
 #[derive(Debug, clap::Args)]
 pub struct Reproduce000Args {
-    /// The six errors at x = 1/6 … 1, in units; by default those reconstructed from the paper's a and b.
+    /// The six errors at x = 1/6 … 1, in units; by default those reconstructed from the paper's a
+    /// and b.
     #[arg(long, value_name = "E", value_delimiter = ',', num_args = 1.., allow_negative_numbers = true)]
     errors: Vec<f64>,
     /// Unit of the errors, mm.

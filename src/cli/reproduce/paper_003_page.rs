@@ -8,7 +8,7 @@ use crate::report::plot::{Chart, Mark, Series};
 use crate::studies::reproduce_003::{Curve, Curves, Reproduction};
 use crate::studies::reproduction::Row;
 
-/// Parts of the paper and what their rows' ids start with.
+/// Parts of the paper and the prefixes of their rows' ids.
 const PARTS: [(&str, &[&str]); 6] = [
     ("Deflection and size error (eqs 1-3, section 3.3)", &["eq1 ", "eq2 ", "eq3 ", "beam."]),
     ("Forces (Tables 1 and 2)", &["table"]),
@@ -75,7 +75,7 @@ fn figures(found: &Reproduction) -> Vec<Figure> {
     figures
 }
 
-/// Figs 7 to 9: what the cutting force leaves.
+/// Figs 7 to 9: errors left by the cutting force.
 fn deflection_figures(curves: &Curves) -> Vec<Figure> {
     let error = "size error / µm of diameter";
     vec![
@@ -138,7 +138,7 @@ fn named(prefix: &str, curves: &[Curve]) -> Vec<Curve> {
     curves.iter().map(|c| Curve { name: format!("{prefix}, {}", c.name), ..c.clone() }).collect()
 }
 
-/// A line a curve, and the paper's printed value in its colour.
+/// One line per curve, and the paper's printed value in its colour.
 fn over_z(curves: &[Curve]) -> Vec<Series> {
     let lines = curves.iter().enumerate().map(|(k, c)| Series::new(&c.name, Mark::Line, k, c.points.clone()));
     let dots =
@@ -150,7 +150,7 @@ fn dashed(curves: &[Curve]) -> Vec<Series> {
     curves.iter().enumerate().map(|(k, c)| Series::new(&c.name, Mark::Dashed, k, c.points.clone())).collect()
 }
 
-/// The genetic algorithm's best of every generation, as far as it keeps the limits.
+/// The genetic algorithm's best of every generation, where it satisfies the limits.
 fn generations(curves: &Curves) -> Option<Figure> {
     let optimum = curves.optimum_min?;
     let feasible = curves.generations.iter().filter(|g| g.violation == 0.0);

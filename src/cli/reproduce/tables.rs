@@ -4,8 +4,8 @@ use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::report::html::Page;
 use crate::studies::reproduction::{Row, Verdict};
 
-/// Prints the rows as a JSON array or as a table. Exit 1 where a figure is missed for no reason
-/// that is known.
+/// Prints the rows as a JSON array or as a table. Exit 1 where a figure is missed without a known
+/// reason.
 pub(super) fn print(rows: &[Row], json: bool) -> CommandResult {
     let missed = rows.iter().filter(|row| row.is_unexplained_miss()).count();
     let outcome = if missed == 0 { Outcome::Done } else { Outcome::OutOfTolerance };
@@ -29,7 +29,7 @@ pub(super) fn print(rows: &[Row], json: bool) -> CommandResult {
     Ok(outcome)
 }
 
-/// Quantity, reason, what is accepted and what is missing.
+/// Quantity, reason, tolerance and missing data.
 fn sentence(row: &Row) -> String {
     let unit = if row.unit.is_empty() { String::new() } else { format!(" [{}]", row.unit) };
     let mut text = format!("{}{unit}: {}", row.quantity, row.reason);
@@ -58,7 +58,7 @@ pub(super) fn summary(rows: &[Row]) -> String {
     format!("{} rows: {} ({known} of the misses known)", rows.len(), counts.join(", "))
 }
 
-/// What the verdicts mean, for a page.
+/// Explanation of the verdicts, for a page.
 pub(super) const VERDICTS: &str = "Every figure of the paper beside ours, computed now; the verdict follows from figure, ours and the range accepted. \
     Reproduced: a prediction not fitted to the figure. Consistent: a fit to it, an identity or an input. Contradiction: the \
     paper's own figures and equations exclude each other, shown without a constant of ours. Undetermined: the paper lacks the \
@@ -70,8 +70,8 @@ fn short(value: f64) -> String {
     if value == 0.0 || (1e-3..1e6).contains(&size) { format!("{value:.5}") } else { format!("{value:.3e}") }
 }
 
-/// The rows on a page, a table for each part of the paper: the words in the first column, so that a
-/// page is wide enough.
+/// The rows on a page, a table for each part of the paper: with the text in the first column, so
+/// that the table fits on a page.
 pub(super) fn tables(page: &mut Page, rows: &[Row], parts: &[(&str, &[&str])]) {
     let cells = |row: &Row| {
         vec![
@@ -83,7 +83,7 @@ pub(super) fn tables(page: &mut Page, rows: &[Row], parts: &[(&str, &[&str])]) {
         ]
     };
     for (heading, prefixes) in parts {
-        // A prefix that ends in a blank means that very id.
+        // A prefix that ends in a blank is an exact id.
         let named = |row: &&Row| prefixes.iter().any(|prefix| format!("{} ", row.id).starts_with(prefix));
         let mine = rows.iter().filter(named);
         let cells: Vec<Vec<String>> = mine.map(cells).collect();

@@ -2,7 +2,7 @@
 //! same without control beside it.
 //!
 //! In: a job. Out: a run folder with its report; the exit code is that of the finished part.
-//! `recorder` writes what each pass leaves and reads it back when a run is resumed.
+//! `recorder` writes the results of each pass and reads them back when a run is resumed.
 
 mod recorder;
 
@@ -40,7 +40,8 @@ pub struct RunArgs {
     /// In place of the config's.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software adapter only by name).
+    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software
+    /// adapter only by name).
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     backend: BackendChoice,
     /// Leave out the second run without control that the report shows beside.
@@ -132,8 +133,8 @@ pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -
     })
 }
 
-/// The run and, side by side with it, the one without control: while one waits for the device, the
-/// other draws silhouettes, measures and writes.
+/// The run and, in parallel, the one without control: while one waits for the device, the other
+/// computes silhouettes, measures and writes.
 fn run_both(
     job: &Job,
     folder: &RunFolder,
@@ -217,7 +218,7 @@ impl Finished {
             "passes": passes,
             "in_tolerance": self.verdict.as_ref().map(|v| v.part() == PartConformity::Conforms),
             "conformity": self.verdict.as_ref().map(Verdict::part),
-            // For one version also under the name that `measure` has for GO, HI, …
+            // For one version also under the name that `measure` uses for GO, HI, …
             "judgement": self.verdict.as_ref().map(Verdict::part),
             "alarm": self.verdict.as_ref().and_then(|v| v.alarm.clone()),
             "stopped": self.stopped,

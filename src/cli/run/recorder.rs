@@ -19,9 +19,9 @@ use crate::run_folder::{
 
 use crate::cli::failure::{Failure, folder_failure};
 
-/// What a recorded run leaves in memory.
+/// The results of a recorded run in memory.
 pub struct Recorded {
-    /// One row a pass.
+    /// One row per pass.
     pub passes: Vec<PassRow>,
     /// Rendering and measuring time of the passes of this process, s.
     pub seconds: Vec<(f64, f64)>,
@@ -55,7 +55,7 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Calibrates the gauge, or takes up what an unfinished run has left.
+    /// Calibrates the gauge, or resumes an unfinished run.
     ///
     /// # Errors
     /// Where the job, the device or the folder fails.
@@ -112,7 +112,7 @@ impl<'a> Recorder<'a> {
         })
     }
 
-    /// Runs the passes that are left; `progress` shows a bar on a terminal.
+    /// Runs the remaining passes; `progress` shows a bar on a terminal.
     ///
     /// # Errors
     /// Where a cut, a frame or the disk fails; finished passes stay readable.
@@ -140,7 +140,7 @@ impl<'a> Recorder<'a> {
             for refused in &result.refused {
                 tracing::warn!("pass {pass}: {refused}");
             }
-            // The run without correction is there to go out of tolerance.
+            // The run without correction is expected to be out of tolerance.
             if progress {
                 log_decision(&result);
             }
@@ -158,7 +158,7 @@ impl<'a> Recorder<'a> {
         self.job.control.guards.on_alarm == OnAlarm::Stop
     }
 
-    /// All tables, `passes.csv` last: a pass that stands there has all its data.
+    /// All tables, `passes.csv` last: a pass listed there has all its data.
     fn write(&mut self, result: &PassResult) -> Result<(), Failure> {
         let unknown = vec![f64::NAN; result.profile.stations.len()];
         let truth = result.truth_mm.as_ref().unwrap_or(&unknown);
@@ -252,7 +252,7 @@ fn read_calibration(folder: &RunFolder) -> Result<Calibrated, Failure> {
         .map_err(|e| Failure::fail(format!("{}: {e}", folder.path().join("calibration.json").display())))
 }
 
-/// A job or a controller that is refused is exit 2, everything else fails with 3.
+/// Exit 2 for a job or a controller that is refused, 3 for everything else.
 fn loop_failure(error: LoopError) -> Failure {
     match error {
         LoopError::Setting(_) | LoopError::Control(_) => Failure::refuse(error),

@@ -1,5 +1,5 @@
-//! `shadowgauge study contamination`: how often contamination causes wrong stations, and what
-//! refusing it costs.
+//! `shadowgauge study contamination`: how often contamination causes wrong stations, and how many
+//! stations its rejection loses.
 
 use std::path::PathBuf;
 
@@ -88,7 +88,7 @@ fn verdict(study: &ContaminationStudy) -> String {
     )
 }
 
-/// Share of stations kept; none where no frame was harmful.
+/// Share of stations kept; none where contamination harmed no frame.
 fn kept(share: Option<f64>) -> String {
     share.map_or("-".to_owned(), |s| format!("{s:.3}"))
 }

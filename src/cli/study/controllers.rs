@@ -90,7 +90,7 @@ fn print(study: &ControllerStudy) {
     }
 }
 
-/// Error over the passes, a line a controller.
+/// Error over the passes, one line per controller.
 fn error_chart(study: &ControllerStudy) -> Chart {
     let mut series = Vec::new();
     for (i, c) in study.controllers.iter().enumerate() {

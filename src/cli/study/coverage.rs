@@ -8,7 +8,8 @@ use crate::studies::coverage::{Class, ClassFigures, class_figures, coverage};
 /// Arguments of `study coverage`.
 #[derive(Debug, clap::Args)]
 pub struct StudyCoverageArgs {
-    /// Scenes drawn from the budget's own distributions; a third as many deviate inside the limits, a quarter lie outside.
+    /// Scenes drawn from the budget's own distributions; a third as many deviate inside the limits,
+    /// a quarter lie outside.
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = at_least_one)]
     scenes: usize,
     /// Seed of the draws.
@@ -25,7 +26,7 @@ pub struct StudyCoverageArgs {
 /// Runs the study; exit 1 where a figure is missed.
 ///
 /// # Errors
-/// Exit 3 where a scene cannot be rendered or its masters not be measured.
+/// Exit 3 where a scene cannot be rendered or its masters cannot be measured.
 pub fn run(args: &StudyCoverageArgs) -> CommandResult {
     let renderer = Renderer::new(BackendChoice::Cpu).map_err(Failure::fail)?;
     if !args.classes.is_empty() {
@@ -83,8 +84,8 @@ fn only(args: &StudyCoverageArgs, renderer: &Renderer) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// Prints classes, with the row of all of them together where there is one, and what each of them
-/// declares.
+/// Prints classes, with the row of all of them together where there is one, and the declaration of
+/// each.
 fn table(title: &str, classes: &[ClassFigures], together: Option<&ClassFigures>) {
     say_line!(
         "{title}\n{:<16} {:>7} {:>9} {:>10} {:>10} {:>11} {:>11} {:>9} {:>12}",

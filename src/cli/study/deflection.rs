@@ -1,4 +1,5 @@
-//! `shadowgauge study deflection`: compliance of a held shaft over the position of a radial load.
+//! `shadowgauge study deflection`: compliance of a supported shaft over the position of a radial
+//! load.
 
 use std::path::PathBuf;
 
@@ -20,7 +21,8 @@ pub struct StudyDeflectionArgs {
     /// Positions of the load, mm from the chuck face; eleven equally spaced ones by default.
     #[arg(long, value_name = "MM", num_args = 1.., value_delimiter = ',', allow_negative_numbers = true)]
     at: Vec<f64>,
-    /// The axis in both planes besides: self weight, tailstock, cutting force, chuck and bow, with the tool at --tool.
+    /// The axis in both planes besides: self weight, tailstock, cutting force, chuck and bow, with
+    /// the tool at --tool.
     #[arg(long)]
     line: bool,
     /// Machine z of the tool for --line, mm; by default where the shaft yields most.
@@ -38,7 +40,8 @@ pub struct StudyDeflectionArgs {
     /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Write deflection.csv, deflection.svg and report.html (--line: axis.csv, axis.svg) into this folder.
+    /// Write deflection.csv, deflection.svg and report.html (--line: axis.csv, axis.svg) into this
+    /// folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -77,7 +80,7 @@ pub fn run(args: &StudyDeflectionArgs) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// A beam, and the shaft whose axis is drawn.
+/// A beam, and the shaft whose axis is plotted.
 struct Input {
     beam: DeflectionConfig,
     line: LineCase,
@@ -127,7 +130,7 @@ fn read(text: &ConfigText) -> Result<Input, Failure> {
     Ok(Input { beam, line })
 }
 
-/// The lines asked for.
+/// The requested lines.
 fn lines(args: &StudyDeflectionArgs, case: &LineCase, softest_mm: f64) -> Result<LineStudy, String> {
     let tool = args.tool.or(Some(softest_mm)).filter(|_| !args.clear);
     if let Some(z) = tool.filter(|z| !(0.0..=case.stock.length_mm).contains(z)) {

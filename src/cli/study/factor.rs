@@ -17,7 +17,8 @@ const BUILT_IN: &str = include_str!("../../../configs/factor_003.toml");
 pub struct StudyFactorArgs {
     /// The study, as configs/factor_003.toml, which is taken where none is given.
     config: Option<PathBuf>,
-    /// Fit the force law to this table (depth_mm, speed_m_per_min, feed_mm_per_rev, force_n) in place of the config's.
+    /// Fit the force law to this table (depth_mm, speed_m_per_min, feed_mm_per_rev, force_n) in
+    /// place of the config's.
     #[arg(long, value_name = "CSV")]
     forces: Option<PathBuf>,
     /// Print JSON.
@@ -28,7 +29,7 @@ pub struct StudyFactorArgs {
     out: Option<PathBuf>,
 }
 
-/// The study with the law it used, where that was fitted.
+/// The study with its force law, where that was fitted.
 #[derive(serde::Serialize)]
 struct Output<'a> {
     fitted: Option<&'a PowerFit>,
@@ -164,7 +165,7 @@ fn write(folder: &StudyFolder, study: &FactorStudy) -> Result<(), Failure> {
     folder.write("report.html", page.finish().as_bytes())
 }
 
-/// From zero to well above the largest error, so that the legend hides nothing.
+/// Range of y from zero to well above the largest error, so that the legend covers no curve.
 fn headroom(series: &FactorSeries) -> Option<(f64, f64)> {
     let largest = series
         .rows
@@ -174,7 +175,7 @@ fn headroom(series: &FactorSeries) -> Option<(f64, f64)> {
     Some((0.0, 1.35 * largest))
 }
 
-/// Error over the position of the tool, a line a value (Figs 7 to 9).
+/// Error over the position of the tool, one line per value (Figs 7 to 9).
 fn over_z(series: &FactorSeries) -> Chart {
     let line = |(i, curve): (usize, &Vec<(f64, f64)>)| {
         Series::new(format!("{}", series.rows[i].value), Mark::Line, i, curve.clone())

@@ -1,4 +1,4 @@
-//! `shadowgauge study line-camera`: edges a second and repeatability of a line camera's readings.
+//! `shadowgauge study line-camera`: edges per second and repeatability of a line camera's readings.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use crate::config;
 use crate::render::{BackendChoice, Renderer};
 use crate::studies::line_camera::{self, BLOCK, LineCameraRow};
 
-/// The head of line cameras that this is about where no config is given.
+/// The head with line cameras that is studied where no config is given.
 const LINE_HEAD: &str = include_str!("../../../configs/head_line_laser.toml");
 
 /// Arguments of `study line-camera`.

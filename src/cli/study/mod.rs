@@ -1,7 +1,7 @@
 //! `shadowgauge study …`: measurements over the stages.
 //!
-//! A study has a file here with its arguments, its config and what it prints, and one in `studies`
-//! that computes. A new one is such a pair, its `mod` line and a variant of [`Study`].
+//! A study has a file here with its arguments, its config and its output, and one in `studies` with
+//! the computation. A new one is such a pair, its `mod` line and a variant of [`Study`].
 
 mod contamination;
 mod controllers;
@@ -43,7 +43,8 @@ pub enum Study {
     Parts(StudyPartsArgs),
     /// Stability of every controller with every plant.
     Stability(StudyStabilityArgs),
-    /// One job scanned after every pass and while it is cut, with and without correction within the pass.
+    /// One job scanned after every pass and while it is cut, with and without correction within the
+    /// pass.
     InProcess(StudyInProcessArgs),
     /// Edges a second and repeatability of a line camera's readings, beside its rate and the bound.
     LineCamera(StudyLineCameraArgs),

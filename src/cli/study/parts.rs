@@ -18,7 +18,8 @@ const CONFIG: &str = include_str!("../../../configs/parts.toml");
 /// Arguments of `study parts`.
 #[derive(Debug, clap::Args)]
 pub struct StudyPartsArgs {
-    /// The job; by default the preset's shaft with a wearing edge and a warming machine (configs/parts.toml).
+    /// The job; by default the preset's shaft with a wearing edge and a warming machine
+    /// (configs/parts.toml).
     config: Option<PathBuf>,
     /// Parts of the batch.
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(2..=1000))]

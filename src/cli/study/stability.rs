@@ -135,7 +135,8 @@ fn write(folder: &StudyFolder, study: &StabilityStudy) -> Result<(), Failure> {
     folder.write("report.html", page.finish().as_bytes())
 }
 
-/// Poles inside |z| ≤ 2.2 (those further out are unstable in any case and would shrink the rest).
+/// Poles inside |z| ≤ 2.2 (those further out are unstable in any case and would compress the
+/// scale).
 fn root_locus(study: &StabilityStudy) -> Result<String, Failure> {
     let circle = (0..=120).map(|i| f64::from(i) * std::f64::consts::TAU / 120.0).map(|a| (a.cos(), a.sin()));
     let mut series = vec![Series::new("unit circle", Mark::Dashed, 6, circle.collect())];

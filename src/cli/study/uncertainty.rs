@@ -27,7 +27,8 @@ pub struct StudyUncertaintyArgs {
     /// Trials; without it blocks of 10 000 are added until the figures are stable.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(20_000..=100_000_000))]
     trials: Option<u64>,
-    /// Diameter of the part, mm; in the middle between the smallest and the largest master without it.
+    /// Diameter of the part, mm; in the middle between the smallest and the largest master without
+    /// it.
     #[arg(long, value_name = "D")]
     diameter_mm: Option<f64>,
     /// Rendered and measured scenes beside it (small frames, class "mixed" of `study coverage`).

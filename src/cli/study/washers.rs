@@ -1,4 +1,5 @@
-//! `shadowgauge study washers`: pictures of rings of known size, the gauge beside a plain method.
+//! `shadowgauge study washers`: images of rings of calibrated size, the gauge beside a simple
+//! method.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -12,7 +13,8 @@ use crate::studies::washers::{MethodFigures, Pair, Part, SIDES, WashersError, Wa
 /// Arguments of `study washers`.
 #[derive(Debug, clap::Args)]
 pub struct StudyWashersArgs {
-    /// Folder with pictures named by the part's number and cmm.csv (columns part, outer_diameter_mm, inner_diameter_mm).
+    /// Folder with pictures named by the part's number and cmm.csv (columns part,
+    /// outer_diameter_mm, inner_diameter_mm).
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// Print JSON.
@@ -23,7 +25,7 @@ pub struct StudyWashersArgs {
     out: Option<PathBuf>,
 }
 
-/// Runs the study; exit 1 where a bootstrap finds the gauge worse than the plain method.
+/// Runs the study; exit 1 where a bootstrap shows the gauge to be worse than the simple method.
 ///
 /// # Errors
 /// Exit 2 for an output folder that holds anything or too few parts, 3 for files that cannot be
@@ -52,8 +54,8 @@ pub fn run(args: &StudyWashersArgs) -> CommandResult {
     Ok(if misses.is_empty() { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 
-/// Pictures with the machine's values, in the order of the names; a picture without values, or
-/// values without a picture, is named and left out.
+/// Images with the coordinate measuring machine's values, in the order of their names; an image
+/// without values, or values without an image, is reported and left out.
 fn read(folder: &Path) -> Result<Vec<Part>, Failure> {
     let mut machine = machine_values(&folder.join("cmm.csv"))?;
     let mut parts = Vec::new();

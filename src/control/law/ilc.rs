@@ -2,10 +2,10 @@
 //!
 //! Q = (I + μ DᵀD)⁻¹, D the second difference: the smoother of Whittaker (Proc. Edinb. Math. Soc.
 //! 41 (1923) 63). It is symmetric with eigenvalues in (0, 1], passes constants and lines unchanged
-//! (no end effects), and a wave of N stations by 1/(1 + μ (2 − 2 cos 2π/N)²). Where Q < 1 the loop
-//! forgets instead of learning: an error with constant disturbance d settles at (1 − Q) d instead
-//! of 0. Convergence: D. A. Bristow, M. Tharayil, A. G. Alleyne, IEEE Control Syst. Mag. 26(3)
-//! (2006) 96.
+//! (no end effects), and attenuates a wave of N stations by the factor 1/(1 + μ (2 − 2 cos 2π/N)²).
+//! Where Q < 1 the loop does not reach zero error: an error with constant disturbance d settles at
+//! (1 − Q) d instead of 0. Convergence: D. A. Bristow, M. Tharayil, A. G. Alleyne, IEEE Control
+//! Syst. Mag. 26(3) (2006) 96.
 
 use super::proposal::{Law, Observation, Proposal};
 use crate::control::settings::IlcSettings;
@@ -55,7 +55,7 @@ pub(crate) fn q_filter(cutoff_mm: f64, station_z_mm: &[f64]) -> Option<DMatrix<f
     system.cholesky().map(|c| c.inverse())
 }
 
-/// Departure of a pitch from the mean one that is rounding of decimal places of stations.
+/// Relative deviation of a pitch from the mean one that is rounding of the stations' decimals.
 const EVEN: f64 = 1e-9;
 
 /// Weights of three stations in the second derivative of the parabola through them, times the
@@ -73,8 +73,8 @@ fn curvature(z: &[f64], pitch: f64) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Stations where they will: a straight line passes, a zigzag does not, and even pitch is the
-    /// limit of uneven.
+    /// Stations at arbitrary places: a straight line passes, a zigzag does not, and even pitch is
+    /// the limit of uneven.
     #[test]
     fn stations_of_uneven_pitch_are_filtered_alike() {
         let z = [6.0, 40.0, 80.0, 95.0, 160.0, 200.0];
@@ -87,7 +87,7 @@ mod tests {
         let nearly: Vec<f64> = (0..6).map(|i| 40.0 * f64::from(i) + 1e-5 * f64::from(i % 2)).collect();
         let apart = (q_filter(300.0, &even).unwrap() - q_filter(300.0, &nearly).unwrap()).amax();
         assert!(apart < 1e-5, "{apart}");
-        // the parabola z²: its second derivative is 2 anywhere
+        // the parabola z²: its second derivative is 2 everywhere
         let square: f64 =
             curvature(&[1.0, 3.0, 4.0], 1.0).iter().zip([1.0, 9.0, 16.0]).map(|(w, y)| w * y).sum();
         assert!((square - 2.0).abs() < 1e-12);

@@ -1,42 +1,45 @@
-//! Model-based control: predict the next pass, command what makes the prediction right.
+//! Model-based control: predict the next pass, and command the diameter whose predicted result is
+//! the nominal one.
 //!
 //! ```text
-//! seen        y = (D − b)/2                                how far the shaft was pushed away, mm of radius
+//! observed    y = (D − b)/2                     deflection of the shaft, mm of radius
 //! estimated   y = s·w(z; k_c, k_t)·F(a) + l₀ + l₁ξ + j (t₀ + t₁ξ) + n(j) + c(z, j)
 //! depth cut   a = (D_before − D)/2, F(a) = C·a^x·f^y·v^z
-//! commanded   b = r − 2ŷ with a = (D − r)/2: the depth that is cut if the pass comes out right; o = r − b = 2ŷ
+//! commanded   b = r − 2ŷ with a = (D − r)/2, the depth if the pass leaves r; o = r − b = 2ŷ
 //! ```
 //!
 //! z from the chuck, ξ ∈ [−1, 1] along the stations, j the passes since the first. w: beam clamped
 //! in a yielding chuck, held by a yielding tailstock ([`compliance`]). The scale s, both
-//! stiffnesses, the stock's mean diameter, a constant and a taper of the machine and their growth a
-//! pass are estimated from all passes seen by penalised least squares (a Gaussian prior from the
-//! settings' uncertainties, Gauss-Newton); n, what a pass shares along z and the next does not
-//! repeat, with them. What remains at a station is carried by a level and a trend c of its own: a
-//! Kalman filter of two states, since a model of eight numbers never explains a machine. The plant
-//! gain g = 1/(1 + s·w·F′) follows from the same numbers.
+//! stiffnesses, the stock's mean diameter, a constant and a taper of the machine and their growth
+//! per pass are estimated from all measured passes by penalised least squares (a Gaussian prior
+//! from the settings' uncertainties, Gauss-Newton), together with n, the part that is common to all
+//! stations of one pass and not repeated in the next. The remainder at a station is modelled by its
+//! own level and trend c: a Kalman filter of two states, because a model of eight parameters never
+//! explains a machine completely. The plant gain g = 1/(1 + s·w·F′) follows from the same
+//! parameters.
 //!
-//! Valid while F is steep enough to be seen and the depth lies above minimum chip; one diameter is
-//! taken for the half-cut shaft, Euler-Bernoulli: both end up in s and c.
+//! Valid while F is steep enough to be observable and the depth is above the minimum chip. The
+//! half-cut shaft is approximated by one diameter and by Euler-Bernoulli theory; s and c absorb
+//! both errors.
 
 use super::proposal::{Feedforward, Law, Observation, Proposal};
 use crate::control::settings::{ModelSettings, Workpiece};
 use crate::plan::CuttingData;
 use nalgebra::{DMatrix, DVector};
 
-/// ln s, ln chuck, ln tailstock, stock, l₀, l₁, t₀, t₁; one n a pass follows them.
+/// ln s, ln chuck, ln tailstock, stock, l₀, l₁, t₀, t₁; one n per pass follows them.
 const SHARED: usize = 8;
 /// Gauss-Newton converges quadratically here; the third step is below 1e-6 of the prior.
 const ITERATIONS: usize = 8;
 /// Step of the numerical derivative, in prior standard deviations.
 const DERIVATIVE_STEP: f64 = 1e-4;
-/// Below this depth the force law is not followed down to zero (its slope would grow without
-/// limit), mm.
+/// Depth below which the force law is not evaluated, because its slope grows without limit towards
+/// zero, mm.
 const LEAST_DEPTH_MM: f64 = 1e-3;
 
 type Theta = DVector<f64>;
 
-/// One pass as it was seen.
+/// The observation of one pass.
 #[derive(Clone, Debug)]
 struct Pass {
     /// y, mm of radius.
@@ -58,7 +61,7 @@ enum Before {
     Measured,
     /// The stock's nominal diameter.
     Stock,
-    /// The pass before was not measured or not accepted: its nominal diameter.
+    /// The nominal diameter of the pass before, which was not measured or not accepted.
     Nominal,
 }
 
@@ -143,7 +146,8 @@ impl Law for ModelLaw {
 }
 
 impl ModelLaw {
-    /// Where the pass before was not accepted: this one took off as much as the next is to.
+    /// Diameter before a pass whose predecessor was not accepted, mm: this pass removed as much as
+    /// the next one will.
     fn one_more(&self, seen: &Observation<'_>) -> f64 {
         match seen.next {
             Some(next) => 2.0 * seen.plan.nominal_mm - next.nominal_mm,
@@ -156,7 +160,7 @@ impl ModelLaw {
         seen.plan.nominal_mm + (self.workpiece.stock_diameter_mm - seen.plan.nominal_mm) / passes
     }
 
-    /// Where nothing is known of the next pass: it takes off as much as this one was to.
+    /// Target of a next pass that is not given, mm: it removes as much as this one was planned to.
     fn same_again(&self, seen: &Observation<'_>) -> f64 {
         2.0 * seen.plan.nominal_mm - self.same_before(seen)
     }
@@ -260,8 +264,8 @@ impl Model<'_> {
         passes[j].pushed_mm[i] - self.pushed(theta, i, passes[j].index, &Self::cut(theta, &passes[j], i))
     }
 
-    /// Variance of a residual: repeatability, reading and, where the stock was not measured, its
-    /// form as it is copied.
+    /// Variance of a residual: repeatability, reading and, where the stock was not measured, the
+    /// copied share of its form.
     fn variance(&self, theta: &Theta, pass: &Pass, i: usize) -> f64 {
         let copied = if pass.before == Before::Measured {
             0.0
@@ -272,9 +276,9 @@ impl Model<'_> {
         pass.u_mm[i].powi(2) + copied.powi(2)
     }
 
-    /// What the model leaves unexplained beyond noise in the passes whose stock was measured, root
-    /// mean square: where it is large the shared numbers count for less and the stations' own
-    /// levels for more.
+    /// Root mean square of the residuals beyond noise in the passes whose stock was measured, mm of
+    /// radius: where it is large the shared parameters have less weight and the stations' own
+    /// levels more.
     fn misfit(&self, theta: &Theta, passes: &[Pass]) -> f64 {
         let known = passes.iter().enumerate().filter(|(_, p)| p.before == Before::Measured);
         let (mut sum, mut count) = (0.0, 0);
@@ -342,13 +346,13 @@ impl Model<'_> {
     }
 }
 
-/// Level that grows by a trend every pass; both uncertain, the level observed.
+/// A level that grows by a trend every pass; both are uncertain, the level is observed.
 struct LevelAndTrend {
     level: f64,
     trend: f64,
     /// Covariance: level, level-trend, trend.
     p: (f64, f64, f64),
-    /// Variance that a pass adds to the trend.
+    /// Variance added to the trend per pass.
     q: f64,
 }
 
@@ -357,7 +361,7 @@ impl LevelAndTrend {
         Self { level: 0.0, trend: 0.0, p: (u_level.powi(2), 0.0, u_trend.powi(2)), q: 0.25 * u_trend.powi(2) }
     }
 
-    /// Takes an observation in and moves on to the next pass.
+    /// Updates the state by an observation and predicts the next pass.
     fn update(&mut self, seen: f64, variance: f64) {
         let (p00, p01, p11) = self.p;
         let (k0, k1) = (p00 / (p00 + variance), p01 / (p00 + variance));
@@ -379,8 +383,8 @@ struct Beam {
 
 impl Beam {
     /// Deflection under a unit radial load at a: clamped in a chuck that yields sideways by 1/k_c,
-    /// carried at L by a tailstock of stiffness k_t, whose reaction R makes its own deflection
-    /// R/k_t (Euler-Bernoulli, superposition).
+    /// supported at L by a tailstock of stiffness k_t, which the reaction R deflects by R/k_t
+    /// (Euler-Bernoulli, superposition).
     fn compliance(&self, a: f64, chuck: f64, tailstock: f64) -> f64 {
         let ei = self.e_n_per_mm2 * std::f64::consts::PI * self.diameter_mm.powi(4) / 64.0;
         let l = self.length_mm;

@@ -1,4 +1,4 @@
-//! What a law gets of a pass, and what it proposes for the next.
+//! The input of a law from a pass, and its proposal for the next one.
 
 use crate::control::context::NextPass;
 use crate::control::fit::{self, Fit};
@@ -6,13 +6,13 @@ use crate::control::readings::Errors;
 use crate::plan::PassPlan;
 use nalgebra::{DMatrix, DVector};
 
-/// What a law sees of the pass measured.
+/// The input of a law: the measured pass.
 pub(crate) struct Observation<'a> {
-    /// What was commanded, with the offsets in force.
+    /// The command, with the offsets in force.
     pub plan: &'a PassPlan,
     /// Errors of the pass.
     pub errors: &'a Errors,
-    /// The next pass, where it is known.
+    /// The next pass, where it is given.
     pub next: Option<NextPass>,
 }
 
@@ -37,7 +37,7 @@ impl From<Vec<f64>> for Proposal {
     }
 }
 
-/// How offsets learnt from earlier parts meet what a law proposes.
+/// How offsets from earlier parts are combined with the proposal of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Feedforward {
     /// The proposal starts from the offsets in force: the difference of the next pass's to this
@@ -49,17 +49,17 @@ pub(crate) enum Feedforward {
     Nothing,
 }
 
-/// A control law. It proposes; the compensator decides whether the proposal, and what the law
-/// learnt, is kept.
+/// A control law. It proposes; the compensator decides whether the proposal and the new state of
+/// the law are kept.
 pub(crate) trait Law: Clone {
-    /// A new part: forget the last one. `stock_mm` are its diameters before the first pass, where
-    /// measured.
+    /// A new part: discards the state of the last one. `stock_mm` are its diameters before the
+    /// first pass, where measured.
     fn begin(&mut self, stock_mm: Option<Vec<f64>>);
 
     /// Offsets of the next pass.
     fn propose(&mut self, seen: &Observation<'_>) -> Proposal;
 
-    /// What is added from earlier parts.
+    /// How offsets from earlier parts are added.
     fn feedforward(&self) -> Feedforward {
         Feedforward::Difference
     }
@@ -69,14 +69,15 @@ pub(super) fn y(errors: &Errors) -> DVector<f64> {
     DVector::from_column_slice(&errors.e_mm)
 }
 
-/// Standard uncertainty that is independent from station to station; the combined one where that is
+/// Standard uncertainty that is independent from station to station; the combined one where it is
 /// not stated.
 pub(super) fn independent_u(errors: &Errors) -> DVector<f64> {
     let stated = errors.u_random_mm.iter().all(|&u| u > 0.0);
     DVector::from_column_slice(if stated { &errors.u_random_mm } else { &errors.u_mm })
 }
 
-/// Fits shapes to the errors, weighted by what is independent from station to station.
+/// Fits shapes to the errors, weighted by the uncertainties that are independent from station to
+/// station.
 pub(super) fn project(design: &DMatrix<f64>, errors: &Errors) -> Option<Fit> {
     fit::weighted(design, &y(errors), &independent_u(errors))
 }

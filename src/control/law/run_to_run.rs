@@ -1,7 +1,7 @@
 //! Run-to-run control: the disturbance is estimated by moving averages and compensated.
 //!
 //! ```text
-//! seen         m(k) = e(k) + b̂ o(k)                                   the error that would be there without offset
+//! observed     m(k) = e(k) + b̂ o(k)                        the error without any offset
 //! EWMA         a(k) = λ m(k) + (1 − λ) a(k−1)                          o(k+1) = a(k)/b̂
 //! double EWMA  a(k) = λ₁ m(k) + (1 − λ₁) a(k−1)
 //!              p(k) = λ₂ [m(k) − a(k−1)] + (1 − λ₂) p(k−1)             o(k+1) = [a(k) + p(k)]/b̂

@@ -1,4 +1,4 @@
-//! `[control.guards]`: what an offset must pass before it is released.
+//! `[control.guards]`: limits of the guards.
 
 use crate::control::error::require_limit;
 use crate::setting::{SettingError, require};
@@ -12,7 +12,8 @@ pub enum OnAlarm {
     /// The run ends there: the next pass is not cut.
     #[default]
     Stop,
-    /// The next pass is cut with the offsets held, to see what would have come of it. Not for a real lathe.
+    /// The next pass is cut with the offsets held, to see what would have come of it. Not for a
+    /// real lathe.
     GoOn,
 }
 
@@ -24,9 +25,11 @@ pub struct GuardSettings {
     pub plausible_error_mm: f64,
     /// Largest combined standard uncertainty of a station that is acted on, mm.
     pub uncertainty_limit_mm: f64,
-    /// Largest scatter (robust standard deviation) from station to station about a smooth profile, mm.
+    /// Largest scatter (robust standard deviation) from station to station about a smooth profile,
+    /// mm.
     pub scatter_limit_mm: f64,
-    /// A station further than this, and than 5 times the scatter, from what its neighbours say is an outlier, mm.
+    /// A station further than this, and than 5 times the scatter, from what its neighbours say is
+    /// an outlier, mm.
     pub outlier_limit_mm: f64,
     /// Oldest measurement that is used, s since the end of its scan.
     pub age_limit_s: f64,
@@ -34,7 +37,8 @@ pub struct GuardSettings {
     pub master_limit_mm: f64,
     /// Changes of an offset smaller than this are not made, mm of diameter.
     pub deadband_mm: f64,
-    /// Largest change of an offset at any station, mm of diameter. The first correction of a slender shaft takes 60 µm.
+    /// Largest change of an offset at any station, mm of diameter. The first correction of a
+    /// slender shaft takes 60 µm.
     pub step_limit_mm: f64,
     /// Largest offset at any station, mm of diameter.
     pub cumulative_limit_mm: f64,
@@ -46,12 +50,13 @@ pub struct GuardSettings {
     pub response_min: f64,
     /// Largest ratio of observed change of diameter over commanded change.
     pub response_max: f64,
-    /// The response is judged where the commanded change (root mean square over the stations) reaches this, mm.
+    /// The response is judged where the commanded change (root mean square over the stations)
+    /// reaches this, mm.
     pub response_from_mm: f64,
     /// What an alarm does.
     pub on_alarm: OnAlarm,
-    /// Lower limit of the part's diameter, mm: no offset is released with which the next pass is predicted below it. A run
-    /// takes the lower limit of the part's tolerance where none is given.
+    /// Lower limit of the part's diameter, mm: no offset is released with which the next pass is
+    /// predicted below it. A run takes the lower limit of the part's tolerance where none is given.
     pub lower_limit_mm: Option<f64>,
     /// Standard uncertainties that the predicted diameter keeps from the lower limit.
     pub coverage: f64,
@@ -59,7 +64,8 @@ pub struct GuardSettings {
     pub min_depth_mm: f64,
     /// Largest depth of cut, mm of radius.
     pub max_depth_mm: f64,
-    /// Largest relative difference of feed and speed between the pass measured and the pass corrected.
+    /// Largest relative difference of feed and speed between the pass measured and the pass
+    /// corrected.
     pub cutting_tolerance: f64,
 }
 

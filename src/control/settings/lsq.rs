@@ -23,7 +23,8 @@ pub enum ApplyTo {
     /// Every pass that follows a measured one.
     #[default]
     EveryPass,
-    /// Only the finishing pass, as in paper 000: what was measured after semi-finishing is compensated once.
+    /// Only the finishing pass, as in paper 000: what was measured after semi-finishing is
+    /// compensated once.
     FinishingPass,
 }
 

@@ -28,8 +28,8 @@ pub struct ControlSettings {
     /// Build a controller although its closed loop is unstable at `plant_gain`.
     #[serde(rename = "insist_on_unstable")]
     pub allow_unstable: bool,
-    /// Plant gain g for which stability is judged: change of diameter over change of command, 0 < g ≤ 2. A slender
-    /// shaft between chuck and tailstock has .9-1 (1 would be a rigid one).
+    /// Plant gain g for which stability is judged: change of diameter over change of command, 0 < g
+    /// ≤ 2. A slender shaft between chuck and tailstock has .9-1 (1 would be a rigid one).
     pub plant_gain: f64,
     /// What to do where stations have no reading.
     pub gaps: GapSettings,
@@ -49,7 +49,8 @@ pub struct ControlSettings {
     pub parts: PartsSettings,
     /// Limits that an offset must pass before it is released.
     pub guards: GuardSettings,
-    /// Correction within the pass by a gauge that follows the tool; none leaves a pass as it was planned.
+    /// Correction within the pass by a gauge that follows the tool; none leaves a pass as it was
+    /// planned.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub within_pass: Option<WithinPassSettings>,
 }
@@ -78,8 +79,8 @@ impl Default for ControlSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GapSettings {
-    /// Longest run of neighbouring stations that may be interpolated linearly between measured ones (0: none). Ends
-    /// are never extrapolated.
+    /// Longest run of neighbouring stations that may be interpolated linearly between measured ones
+    /// (0: none). Ends are never extrapolated.
     pub interpolate_run: usize,
     /// Most stations that may be interpolated in all, as a share of the stations, 0-1.
     pub interpolate_share: f64,

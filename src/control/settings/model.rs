@@ -8,8 +8,7 @@ use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What the model-based controller takes from the job: the part before the tool and the force that
-/// it should take.
+/// What the model-based controller takes from the job: the part and its expected cutting force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workpiece {
     /// C of F = C·a_p^x·f^y·v^z, N at 1 mm, 1 mm/r and 1 m/min.
@@ -50,8 +49,8 @@ impl Default for Workpiece {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ModelSettings {
-    /// Force law assumed: radial force F = C·a_p^x·f^y·v^z in N; C. Left out: that of the job's material, by its specific
-    /// cutting force.
+    /// Force law assumed: radial force F = C·a_p^x·f^y·v^z in N; C. Left out: that of the job's
+    /// material, by its specific cutting force.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coefficient_n: Option<f64>,
     /// Exponent of the depth of cut, 0 < x ≤ 2. Left out: the job's.
@@ -76,11 +75,12 @@ pub struct ModelSettings {
     pub chuck_n_per_um: f64,
     /// Radial stiffness of the tailstock, N/µm.
     pub tailstock_n_per_um: f64,
-    /// Standard uncertainty of ln C: .3 stands for about ± 30 %. Left out: .3, and .7 for a material without a specific
-    /// cutting force.
+    /// Standard uncertainty of ln C: .3 stands for about ± 30 %. Left out: .3, and .7 for a
+    /// material without a specific cutting force.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub u_ln_coefficient: Option<f64>,
-    /// Standard uncertainty of the logarithm of both stiffnesses: .7 stands for about a factor of 2.
+    /// Standard uncertainty of the logarithm of both stiffnesses: .7 stands for about a factor
+    /// of 2.
     pub u_ln_stiffness: f64,
     /// Standard uncertainty of the stock's mean diameter, mm.
     pub u_stock_mean_mm: f64,
@@ -90,18 +90,20 @@ pub struct ModelSettings {
     pub u_machine_mm: f64,
     /// Standard deviation of what a pass adds to it (wear, warming), mm of radius a pass.
     pub u_trend_mm: f64,
-    /// Standard deviation of what the model cannot explain at a station and that stays, mm of radius.
+    /// Standard deviation of what the model cannot explain at a station and that stays, mm of
+    /// radius.
     pub u_station_mm: f64,
     /// Standard deviation of its growth at a station, mm of radius a pass.
     pub u_station_trend_mm: f64,
-    /// Standard deviation of what a pass adds all along the shaft and the next does not repeat, mm of radius.
+    /// Standard deviation of what a pass adds all along the shaft and the next does not repeat, mm
+    /// of radius.
     pub u_pass_mm: f64,
     /// Standard deviation of what comes and goes at a station from pass to pass, mm of radius.
     pub repeatability_mm: f64,
 }
 
 impl Default for ModelSettings {
-    /// Length, diameter, material and force law are left to the job.
+    /// Length, diameter, material and force law come from the job.
     fn default() -> Self {
         Self {
             coefficient_n: None,
@@ -128,7 +130,7 @@ impl Default for ModelSettings {
 }
 
 impl ModelSettings {
-    /// The table with every key that it leaves out taken from a workpiece.
+    /// The table with every missing key filled from a workpiece.
     #[must_use]
     pub fn for_workpiece(&self, w: &Workpiece) -> Self {
         Self {

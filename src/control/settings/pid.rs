@@ -61,7 +61,8 @@ pub struct PidSettings {
     pub deadband_mm: f64,
     /// The output u stays within ± this, mm of diameter; the sum stops there (anti-windup).
     pub output_limit_mm: Option<f64>,
-    /// The output changes by at most this a pass, mm of diameter; the sum stops there (anti-windup).
+    /// The output changes by at most this a pass, mm of diameter; the sum stops there
+    /// (anti-windup).
     pub rate_limit_mm: Option<f64>,
     /// Per station or a few shapes along z.
     pub spatial: Spatial,

@@ -12,7 +12,8 @@ pub struct EwmaSettings {
     pub weight: f64,
     /// Plant gain b̂ the controller assumes, 0 < b̂ ≤ 2.
     pub gain_estimate: f64,
-    /// Begin with the mean of what was seen (weight 1/k while that is larger than λ) instead of with zero.
+    /// Begin with the mean of what was seen (weight 1/k while that is larger than λ) instead of
+    /// with zero.
     pub mean_start: bool,
 }
 
@@ -48,7 +49,8 @@ impl Default for DoubleEwmaSettings {
 pub struct IlcSettings {
     /// Learning gain L, 0 < L < 2.
     pub learning_gain: f64,
-    /// Wavelength along z at which the Q filter lets half the amplitude pass, mm; 0 for no filter (Q = 1).
+    /// Wavelength along z at which the Q filter lets half the amplitude pass, mm; 0 for no filter
+    /// (Q = 1).
     pub q_cutoff_mm: f64,
 }
 

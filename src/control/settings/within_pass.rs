@@ -4,11 +4,13 @@ use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a gauge that follows the tool may change of the pass it measures (`scan.when = "during_cut"`).
+/// What a gauge that follows the tool may change of the pass it measures (`scan.when =
+/// "during_cut"`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct WithinPassSettings {
-    /// Share of the deviation found behind the tool that is taken off ahead of it, above 0 and at most 1.
+    /// Share of the deviation found behind the tool that is taken off ahead of it, above 0 and at
+    /// most 1.
     pub gain: f64,
     /// Largest change against the offsets planned, mm of diameter.
     pub limit_mm: f64,

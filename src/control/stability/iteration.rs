@@ -1,8 +1,8 @@
 //! Iterative learning along the whole shaft at once: o(k+1) = Q (I − L G) o(k) + …, G the plant
 //! from offsets to errors.
 //!
-//! Converges where the spectral radius is below 1; the error never grows on the way where the norm
-//! is (Bristow, Tharayil, Alleyne 2006, theorems 1 and 2).
+//! Converges where the spectral radius is below 1; the error decreases monotonically where the norm
+//! is below 1 (Bristow, Tharayil, Alleyne 2006, theorems 1 and 2).
 
 use nalgebra::DMatrix;
 
@@ -13,12 +13,12 @@ pub struct IterationReport {
     pub spectral_radius: f64,
     /// Largest singular value of Q (I − L G).
     pub norm: f64,
-    /// Largest share of a constant disturbance that stays for ever: norm of I − G [I − Q (I − L
-    /// G)]⁻¹ Q L, infinite where the iteration does not converge.
+    /// Largest share of a constant disturbance that remains in the limit: norm of I − G [I − Q (I −
+    /// L G)]⁻¹ Q L, infinite where the iteration does not converge.
     pub left_over: f64,
 }
 
-/// Judges a filter Q, a learning gain L and a plant G (errors −G o), all over the stations.
+/// Assesses a filter Q, a learning gain L and a plant G (errors −G o), over all stations.
 pub fn iteration(q: &DMatrix<f64>, learning_gain: f64, plant: &DMatrix<f64>) -> IterationReport {
     let identity = DMatrix::identity(q.nrows(), q.ncols());
     let step = q * (&identity - plant * learning_gain);

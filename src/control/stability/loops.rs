@@ -28,7 +28,7 @@ impl Plant {
         }
     }
 
-    /// What it is called in reports.
+    /// Its name in reports.
     pub fn describe(self) -> String {
         match self {
             Self::Constant => "constant disturbance".into(),
@@ -53,7 +53,7 @@ impl Transfer {
         Polynomial::new([-plant.alpha(gain), 1.0]).times(&self.denominator).plus(&self.numerator.scaled(gain))
     }
 
-    /// Seen only after `passes` further passes: N/(D q^passes).
+    /// With the measurement delayed by `passes` further passes: N/(D q^passes).
     pub fn delayed(&self, passes: usize) -> Self {
         let mut shift = vec![0.0; passes];
         shift.push(1.0);
@@ -63,10 +63,10 @@ impl Transfer {
         }
     }
 
-    /// Errors e(1), e(2), …, e(passes) from e(1) = 1 and a controller at rest (its derivative sees
-    /// the step), under the constant disturbance that would hold the error at 1 without control;
-    /// with no disturbance where the plant itself lets errors grow (α ≥ 1). Ends early where they
-    /// pass 1e12.
+    /// Errors e(1), e(2), …, e(passes) from e(1) = 1 and a controller at rest (its derivative acts
+    /// on the step), under the constant disturbance that would hold the error at 1 without control;
+    /// without disturbance where errors grow in the plant itself (α ≥ 1). Ends early where they
+    /// exceed 1e12.
     pub fn response(&self, plant: Plant, gain: f64, passes: usize) -> Vec<f64> {
         let (n, d) = (self.numerator.coefficients(), self.denominator.coefficients());
         let (degree, lead) = (self.denominator.degree(), d.last().copied().unwrap_or(1.0));
@@ -89,7 +89,7 @@ impl Transfer {
         errors
     }
 
-    /// Largest |e(k)|, k ≥ 2, of the response; infinite where it passes 1e12.
+    /// Largest |e(k)|, k ≥ 2, of the response; infinite where it exceeds 1e12.
     pub fn peak_error(&self, plant: Plant, gain: f64, passes: usize) -> f64 {
         let response = self.response(plant, gain, passes);
         if response.len() < passes {
@@ -118,7 +118,7 @@ pub fn pid_transfer(settings: &PidSettings) -> Transfer {
     }
 }
 
-/// Integral action of weight w a pass: o(k+1) = o(k) + w e(k). Run-to-run EWMA (w = λ/b̂),
+/// Integral action of weight w per pass: o(k+1) = o(k) + w e(k). Run-to-run EWMA (w = λ/b̂),
 /// iterative learning without filter (w = L), and the least-squares controller within the space of
 /// its shapes (w its gain).
 pub fn integral_transfer(weight: f64) -> Transfer {
@@ -133,9 +133,9 @@ pub fn double_ewma_transfer(settings: &DoubleEwmaSettings) -> Transfer {
     Transfer { numerator, denominator: Polynomial::new([1.0, -2.0, 1.0]) }
 }
 
-/// Model-based control near the depth planned: it commands what it predicts to be copied, (1 − ĝ)/ĝ
-/// of the error, and adds K/ĝ of what it did not foresee. With ĝ = g and error copying the poles
-/// are 0 and 1 − K.
+/// Model-based control near the planned depth: the offset compensates the predicted copying, (1 −
+/// ĝ)/ĝ of the error, and K/ĝ of the prediction error. With ĝ = g and error copying the poles are 0
+/// and 1 − K.
 pub fn model_transfer(gain_estimate: f64, filter_gain: f64) -> Transfer {
     let copied = (1.0 - gain_estimate) / gain_estimate;
     let numerator = Polynomial::new([-copied, copied + filter_gain / gain_estimate]);

@@ -12,7 +12,7 @@
 //!
 //! Controller o(k+1) = N(q)/D(q) e(k) with q the forward shift. The closed loop's poles are the
 //! roots of (q − α) D(q) + g N(q). Stable: every pole inside the unit circle (checked by
-//! eigenvalues of the companion matrix and, by itself, by Jury's table).
+//! eigenvalues of the companion matrix and, independently, by Jury's table).
 
 mod iteration;
 mod loops;
@@ -22,16 +22,16 @@ pub use iteration::{IterationReport, iteration, whittaker};
 pub use loops::{Plant, Transfer, double_ewma_transfer, integral_transfer, model_transfer, pid_transfer};
 pub use polynomial::Polynomial;
 
-/// Plant gains that are looked at for the limits.
+/// Range of plant gains that is searched for the limits.
 const GAIN_SCAN: std::ops::RangeInclusive<f64> = 1e-4..=4.0;
 /// Steps of the scan; a stable window narrower than 1e-3 of gain may be missed.
 const GAIN_STEPS: usize = 4000;
-/// Limits are bisected to this width.
+/// Limits are bisected to this width of gain.
 const GAIN_RESOLUTION: f64 = 1e-10;
 /// Passes over which the transient is followed.
 const TRANSIENT_PASSES: usize = 200;
 
-/// What is known of a closed loop.
+/// Stability of a closed loop.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct StabilityReport {
     /// Controller and form.
@@ -50,10 +50,11 @@ pub struct StabilityReport {
     pub jury_stable: bool,
     /// Ranges of g in which the loop is stable, within 0 to 4.
     pub stable_gains: Vec<(f64, f64)>,
-    /// Upper limit of g over g (above 1: room for a plant that reacts more), where g lies in a stable range.
+    /// Upper limit of g over g (above 1: room for a plant that reacts more), where g lies in a
+    /// stable range.
     pub gain_margin: Option<f64>,
-    /// Largest |e(k)|, k ≥ 2, under a constant disturbance that makes a unit error at pass 1: above 1, errors grow on
-    /// the way.
+    /// Largest |e(k)|, k ≥ 2, under a constant disturbance that makes a unit error at pass 1: above
+    /// 1, errors grow on the way.
     pub peak_error: f64,
     /// Largest norm of the k-th power of the closed loop's companion matrix.
     pub transient_growth: f64,
@@ -71,7 +72,7 @@ impl StabilityReport {
     }
 }
 
-/// Judges a controller with a plant of gain g.
+/// Assesses a controller with a plant of gain g.
 pub fn judge(controller: &str, transfer: &Transfer, plant: Plant, gain: f64) -> StabilityReport {
     let closed = transfer.closed_loop(plant, gain);
     let poles = closed.roots();

@@ -78,9 +78,9 @@ impl Polynomial {
     }
 
     /// Whether all roots lie inside the unit circle: Jury's table in the form of Schur and Cohn,
-    /// which lowers the degree by one a step: a stable p has |p(0)| < |leading coefficient|, and so
-    /// has every reduced polynomial. (E. I. Jury, Theory and Application of the z-Transform Method,
-    /// 1964, ch. 3.)
+    /// which lowers the degree by one per step: a stable p has |p(0)| < |leading coefficient|, and
+    /// so has every reduced polynomial. (E. I. Jury, Theory and Application of the z-Transform
+    /// Method, 1964, ch. 3.)
     pub fn jury_stable(&self) -> bool {
         let mut c = self.coefficients.clone();
         while c.len() > 1 {

@@ -10,7 +10,8 @@
 //! The residual of an observation is
 //!
 //! ```text
-//! r = s·(1 + t·y)·[f(u, v_bottom) − f(u, v_top) + ε_f + w_y]·χ + o − (D_p + δ_p + c_p·γ_g)·(1 + (α + δα)(T + δT − 20 °C))
+//! r = s·(1 + t·y)·[f(u, v_bottom) − f(u, v_top) + ε_f + w_y]·χ + o
+//!     − (D_p + δ_p + c_p·γ_g)·(1 + (α + δα)(T + δT − 20 °C))
 //! ```
 //!
 //! Minimised is Σ r²/σ_r² + Σ ν²/u_ν² + Σ (a, q, g, t)²/u². With rows J/σ of both kinds and N =

@@ -30,7 +30,8 @@ pub struct Conditions {
     pub axis_y_mm: f64,
     /// Limits of its error, ± mm. 0 ..= 100.
     pub limit_axis_y_mm: f64,
-    /// Limits within which an edge of the part differs from one of the masters (finish, edge shape), ± µm an edge. 0 ..= 100.
+    /// Limits within which an edge of the part differs from one of the masters (finish, edge
+    /// shape), ± µm an edge. 0 ..= 100.
     pub limit_edge_um: f64,
     /// Limits of the scale's drift since the calibration, ± ppm. 0 ..= 1e5.
     pub limit_drift_ppm: f64,

@@ -30,7 +30,8 @@ limits! {
 /// Rq over Ra of heights that are normally distributed, √(π/2).
 const RQ_OVER_RA: f64 = 1.2533;
 
-/// How a surface was finished, with the roughness it stands for; what is rougher has to state `limit_edge_um`.
+/// How a surface was finished, with the roughness it stands for; what is rougher has to state
+/// `limit_edge_um`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Finish {

@@ -1,7 +1,8 @@
 //! From pixels to millimetres: scale and edge offset from master pins of certified diameter.
 //!
 //! ```text
-//! D = s·w + o        w  shadow width across the axis, px;  s  scale, mm/px;  o  offset of both edges together, mm
+//! D = s·w + o
+//! w  shadow width across the axis, px;  s  scale, mm/px;  o  offset of both edges together, mm
 //! ```
 //!
 //! Weighted least squares over the masters with variances u_cert² + (s·u_w)²; the covariance of (s,
@@ -125,7 +126,8 @@ impl Calibration {
         Self { systematic_residual: systematic_residual.map(Box::new), ..self }
     }
 
-    /// What the masters' edges left of the edge model, for [`crate::gauge::Gauge::with_systematic_residual`].
+    /// What the masters' edges left of the edge model, for
+    /// [`crate::gauge::Gauge::with_systematic_residual`].
     pub fn systematic_residual(&self) -> Option<&SystematicResidual> {
         self.systematic_residual.as_deref()
     }

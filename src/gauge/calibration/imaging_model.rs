@@ -23,13 +23,15 @@ use crate::setting::{SettingError, within};
 /// Number of parameters of an optical setup: s, o, a, q, g, t.
 pub const PARAMETERS: usize = 6;
 
-/// What the lens' data sheet promises: limits, taken as rectangular distributions around zero until masters say more.
+/// What the lens' data sheet promises: limits, taken as rectangular distributions around zero until
+/// masters say more.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LensLimits {
     /// Largest radial distortion at the corner of the frame, per cent. 0 ..= 5.
     pub distortion_percent: f64,
-    /// Largest change of scale from the centre to half a diagonal away (camera not square to the object), per cent. 0 ..= 5.
+    /// Largest change of scale from the centre to half a diagonal away (camera not square to the
+    /// object), per cent. 0 ..= 5.
     pub keystone_percent: f64,
     /// Largest angle of a chief ray to the optical axis at the corner, degrees. 0 ..= 30.
     pub telecentricity_deg: f64,

@@ -1,7 +1,7 @@
 //! Pixels to millimetres: calibration from frames of master pins at several heights.
 //!
 //! In: edges of certified masters, the conditions they were recorded under, limits of what the lens
-//! may be. Out: a [`Calibration`](crate::gauge::Calibration) (scale and edge offset) with
+//! may be. Out: a [`Calibration`] (scale and edge offset) with
 //! [`SetupCalibration`] (distortion, keystone and telecentricity by least squares), every source of
 //! uncertainty kept apart, as a file of its own version.
 //!

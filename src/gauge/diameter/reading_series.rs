@@ -61,7 +61,8 @@ pub enum Averaging {
         /// Readings averaged. At least 1.
         readings: usize,
     },
-    /// Median of the last n readings: one wild reading in three does no harm; u is 1.00-1.25 times that of the mean.
+    /// Median of the last n readings: one wild reading in three does no harm; u is 1.00-1.25 times
+    /// that of the mean.
     Median {
         /// Readings looked at. At least 1.
         readings: usize,

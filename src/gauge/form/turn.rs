@@ -7,7 +7,7 @@
 //! under φ → φ + π,
 //!
 //! ```text
-//! h(φ) = ½·w̄_even(φ) + m̄_odd(φ)      the section, odd lobes with odd spindle motion (and eccentricity at k = 1)
+//! h(φ) = ½·w̄_even(φ) + m̄_odd(φ)      section, odd lobes with odd spindle motion (k = 1: offset)
 //! s(φ) = m̄_even(φ)                   synchronous spindle motion of even order
 //! ```
 //!

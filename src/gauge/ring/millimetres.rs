@@ -2,7 +2,8 @@
 //! source's share.
 //!
 //! ```text
-//! D = s·(1 + t·y)·d' ± o        d'  diameter of the least-squares circle through the outline as a perfect lens shows it
+//! D = s·(1 + t·y)·d' ± o
+//! d'  diameter of the least-squares circle through the outline as a perfect lens shows it
 //! ```
 //!
 //! with + for an outline, − for a bore, o the offset of both edges together. u_common follows by

@@ -13,19 +13,21 @@ pub struct RingSettings {
     pub bright_on_dark: bool,
     /// Least outer diameter of a part, px. At least 16.
     pub min_diameter_px: f64,
-    /// Radial calipers around the circle; halved until each holds at least 2 px of arc. 64 ..= 4096.
+    /// Radial calipers around the circle; halved until each holds at least 2 px of arc. 64
+    /// ..= 4096.
     pub calipers: usize,
     /// Half width of the band along an edge, px. 3 ..= 20.
     pub half_band_px: f64,
-    /// Departure of a caliper from its neighbours beyond which it is dirt, in robust standard deviations. At least 4.
+    /// Departure of a caliper from its neighbours beyond which it is dirt, in robust standard
+    /// deviations. At least 4.
     pub outlier_sigmas: f64,
     /// Least share of calipers that must be good. 0.5 ..= 1.
     pub min_fill: f64,
     /// Gaussian filter of the roundness, undulations per revolution. Above 0.
     pub roundness_cutoff_upr: f64,
-    /// Radius of a stylus tip, px: the diameter is also given as a ball of that radius would feel it, burrs included, to be
-    /// compared with a tactile machine. Above 0, at most 1000; without it the largest that ISO 12181-2 allows at the
-    /// roundness' cutoff (diameter/15 at 50 upr).
+    /// Radius of a stylus tip, px: the diameter is also given as a ball of that radius would feel
+    /// it, burrs included, to be compared with a tactile machine. Above 0, at most 1000; without it
+    /// the largest that ISO 12181-2 allows at the roundness' cutoff (diameter/15 at 50 upr).
     pub stylus_radius_px: Option<f64>,
     /// Scale and edge offset; pixels only without it.
     pub scale: Option<RingScale>,
@@ -55,8 +57,8 @@ pub struct RingScale {
     pub um_per_px: f64,
     /// Its standard uncertainty, µm per px.
     pub u_um_per_px: f64,
-    /// Distance of the true edge from the 50 % point, px, positive where the part reaches into the light: it adds twice
-    /// to an outer diameter and is taken twice from an inner one.
+    /// Distance of the true edge from the 50 % point, px, positive where the part reaches into the
+    /// light: it adds twice to an outer diameter and is taken twice from an inner one.
     pub edge_offset_px: f64,
     /// Its standard uncertainty, px.
     pub u_edge_offset_px: f64,

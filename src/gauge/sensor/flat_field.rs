@@ -1,7 +1,7 @@
 //! Dark and flat field: defective pixels, and the light's slow fall-off over the field.
 //!
 //! ```text
-//! m' = black + (m − black)·l_min/l(u, v)        l: quadratic surface through the flat field, 1 at its brightest
+//! m' = black + (m − black)·l_min/l(u, v)   l: quadratic surface of the flat field, maximum 1
 //! ```
 //!
 //! so that no pixel is pushed beyond full scale; a saturated pixel stays saturated. A defective

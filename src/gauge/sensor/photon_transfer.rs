@@ -5,10 +5,11 @@
 //!
 //! ```text
 //! temporal variance   σ² = ½·mean (a − b)² − ½·(μ_a − μ_b)²
-//! fixed pattern       s² = mean (a − μ_a)(b − μ_b)           (the covariance: noise of a and b is independent)
+//! fixed pattern       s² = mean (a − μ_a)(b − μ_b)           (covariance: noise is independent)
 //! gain                K  = slope of σ² − σ²_dark over μ − μ_dark, up to 70 % of saturation
 //! read noise          σ_d = √(σ²_dark − 1/12)/K              electrons, without quantisation
-//! DSNU = s_dark/K     PRNU = √(s² − s²_dark)/(μ − μ_dark)    at the exposure next to half of saturation
+//! DSNU = s_dark/K     PRNU = √(s² − s²_dark)/(μ − μ_dark)
+//!                     at the exposure next to half of saturation
 //! ```
 //!
 //! Unlike the standard's common high-pass filter, slow non-uniformity (the light's own) is taken

@@ -3,8 +3,8 @@
 //!
 //! ```text
 //! y    = (m − black)/reference               signal of a grey value m, 1 at the reference
-//! L(y) = y^p · exp(c·(y − 1))                light, 1 at the reference; p a camera's gamma, c a knee
-//! ln e = p·ln y + c·(y − 1) + a              for every exposure e at every place, whose light is exp(−a)
+//! L(y) = y^p · exp(c·(y − 1))                light, 1 at the reference; p a gamma, c a knee
+//! ln e = p·ln y + c·(y − 1) + a              for every exposure e at every place of light exp(−a)
 //! ```
 //!
 //! least squares over the medians of tiles, each tile's own light subtracted, so that an

@@ -7,7 +7,7 @@
 //! rectangles with the rest (JCGM 101, 5.2 and 7.7, for the linear model), never above t:
 //!
 //! ```text
-//! P(|X| ≤ w) = ∫ g(r)·[Φ((w − r)/s) − Φ((−w − r)/s)] dr        g  density of the sum of the rectangles
+//! P(|X| ≤ w) = ∫ g(r)·[Φ((w − r)/s) − Φ((−w − r)/s)] dr    g  density of the sum of rectangles
 //! ```
 //!
 //! with s the standard uncertainty of the rest; from fewer than `coverage.few_freedom` degrees of freedom

@@ -2,11 +2,10 @@
 //! rest.
 //!
 //! A convex outline that moves straight from a to b sweeps the convex hull of its two end
-//! positions. Two convex outlines are apart exactly where the normal of one of their edges
+//! positions. Two convex outlines are disjoint if and only if the normal of one of their edges
 //! separates them (Ericson, Real-Time Collision Detection, Morgan Kaufmann 2005, 5.2.1).
 
-/// Outlines that overlap by less than this only touch, mm: above rounding, far below a control's
-/// increment.
+/// Overlap up to which outlines merely touch, mm: above rounding, far below a control's increment.
 const TOUCH_MM: f64 = 1e-7;
 
 /// A convex polygon, anticlockwise.
@@ -58,13 +57,13 @@ impl Convex {
         Self { points: self.points.iter().map(|p| (p.0 + z, p.1 + r)).collect() }
     }
 
-    /// What it passes on the straight way from `a` to `b`.
+    /// The region that it sweeps on the straight way from `a` to `b`.
     pub fn swept(&self, a: (f64, f64), b: (f64, f64)) -> Self {
         let at = |by: (f64, f64)| self.points.iter().map(move |p| (p.0 + by.0, p.1 + by.1));
         Self::hull(at(a).chain(at(b)).collect())
     }
 
-    /// Whether the insides meet.
+    /// Whether the interiors intersect.
     pub fn meets(&self, other: &Self) -> bool {
         !self.separated_by_box(other) && !self.has_separating_edge(other) && !other.has_separating_edge(self)
     }
@@ -90,7 +89,7 @@ impl Convex {
         (0..n).any(|i| {
             let (a, b) = (self.points[i], self.points[(i + 1) % n]);
             let length = (b.0 - a.0).hypot(b.1 - a.1);
-            // to the right of an edge lies the outside
+            // the outside lies to the right of an edge
             length > 0.0 && other.points.iter().all(|&p| cross(a, b, p) <= TOUCH_MM * length)
         })
     }

@@ -1,4 +1,4 @@
-//! Lines of a program: comments taken out, and where IF, WHILE and GOTO lead.
+//! Lines of a program: without comments, and the targets of IF, WHILE and GOTO.
 
 use std::collections::HashMap;
 
@@ -10,11 +10,11 @@ pub(super) struct Line {
     pub(super) abort: Option<String>,
 }
 
-/// The lines, and the places that they name.
+/// The lines, and their labels.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Program {
     pub(super) lines: Vec<Line>,
-    /// `N` words: where a GOTO leads.
+    /// `N` words: targets of GOTO.
     pub(super) labels: HashMap<u32, usize>,
 }
 

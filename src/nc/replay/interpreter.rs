@@ -1,11 +1,11 @@
-//! Runs a program block by block, as its control would, and lists what happens.
+//! Runs a program block by block, as its control would, and lists the events.
 //!
 //! The subset of G code that this crate emits, in the three dialects: G00 G01 G07 G08 (LinuxCNC)
 //! G10 G18 G21 G28 G40 G43 G49 G50 G65 H99 G80 G90 G95 G96 G97 G99, probing by G31 or G38.2 with
 //! G94 or G98, M02-M06 M30 and one M code that measures, T, `#` variables, IF THEN, IF GOTO, WHILE
-//! DO END, and LinuxCNC's `o` words. Everything else is refused: what is not understood cannot be
-//! shown to be safe. Positions are those of the programmed point of the nose, with the wear offset
-//! in force (X a diameter).
+//! DO END, and LinuxCNC's `o` words. Everything else is refused: a code without an implementation
+//! here cannot be shown to be safe. Positions are those of the programmed point of the nose, with
+//! the wear offset in force (X a diameter).
 
 use super::expression::{Reader, Variables};
 use super::flow::{Program, leading, o_word};
@@ -14,7 +14,7 @@ use crate::nc::dialect::Dialect;
 use crate::nc::machine::{GeometryOffset, WearX};
 use crate::nc::settings::NcSettings;
 
-/// A program that goes on after this many blocks is refused.
+/// Most blocks of a run; a longer one is refused as an endless loop.
 const MOST_BLOCKS: usize = 1_000_000;
 
 /// Position of the programmed point: X mm of diameter, Z mm.
@@ -26,7 +26,7 @@ pub struct Point {
     pub z: f64,
 }
 
-/// What a block does.
+/// An action of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Deed {
     /// A straight move.
@@ -57,12 +57,12 @@ pub enum Deed {
     Alarm(String),
 }
 
-/// A deed and the line that does it, from 1.
+/// An action and the line that performs it, from 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
     /// Line, from 1.
     pub block: usize,
-    /// What it does.
+    /// The action.
     pub deed: Deed,
     /// Whether the probe, not the turning tool, is in the carrier.
     pub with_probe: bool,
@@ -71,7 +71,7 @@ pub struct Event {
 /// Where a program is refused: line from 1, and why.
 pub type Fault = (usize, String);
 
-/// What the control has before the program starts.
+/// State of the control before the program starts.
 pub struct Control<'a> {
     /// The control.
     pub dialect: Dialect,
@@ -79,13 +79,13 @@ pub struct Control<'a> {
     pub settings: &'a NcSettings,
     /// Where the tip is.
     pub start: Point,
-    /// Where G28 leads.
+    /// The reference point of G28.
     pub reference: Point,
     /// Variables that are set already.
     pub variables: Vec<(u32, f64)>,
     /// Whether the probe is in the carrier.
     pub with_probe: bool,
-    /// What a probe meets; nothing where it is not given.
+    /// The surface that a probe touches; none where it is not given.
     pub surface: Option<Surface>,
 }
 
@@ -110,7 +110,7 @@ pub(super) struct Modal {
     tool_called: bool,
 }
 
-/// How positions are to be read, as far as the program has stated it.
+/// How positions are interpreted, as far as the program has set it.
 #[derive(Clone, Debug, Default)]
 struct Positions {
     /// Diameter of one unit of X.
@@ -135,12 +135,12 @@ pub(super) struct Interpreter<'a> {
     pub(super) with_probe: bool,
     /// Whether a feed has moved the tool.
     pub(super) has_cut: bool,
-    /// Probing moves so far.
+    /// Number of probing moves so far.
     pub(super) touches: usize,
     events: Vec<Event>,
 }
 
-/// What follows a block.
+/// How the program continues after a block.
 pub(super) enum Next {
     Line,
     Jump(usize),
@@ -187,7 +187,7 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    /// Runs to the end: what happens, and what the variables hold then.
+    /// Runs to the end: the events, and the final values of the variables.
     pub(super) fn run(mut self) -> Result<(Vec<Event>, Variables), Fault> {
         let mut line = 0;
         for _ in 0..MOST_BLOCKS {
@@ -422,7 +422,7 @@ impl<'a> Interpreter<'a> {
         Ok(None)
     }
 
-    /// A feed of the other mode does not count any more.
+    /// Sets the feed mode; a feed value of the other mode is discarded.
     fn feed_mode(&mut self, per_revolution: bool) {
         self.modal.feed_per_revolution = per_revolution;
         self.modal.feed = None;
@@ -439,7 +439,8 @@ impl<'a> Interpreter<'a> {
         Ok(unit)
     }
 
-    /// Whether `tool` is the probe; another than that and the turning tool is refused.
+    /// Whether `tool` is the probe; `None` for a number that is neither the probe's nor the turning
+    /// tool's.
     fn is_probe(&self, tool: u32) -> Option<bool> {
         let settings = self.control.settings;
         match settings.probe {

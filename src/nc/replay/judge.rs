@@ -1,4 +1,4 @@
-//! Judges what a program does: see the list in [`super`].
+//! Checks the events of a program against the list in [`super`].
 
 use super::convex::Convex;
 use super::interpreter::{Control, Deed, Event, Point};
@@ -10,17 +10,17 @@ use crate::nc::machine::{ChangePosition, Travel};
 use crate::nc::probe::QUALIFIED;
 use crate::nc::settings::NcSettings;
 
-/// Deviation from the commanded diameter that is rounding or an interpolation between knots, mm of
-/// diameter.
+/// Deviation from the commanded diameter allowed for rounding and interpolation between knots, mm
+/// of diameter.
 const DEPTH_TOLERANCE_MM: f64 = 0.005;
-/// Positions that are the same, mm.
+/// Distance below which positions are the same, mm.
 const SAME_MM: f64 = 1e-6;
-/// Start positions beside the corners of solids stand off by this much, mm.
+/// Distance of start positions from the corners of solids, mm.
 const BESIDE_MM: f64 = 0.05;
 /// Lattice of start positions, along Z and along X.
 const LATTICE: (usize, usize) = (9, 6);
 
-/// Something that stands in the machine.
+/// A solid in the machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solid {
     /// Its name in a refusal.
@@ -29,7 +29,7 @@ pub struct Solid {
     pub shape: Convex,
 }
 
-/// What a program is to leave.
+/// The cut that is commanded.
 #[derive(Clone, Debug, Default)]
 pub struct CommandedCut {
     /// Commanded diameters, (Z, X), Z ascending; level beyond both ends.
@@ -38,50 +38,50 @@ pub struct CommandedCut {
     pub between: (f64, f64),
 }
 
-/// What a program moves among.
+/// The surroundings in which a program moves.
 #[derive(Clone, Debug)]
 pub struct WorkingSpace<'a> {
     /// The control.
     pub dialect: Dialect,
     /// How it reads offsets.
     pub settings: &'a NcSettings,
-    /// What must never be touched.
+    /// Solids that must never be touched.
     pub solids: Vec<Solid>,
     /// The part before the pass: touched in feed alone.
     pub stock: Vec<Solid>,
-    /// What a rapid must stay away from: the stock with half the clearance around it.
+    /// Regions that no rapid may enter: the stock with half the clearance around it.
     pub kept_clear: Vec<Convex>,
     /// Outlines of the tool about the programmed point, (Z, radius).
     pub tool: Vec<Convex>,
     /// Outlines of the probe about its programmed point; none without a probe.
     pub probe: Vec<Convex>,
-    /// What the probe meets.
+    /// The surface that the probe touches.
     pub surface: Option<Surface>,
     /// Where the tool is changed.
     pub change: ChangePosition,
-    /// What the program is to leave.
+    /// The cut that is commanded.
     pub cut: CommandedCut,
     /// Where the tip can travel.
     pub travel: Option<Travel>,
-    /// Variables that a run before left: they must not stop the program.
+    /// Variables left by an earlier run: they must not stop the program.
     pub variables: Vec<(u32, f64)>,
 }
 
 /// Replays `text` from every clear start position.
 ///
 /// # Errors
-/// [`NcError::Block`] with the first block that does what it must not.
+/// [`NcError::Block`] with the first block that is refused.
 pub fn check(text: &str, working_space: &WorkingSpace<'_>) -> Result<usize, NcError> {
     let mut starts: Vec<(Point, bool)> = working_space.starts().into_iter().map(|at| (at, false)).collect();
     if !working_space.probe.is_empty() {
-        // the program before may have left the probe in the carrier
+        // the previous program may have left the probe in the carrier
         starts.extend(working_space.starts_of(&working_space.probe).into_iter().map(|at| (at, true)));
     }
     from(text, working_space, &starts)
 }
 
-/// Replays `text` from the change position alone: enough where another replay of the same text has
-/// begun everywhere.
+/// Replays `text` from the change position alone: enough where the same text has been replayed from
+/// every start position before.
 ///
 /// # Errors
 /// As [`check`].
@@ -117,7 +117,7 @@ fn from(text: &str, working_space: &WorkingSpace<'_>, starts: &[(Point, bool)]) 
     for &(start, with_probe) in starts {
         let control = Control { with_probe, ..working_space.control(start) };
         let events = run(text, &control).map_err(&refused)?;
-        // once the tool is where another start has brought it, the rest is the same
+        // from where the moves coincide with those from another start, the rest is the same
         let same = first.as_ref().map_or(0, |f| common_end(f, &events));
         working_space.judge(&events[..events.len() - same]).map_err(&refused)?;
         if first.is_none() {
@@ -137,7 +137,7 @@ fn common_end(a: &[Event], b: &[Event]) -> usize {
 }
 
 impl WorkingSpace<'_> {
-    /// What the control has when the program starts at `start`.
+    /// State of the control when the program starts at `start`.
     pub fn control(&self, start: Point) -> Control<'_> {
         Control {
             dialect: self.dialect,
@@ -150,7 +150,7 @@ impl WorkingSpace<'_> {
         }
     }
 
-    /// The same, where no qualification of the probe has run.
+    /// The same working space without the results of a qualification.
     #[must_use]
     pub(in crate::nc) fn unqualified(mut self) -> Self {
         self.variables.retain(|(variable, _)| *variable != QUALIFIED);
@@ -162,7 +162,7 @@ impl WorkingSpace<'_> {
         Point { x: self.change.x_mm, z: self.change.z_mm }
     }
 
-    /// Start positions that are clear of every solid: a lattice over the room between chuck and
+    /// Start positions that are clear of every solid: a lattice over the space between chuck and
     /// change position, and places just beside the corners of the solids.
     pub fn starts(&self) -> Vec<Point> {
         self.starts_of(&self.tool)
@@ -200,7 +200,8 @@ impl WorkingSpace<'_> {
     }
 
     fn judge(&self, events: &[Event]) -> Result<(), (usize, String)> {
-        // a ball that has touched lies in the part by its pre-travel: straight out is free
+        // after a touch the ball overlaps the part by its pre-travel: retracting straight out is
+        // allowed
         let mut touched = false;
         for event in events {
             let after_touch = std::mem::replace(&mut touched, matches!(event.deed, Deed::Probe { .. }));
@@ -252,7 +253,8 @@ impl WorkingSpace<'_> {
         Ok(())
     }
 
-    /// What the tool sweeps on its way, clear of every solid and inside the travel.
+    /// The region that the tool sweeps on its way, which must be clear of every solid and inside
+    /// the travel.
     fn judge_way(&self, tool: &[Convex], from: Point, to: Point, how: &str) -> Result<Vec<Convex>, String> {
         let way = way(from, to);
         self.inside_travel(to, &way)?;
@@ -278,7 +280,7 @@ impl WorkingSpace<'_> {
         if let Some(solid) = self.stock.iter().find(|s| touches(&s.shape)) {
             return Err(format!("in rapid the tool touches the {} {way}", solid.what));
         }
-        // a start beside the stock may lie within the clearance: leaving it radially is free
+        // a start beside the stock may lie within the clearance: leaving it radially is allowed
         let leaves = is_outwards(from, to);
         if !leaves && self.kept_clear.iter().any(touches) {
             return Err(format!("in rapid the tool comes closer to the stock than half the clearance {way}"));
@@ -286,7 +288,7 @@ impl WorkingSpace<'_> {
         Ok(())
     }
 
-    /// Z at which commanded diameter or move bend, between `a` and `b`.
+    /// Z of the knots of the commanded diameter and of the move, between `a` and `b`.
     fn bends(&self, a: f64, b: f64) -> Vec<f64> {
         let (low, high) = (a.min(b), a.max(b));
         let first = self.cut.commanded.partition_point(|p| p.0 < low);

@@ -1,6 +1,6 @@
-//! Replays a finished program among the solids of the machine, before it is handed out.
+//! Replays a finished program among the solids of the machine, before it is returned.
 //!
-//! The text is read again by an [interpreter](interpreter) that shares nothing with the emitter,
+//! The text is read again by an interpreter (`interpreter`) that shares nothing with the emitter,
 //! from every start position of a lattice and of the solids' corners that is clear; each move
 //! sweeps the nose's outline (and the holder's box, where it is stated) through the plane of the
 //! tool. A program passes where

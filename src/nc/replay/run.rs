@@ -5,17 +5,16 @@ use std::collections::HashMap;
 use super::flow::Program;
 use super::interpreter::{Control, Event, Fault, Interpreter};
 
-/// Runs a program from one start position and lists what it does.
+/// Runs a program from one start position and lists its events.
 ///
 /// # Errors
-/// Line (from 1) and reason where it is not understood.
+/// Line (from 1) and reason where it cannot be interpreted.
 pub fn run(text: &str, control: &Control<'_>) -> Result<Vec<Event>, Fault> {
     let program = Program::new(text).map_err(|(line, why)| (line + 1, why))?;
     Ok(Interpreter::new(&program, control).run()?.0)
 }
 
-/// Runs a program from one start position and returns what it leaves in its variables, by their
-/// numbers.
+/// Runs a program from one start position and returns the final values of its variables, by number.
 ///
 /// # Errors
 /// As [`run`].

@@ -1,17 +1,16 @@
-//! What a probe meets.
+//! The surface that a probe touches.
 
-/// What the probe meets: diameters over Z, linear between points, constant beyond.
+/// The surface that the probe touches: diameters over Z, linear between points, constant beyond.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     /// (Z, mm) before the first feed of the program, Z ascending.
     pub before: Vec<(f64, f64)>,
     /// (Z, mm) after it.
     pub after: Vec<(f64, f64)>,
-    /// Indicated run-out: the touch lies by its cosine share of the spindle's angle further out, mm
-    /// of diameter.
+    /// Indicated run-out e, mm of diameter: a touch at the spindle angle φ lies e·cos φ further
+    /// out.
     pub run_out_mm: f64,
-    /// What the touches scatter by, one after the other and from the first again, mm of diameter;
-    /// none where it is empty.
+    /// Deviations of successive touches, repeated from the first, mm of diameter; zero where empty.
     pub scatter_mm: Vec<f64>,
 }
 

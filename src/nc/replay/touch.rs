@@ -1,4 +1,4 @@
-//! Probing moves of a replay: what the probe meets, and what the control keeps of it.
+//! Probing moves of a replay: where the probe touches, and the position that the control stores.
 
 use super::interpreter::{Deed, Interpreter, Next, Point, Words};
 use crate::nc::dialect::Dialect;
@@ -19,7 +19,8 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// What M code `m` does to a spindle that may be held at an angle; whether it is such a code.
+    /// Applies M code `m` to a spindle that may be held at an angle; `false` where `m` is no such
+    /// code.
     pub(super) fn holds_spindle(&mut self, m: u32, words: &Words) -> Result<bool, String> {
         let Some(orientation) = self.control.settings.spindle_orientation else { return Ok(false) };
         if m == orientation.m_code {
@@ -73,8 +74,8 @@ impl Interpreter<'_> {
         let from = self.at;
         self.at.x = touch.max(target.x);
         self.happens(line, Deed::Probe { from, to: self.at, target, angle_deg });
-        // a position without G00 or G01 after it would move on in LinuxCNC, and depend on the
-        // control elsewhere
+        // a position without G00 or G01 after it would continue the motion in LinuxCNC; elsewhere
+        // it depends on the control
         self.modal.motion = None;
         let linuxcnc = self.control.dialect == Dialect::Linuxcnc;
         if touch < target.x && linuxcnc {

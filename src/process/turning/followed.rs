@@ -12,11 +12,10 @@ use crate::plan::PassPlan;
 use crate::shaft::{AxisKnot, ProfileKnot, Shaft};
 
 /// Places of the tool at which the axis is solved for the half-cut shaft; between them the line is
-/// straight, off by 1/3200 of the sag.
+/// interpolated linearly, with an error of 1/3200 of the sag.
 const PLACES: usize = 20;
 
-/// A pass as it is being cut, to be looked at with the tool anywhere; the workpiece is as before
-/// it.
+/// A pass in progress, evaluated with the tool anywhere; the workpiece itself is not cut.
 #[derive(Clone, Debug)]
 pub struct FollowedPass {
     process: TurningProcess,
@@ -28,7 +27,7 @@ pub struct FollowedPass {
     summary: CutSummary,
 }
 
-/// The axis by what bends it, mm; the first three stand still, the others turn with the part.
+/// The axis by cause, mm; the first three are at rest, the others turn with the part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contributions {
     /// Self weight.
@@ -39,12 +38,13 @@ pub struct Contributions {
     pub force: Vec<AxisKnot>,
     /// Eccentricity in the chuck.
     pub chuck: Vec<AxisKnot>,
-    /// Bow of the part, with what the thrust adds to it.
+    /// Bow of the part, with its growth under the thrust.
     pub bow: Vec<AxisKnot>,
 }
 
 impl TurningProcess {
-    /// Axis with the tool clear: what stands still, and what turns with the part (its bow in it).
+    /// Axis with the tool clear: the line at rest, and the line that turns with the part (bow
+    /// included).
     pub(super) fn axis(&self) -> (Vec<AxisKnot>, Vec<AxisKnot>) {
         if self.settings.bending.is_straight() {
             return (Vec::new(), self.form.bow.clone());
@@ -67,8 +67,8 @@ impl TurningProcess {
         }
     }
 
-    /// Axis under the tool, wherever it stands, without its force: the shaft cut behind it, at
-    /// `cut` mm, and as it was ahead.
+    /// Axis at the tool, for every position of it, without its force: the shaft has the diameters
+    /// `cut` (mm) behind the tool and its old ones ahead.
     pub(super) fn axis_at_tool(&self, cut: &[f64]) -> Vec<AxisKnot> {
         let supports = self.settings.support.supports();
         let (before, after) = (elements(&self.diameter_mm), elements(cut));
@@ -110,7 +110,7 @@ impl TurningProcess {
         grown(shaft.clone(), self.growth(self.settings.disturbance.heat_scan_k))
     }
 
-    /// The pass as it would be cut, so that it can be looked at meanwhile; [`Self::cut`] cuts it.
+    /// The pass as it would be cut, for evaluation in progress; [`Self::cut`] performs it.
     ///
     /// # Errors
     /// As [`Self::cut`].
@@ -130,12 +130,12 @@ impl TurningProcess {
 }
 
 impl FollowedPass {
-    /// What the pass looks like.
+    /// Extremes over the pass.
     pub fn summary(&self) -> &CutSummary {
         &self.summary
     }
 
-    /// Growth of the radius by the heat of the cut while the tool stands at `tool_z_mm`, there, mm.
+    /// Thermal growth of the radius at the tool while it stands at `tool_z_mm`, mm.
     pub fn warm_radius_mm(&self, tool_z_mm: f64) -> f64 {
         let process = &self.process;
         let node = (tool_z_mm / process.step_mm).clamp(0.0, (self.after.len() - 1) as f64) as usize;
@@ -143,7 +143,7 @@ impl FollowedPass {
         0.5 * self.after[node] * (process.growth(process.rise_k(share)) - 1.0)
     }
 
-    /// Components of the force with the tool at `tool_z_mm`; none beyond the shaft.
+    /// Components of the force with the tool at `tool_z_mm`, N; zero beyond the shaft.
     pub fn force(&self, tool_z_mm: f64) -> Components {
         let node = tool_z_mm / self.process.step_mm;
         let last = self.depth_mm.len() - 1;
@@ -154,8 +154,8 @@ impl FollowedPass {
         self.law.components(a + node.fract() * (b - a))
     }
 
-    /// The shaft while the tool stands at `tool_z_mm`: cut behind it, bent by its force, as warm as
-    /// it is then.
+    /// The shaft while the tool stands at `tool_z_mm`: cut behind it, bent by its force, at its
+    /// temperature then.
     pub fn at(&self, tool_z_mm: f64) -> Shaft {
         let process = &self.process;
         let bending = &process.settings.bending;
@@ -174,8 +174,8 @@ impl FollowedPass {
         grown(shaft, process.growth(process.rise_k(share)))
     }
 
-    /// What bends the axis, each by itself, with the tool at `tool_z_mm`, or clear after the pass.
-    /// All are linear in their loads, the thrust being the same for all: they add up to the axis.
+    /// The contribution of each cause to the axis, with the tool at `tool_z_mm`, or clear after the
+    /// pass. Each is linear in its load at the common thrust, so that they add up to the axis.
     pub fn contributions(&self, tool_z_mm: Option<f64>) -> Contributions {
         let process = &self.process;
         let supports = process.settings.support.supports();

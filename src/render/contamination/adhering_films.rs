@@ -1,9 +1,9 @@
-//! Films that adhere to the shaft and turn with it: what they add to the silhouette.
+//! Films that adhere to the shaft and turn with it, and the rise of the silhouette by them.
 //!
 //! A film is a bump of the radius, t·cos²(πu/2)·cos²(πv/2) with u, v the places along and around it
-//! in units of its half extents. A liquid film is no obstacle to light by itself, but it bends
-//! grazing rays out of the beam: at the silhouette it counts as opaque. The support function is
-//! taken exactly, max over θ of (R + film)·cos(θ + φ).
+//! in units of its half extents. A liquid film is transparent, but it deflects grazing rays out of
+//! the beam: at the silhouette it counts as opaque. The support function is exact, max over θ of
+//! (R + film)·cos(θ + φ).
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -56,7 +56,7 @@ pub struct AdheringFilms {
 }
 
 impl AdheringFilms {
-    /// Films as given.
+    /// The given films.
     pub fn new(films: Vec<Film>) -> Self {
         Self { films }
     }
@@ -113,8 +113,8 @@ impl AdheringFilms {
         Self { films: self.films.iter().filter(reaches).copied().collect() }
     }
 
-    /// How far the films raise the tangent at the top (direction x) over that of the clean circle
-    /// of `radius_mm`, mm, at spindle angle `angle_deg`. The bottom edge is the top edge at
+    /// Rise of the tangent at the top (direction x) by the films over that of the clean circle of
+    /// `radius_mm`, mm, at spindle angle `angle_deg`. The bottom edge is the top edge at
     /// `angle_deg + 180`.
     pub fn rise_mm(&self, radius_mm: f64, z_mm: f64, angle_deg: f64) -> f64 {
         let thickest: f64 = self
@@ -126,7 +126,7 @@ impl AdheringFilms {
         if thickest <= 0.0 || radius_mm <= 0.0 {
             return 0.0;
         }
-        // A point at δ from the top wins only if (R + t) cos δ ≥ R.
+        // A point at δ from the top can be the highest only if (R + t) cos δ ≥ R.
         let arc = (radius_mm / (radius_mm + thickest)).acos();
         let step = 2.0 * arc / STEPS as f64;
         let facing = self.facing(z_mm, -angle_deg, (arc + step).to_degrees());

@@ -1,5 +1,5 @@
-//! Contamination laid over bands of tiles while they stand in the cache, then packed: no map of the
-//! field in f32.
+//! Contamination multiplied into bands of tiles while they are in the cache, then packed, without
+//! an f32 map of the whole field.
 
 use rayon::prelude::*;
 
@@ -15,13 +15,13 @@ struct Tile {
     mask: [u8; TILE * TILE],
 }
 
-/// What stays the same over a stream, over the full sensor: only the tiles that it touches.
+/// The factors that are constant over a stream, on the full sensor: only the affected tiles.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CachedTiles {
     tiles: Vec<Option<Box<Tile>>>,
 }
 
-/// One band's memory.
+/// Buffers of one band.
 struct Scratch {
     values: Vec<f32>,
     dimmed: Vec<bool>,
@@ -33,7 +33,7 @@ impl Scratch {
     }
 }
 
-/// Rows of a tile within a band: places in the band and in the tile.
+/// Rows of a tile within a band: indices in the band and in the tile.
 fn lines(
     tile: usize,
     columns: usize,
@@ -44,7 +44,7 @@ fn lines(
 }
 
 impl CachedTiles {
-    /// Lays the layers over a sensor and keeps what they touch.
+    /// Multiplies the layers over a sensor and stores the affected tiles.
     pub(super) fn new(layers: &Layers<'_>, rows: usize, columns: usize) -> Self {
         let band = |(values, mask, dimmed): &mut (Vec<f32>, Vec<u8>, Vec<bool>), first: usize| {
             let here = TILE.min(rows - first);
@@ -97,8 +97,8 @@ impl CachedTiles {
     }
 }
 
-/// Lays the layers, one after the other, on top of what is kept, and packs the factors of every
-/// band that is seen. Bands are independent: the result does not depend on the number of threads.
+/// Multiplies the layers, one after the other, onto the stored tiles, and packs the factors of
+/// every visible band. Bands are independent: the result does not depend on the number of threads.
 pub(super) fn shade_packed(
     kept: Option<&CachedTiles>,
     layers: &[Layers<'_>],

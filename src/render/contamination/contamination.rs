@@ -1,5 +1,5 @@
-//! Contamination as the optical setup has it: one window for all frames, new air for each, films
-//! wherever the shaft is looked at.
+//! Contamination of an optical setup: one window for all frames, new air for each, films at every
+//! field of the shaft.
 
 use std::ops::Range;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -13,11 +13,11 @@ use super::tiles::TransmissionRequest;
 use crate::render::error::RenderError;
 use crate::render::kernel::light_map::LightMap;
 
-/// Films are drawn in pieces of the shaft of this length, each with a seed of its own, mm: any
-/// field sees the same ones.
+/// Films are drawn in pieces of the shaft of this length, each with its own seed, mm, so that every
+/// field shows the same ones.
 const PIECE_MM: f64 = 10.0;
 
-/// A rise counts where it changes a pixel by the mask's threshold: Δ ≈ rise/(σ√2π) of the light.
+/// A rise is masked where it changes a pixel by the threshold: Δ ≈ rise/(σ√2π) of the light.
 const PEAK_OF_UNIT_GAUSSIAN: f64 = 0.398_942_280_401_432_7;
 
 /// Blur widths on either side of a raised edge that its mask covers.
@@ -30,7 +30,7 @@ pub struct ContaminationModel {
     geometry: FieldGeometry,
     seed: u64,
     field: ContaminationField,
-    /// The window over the full sensor, laid when the first frame asks for it.
+    /// The window over the full sensor, computed for the first frame.
     window: OnceLock<CachedTiles>,
     spare: Mutex<Option<LightMap>>,
 }
@@ -51,7 +51,7 @@ pub struct Rise {
 }
 
 impl ContaminationModel {
-    /// Draws what lies on the window; `None` where everything is clean.
+    /// Draws the contamination of the window; `None` where everything is clean.
     ///
     /// # Errors
     /// As [`ContaminationField::new`].
@@ -68,16 +68,16 @@ impl ContaminationModel {
         Ok(Some(Self { settings: settings.clone(), geometry, seed, field, window, spare }))
     }
 
-    /// Whether it takes light from any pixel; films alone do not.
+    /// Whether it dims any pixel; films alone do not.
     pub fn dims(&self) -> bool {
         !self.settings.is_clear()
     }
 
-    /// What window and air leave of the light of frame `frame_id` over the pixels asked for, from
-    /// (`row`, `column`) of the sensor on. Hand it back with [`Self::recycle`].
+    /// Transmission of window and air in frame `frame_id` over the requested pixels, beginning at
+    /// (`row`, `column`) of the sensor. Return it with [`Self::recycle`].
     ///
     /// # Errors
-    /// Refuses more than a hundred thousand things of a kind.
+    /// Refuses more than a hundred thousand objects of a kind.
     pub fn transmission(
         &self,
         frame_id: u64,
@@ -100,7 +100,7 @@ impl ContaminationModel {
         Ok(packed)
     }
 
-    /// Takes a frame's factors back, so that the next frame can use their memory.
+    /// Takes back a frame's factors, so that the next frame can use their memory.
     pub fn recycle(&self, packed: LightMap) {
         *self.spare.lock().unwrap_or_else(PoisonError::into_inner) = Some(packed);
     }
@@ -128,7 +128,7 @@ impl ContaminationModel {
         Ok(found)
     }
 
-    /// Rises of both edges at one z by the films given, on a clean circle of `radius_mm`.
+    /// Rises of both edges at one z by the given films, on a clean circle of `radius_mm`.
     pub fn rise(&self, films: &[Film], radius_mm: f64, z_mm: f64, angle_deg: f64) -> Rise {
         let here: Vec<Film> =
             films.iter().filter(|f| (z_mm - f.z_mm).abs() < f.half_length_mm).copied().collect();
@@ -142,18 +142,18 @@ impl ContaminationModel {
     }
 }
 
-/// An edge that a film has moved.
+/// An edge displaced by a film.
 #[derive(Clone, Copy, Debug)]
 pub struct RisenEdge {
     /// Row of the edge without the film.
     pub clean: f64,
-    /// Its move, rows.
+    /// Its displacement, rows.
     pub rise_px: f64,
     /// Blur of the edge, px.
     pub blur_px: f64,
 }
 
-/// Marks the pixels of a column that an edge's move changes.
+/// Marks the pixels of a column that the displacement of an edge changes.
 pub fn mark_rise(mask: &mut [u8], columns: usize, column: usize, edge: RisenEdge) {
     let RisenEdge { clean, rise_px, blur_px } = edge;
     let sigma = (blur_px * blur_px + 1.0 / 12.0).sqrt();

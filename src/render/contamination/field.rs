@@ -1,4 +1,4 @@
-//! Draws the contamination of a field of view and lays its shades over the pixels.
+//! Draws the contamination of a field of view and multiplies its shades onto the pixels.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,14 +13,14 @@ use super::shading::{CLOUD_REACH, Layers, Shade};
 use super::shapes::{clear_radius_of_ball, clear_radius_of_cap};
 use crate::render::error::RenderError;
 
-/// Streams of the generator: what stays, and what flies.
+/// Streams of the generator: for the window, and for the air.
 const WINDOW_STREAM: u64 = 0x0077_696e_646f_7700;
 const AIR_STREAM: u64 = 0x0061_6972_0000_0000;
 
-/// Most things of one kind.
+/// Most objects of one kind.
 const MOST: f64 = 1e5;
 
-/// How a field of view lies over the object.
+/// Geometry of a field of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldGeometry {
     /// Rows of the full sensor.
@@ -29,8 +29,8 @@ pub struct FieldGeometry {
     pub columns: usize,
     /// Size of a pixel on the object, µm.
     pub pixel_um: f64,
-    /// Effective numerical aperture, the smaller one of lens and light: blurs what lies out of
-    /// focus.
+    /// Effective numerical aperture, the smaller one of lens and light, which determines the blur
+    /// out of focus.
     pub effective_na: f64,
     /// Standard deviation of the blur in focus, µm on the object.
     pub sigma_um: f64,
@@ -38,8 +38,8 @@ pub struct FieldGeometry {
 
 impl FieldGeometry {
     /// Radius of the disc of confusion at `distance_mm` from the plane of focus, in pixels; the
-    /// blur in focus is taken as a disc of the same variance (2σ), the pixel's own area as one of
-    /// 1/√3.
+    /// blur in focus is approximated by a disc of the same variance (radius 2σ), the pixel's area
+    /// by one of radius 1/√3.
     fn blur_px(&self, distance_mm: f64) -> f64 {
         let defocus = distance_mm * 1e3 * self.effective_na / self.pixel_um;
         (defocus.powi(2) + (2.0 * self.sigma_um / self.pixel_um).powi(2) + 1.0 / 3.0).sqrt()
@@ -90,7 +90,7 @@ impl Draw<'_> {
         self.unit.sample(&mut self.random)
     }
 
-    /// Number of things over the field widened by `margin_px` at every side.
+    /// Number of objects over the field, widened by `margin_px` on every side.
     fn count(&mut self, key: &'static str, per_cm2: f64, margin_px: f64) -> Result<usize, RenderError> {
         let side = |pixels: usize| (pixels as f64 + 2.0 * margin_px) * self.geometry.pixel_um * 1e-4;
         let mean = per_cm2 * side(self.geometry.rows) * side(self.geometry.columns);
@@ -106,10 +106,10 @@ impl Draw<'_> {
 }
 
 impl ContaminationField {
-    /// Draws what lies on the window.
+    /// Draws the contamination of the window.
     ///
     /// # Errors
-    /// Refuses settings outside their ranges and more than a hundred thousand things of a kind,
+    /// Refuses settings outside their ranges and more than a hundred thousand objects of a kind,
     /// naming the key.
     pub fn new(settings: &Contamination, geometry: FieldGeometry, seed: u64) -> Result<Self, RenderError> {
         settings.check()?;
@@ -158,15 +158,15 @@ impl ContaminationField {
         Ok(shades)
     }
 
-    /// What flies during frame `frame_id`.
+    /// The objects in the air during frame `frame_id`.
     ///
     /// # Errors
-    /// Refuses more than a hundred thousand things of a kind.
+    /// Refuses more than a hundred thousand objects of a kind.
     pub(super) fn air(&self, frame_id: u64) -> Result<Vec<(u8, Shade)>, RenderError> {
         let (s, g) = (&self.settings, &self.geometry);
         let angle = s.acceptance_half_angle_deg.to_radians();
-        // Frames are apart by an odd multiple of the golden ratio, so that none repeats another's
-        // seed.
+        // Keys of frames differ by multiples of an odd constant (2⁶⁴ over the golden ratio), so
+        // that no two are equal.
         let key = frame_id.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let mut draw = self.draw_with(self.seed ^ AIR_STREAM ^ key)?;
         let mut shades = Vec::new();
@@ -197,7 +197,7 @@ impl ContaminationField {
         Ok(shades)
     }
 
-    /// Corners on an ellipse, each drawn towards its middle by up to 40 %.
+    /// Corners on an ellipse, each moved towards its middle by up to 40 %.
     fn chip(&self, at: [f64; 2], half: f64, draw: &mut Draw<'_>) -> Vec<[f64; 2]> {
         let count = self.settings.chips.corners;
         let (sin, cos) = (TAU * draw.unit()).sin_cos();
@@ -211,13 +211,13 @@ impl ContaminationField {
             .collect()
     }
 
-    /// The window's shades over a map whose first pixel is (`row0`, `column0`): the same for a
+    /// The window's shades over a map whose first pixel is (`row0`, `column0`): constant over a
     /// stream.
     pub(super) fn window_layers(&self, row0: usize, column0: usize) -> Layers<'_> {
         Layers::new(&self.window, 1.0, [row0, column0])
     }
 
-    /// Haze and what flies over a map whose first pixel is (`row0`, `column0`).
+    /// Haze and objects in the air over a map whose first pixel is (`row0`, `column0`).
     pub(super) fn air_layers<'a>(&self, air: &'a [(u8, Shade)], row0: usize, column0: usize) -> Layers<'a> {
         Layers::new(air, (-self.settings.mist.haze_depth).exp() as f32, [row0, column0])
     }
@@ -226,7 +226,7 @@ impl ContaminationField {
     /// column0]`.
     ///
     /// # Errors
-    /// Refuses more than a hundred thousand things of a kind.
+    /// Refuses more than a hundred thousand objects of a kind.
     pub fn frame(
         &self,
         frame_id: u64,

@@ -1,7 +1,6 @@
-//! The transmission over a window of the sensor, and what touches each pixel.
+//! The transmission over a window of the sensor, and the mask of each pixel.
 //!
-//! Only tiles that something touches are ever written, cleared or need to be read: a clean tile is
-//! 1 throughout.
+//! Only affected tiles are ever written, cleared or read: a clean tile is 1 throughout.
 
 use rayon::prelude::*;
 
@@ -46,17 +45,17 @@ impl TransmissionMap {
         &self.values
     }
 
-    /// What touches every pixel: bits of [`super::mask`].
+    /// Mask of every pixel: bits of [`super::mask`].
     pub fn mask(&self) -> &[u8] {
         &self.mask
     }
 
-    /// Tiles a row of tiles holds.
+    /// Number of tiles in a row of tiles.
     pub fn tile_columns(&self) -> usize {
         self.columns.div_ceil(TILE)
     }
 
-    /// Whether each tile of 32 x 32 pixels is touched, row-major.
+    /// Whether each tile of 32 x 32 pixels is affected, row-major.
     pub fn touched(&self) -> &[bool] {
         &self.touched
     }
@@ -86,7 +85,7 @@ impl TransmissionMap {
         }
     }
 
-    /// Makes this window a copy of `other`, writing only tiles that either of them touches.
+    /// Makes this window a copy of `other`, writing only tiles that are affected in either.
     ///
     /// Windows of different sizes are copied whole.
     pub fn copy_from(&mut self, other: &Self) {

@@ -1,7 +1,7 @@
 //! Truth mask: one bit for every kind of contamination that changes a pixel by more than
 //! [`THRESHOLD`].
 
-/// Loss or gain of light from which a pixel counts as touched, share of the bright field.
+/// Loss or gain of light from which a pixel counts as affected, share of the bright field.
 pub const THRESHOLD: f32 = 0.005;
 
 /// Coolant mist.

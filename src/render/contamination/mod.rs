@@ -1,22 +1,23 @@
-//! Contamination: what lies between light and camera, or on the shaft, and is not the part.
+//! Contamination between light and camera, and on the shaft.
 //!
-//! Three kinds by how they move. On the protective window (droplets, specks, scratches): fixed in
-//! the image, the same in every frame. In the air (mist, droplets, chips): drawn anew for every
-//! frame. On the shaft (films): fixed to the body, they turn with it and raise the silhouette
+//! There are three kinds by their motion. On the protective window (droplets, specks, scratches):
+//! fixed in the image, the same in every frame. In the air (mist, droplets, chips): drawn anew for
+//! every frame. On the shaft (films): fixed to the body, they turn with it and raise the silhouette
 //! ([`AdheringFilms`]). The first two are a transmission 0..1.. that multiplies the light of every
-//! pixel ([`TransmissionMap`]); the [`mask`] of every pixel states what touches it.
+//! pixel ([`TransmissionMap`]); the [`mask`] of every pixel states which kinds affect it.
 //!
 //! Telecentric and geometric: an opaque disc of radius a at the distance y from the plane of focus
-//! is folded with the disc of confusion of radius b = |y|·NA, so that its shade grows and pales.
-//! Numbers are Poisson, sizes lognormal, places uniform; all drawn by seed. Multiplying the
-//! finished image is exact where a shade is smooth over the width of the edge spread; a sharp one
-//! that crosses the shaft's edge in the plane of focus is blurred by itself, not with the edge.
+//! is convolved with the disc of confusion of radius b = |y|·NA, so that its shade becomes wider
+//! and weaker. Numbers are Poisson, sizes lognormal, places uniform; all drawn by seed. Multiplying
+//! the finished image is exact where a shade is smooth over the width of the edge spread; a sharp
+//! one that crosses the shaft's edge in the plane of focus is blurred separately, not together with
+//! the edge.
 //!
 //! In: the `[contamination]` table (`settings`) and the field's geometry. Out:
-//! [`ContaminationModel`], which gives the packed factors of a frame and the films near a field.
-//! `field` draws, `shading` lays shades over a band of `tiles`, `bands` packs them, `map` holds
-//! them unpacked, with what touches each pixel. A new kind is a table in `settings`, its draw in
-//! `field` and its shade in `shading`.
+//! [`ContaminationModel`], which returns the packed factors of a frame and the films near a field.
+//! `field` draws, `shading` multiplies shades onto a band of `tiles`, `bands` packs them, `map`
+//! holds them unpacked, with the mask of each pixel. A new kind is a table in `settings`, its draw
+//! in `field` and its shade in `shading`.
 
 mod adhering_films;
 mod bands;

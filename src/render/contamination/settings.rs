@@ -1,12 +1,11 @@
-//! What a user sets about contamination: the `[contamination]` table. Everything is clean by
-//! default.
+//! The `[contamination]` table. Everything is clean by default.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::render::error::{RenderError, within};
 
-/// Densities above this are a wall, not contamination; in cm⁻².
+/// Largest density, cm⁻²: above it the field would be opaque.
 const DENSEST_PER_CM2: f64 = 1e5;
 
 /// Lognormal sizes: the logarithm of the size is normal.
@@ -194,7 +193,8 @@ pub struct Contamination {
     pub window_distance_mm: f64,
     /// Depth of the beam, centred on the plane of focus, mm: where things fly.
     pub beam_depth_mm: f64,
-    /// Half angle within which deflected light still reaches the sensor (NA of lens and light together), degrees.
+    /// Half angle within which deflected light still reaches the sensor (NA of lens and light
+    /// together), degrees.
     pub acceptance_half_angle_deg: f64,
     /// Clouds of coolant.
     pub mist: Mist,
@@ -213,7 +213,7 @@ pub struct Contamination {
 }
 
 impl Default for Contamination {
-    /// Clean; the window 60 mm before the shaft.
+    /// Clean; the window 60 mm in front of the shaft.
     fn default() -> Self {
         Self {
             window_distance_mm: 60.0,

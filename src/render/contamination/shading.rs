@@ -1,5 +1,5 @@
-//! Lays shades over the pixels: row by row, tabulated where a shade is round. The optical depths of
-//! clouds are summed up before one exponential is taken.
+//! Multiplies shades onto the pixels: row by row, tabulated where a shade is round. The optical
+//! depths of clouds are added before a single exponential is evaluated.
 
 use multiversion::multiversion;
 
@@ -7,17 +7,17 @@ use super::mask::{MIST, THRESHOLD};
 use super::shapes::{disc, half_plane, into_polygon, line};
 use super::tiles::{Band, TILE};
 
-/// Reach of a cloud, standard deviations: its edge takes away less than 1e-5 at τ = 1.
+/// Reach of a cloud, standard deviations: at its border it attenuates by less than 1e-5 at τ = 1.
 pub(super) const CLOUD_REACH: f64 = 4.8;
 
-/// Entries of a round shade's table a pixel; linear between them, which errs by less than 1e-3 at a
+/// Entries per pixel of a round shade's table; linear interpolation errs by less than 1e-3 at a
 /// sharp border.
 const PER_PIXEL: f64 = 8.0;
 
-/// Depth for which five terms of the exponential's series do in f32.
+/// Depth for which five terms of the exponential's series suffice in f32.
 const SHALLOW: f64 = 0.125;
 
-/// One thing in the beam, in pixels of the full sensor, points as (row, column).
+/// One object in the beam, in pixels of the full sensor, points as (row, column).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Shade {
     /// Optical depth and standard deviation.
@@ -26,11 +26,11 @@ pub(super) enum Shade {
     Disc { at: [f64; 2], radius: f64, clear: f64, opacity: f64, blur: f64 },
     /// Opaque polygon.
     Polygon { corners: Vec<[f64; 2]>, blur: f64 },
-    /// From one end to the other.
+    /// Straight line between two ends.
     Line { from: [f64; 2], to: [f64; 2], width: f64, opacity: f64, blur: f64 },
 }
 
-/// Shades made ready for a map.
+/// Shades prepared for a map.
 pub(super) struct Layers<'a> {
     /// Haze over the whole field.
     haze: f32,
@@ -39,8 +39,8 @@ pub(super) struct Layers<'a> {
 }
 
 impl<'a> Layers<'a> {
-    /// Shades over a map whose first pixel is `first` on the sensor, in a haze that leaves so much
-    /// of the light.
+    /// Shades over a map whose first pixel is `first` on the sensor, in a haze with the
+    /// transmission `haze`.
     pub(super) fn new(shades: &'a [(u8, Shade)], haze: f32, first: [usize; 2]) -> Self {
         let first = [first[0] as f64, first[1] as f64];
         let ready = shades.iter().map(|(kind, shade)| Ready::new(*kind, shade, first));
@@ -121,7 +121,7 @@ fn mist(clouds: &[Ready<'_>], row: i64, band: &mut Band<'_>, depths: &mut [f32])
     }
 }
 
-/// Optical depth that takes away the mask's threshold: -ln(1 - .005).
+/// Optical depth that attenuates by the mask's threshold: -ln(1 - 0.005).
 const VISIBLE_DEPTH: f32 = 0.005_012_542;
 
 #[inline(always)]
@@ -137,7 +137,7 @@ fn multiply(band: &mut Band<'_>, at: usize, factors: &[f32], kind: u8) {
     }
 }
 
-/// Notes the tiles in which a factor is not 1.
+/// Marks the tiles in which a factor is not 1.
 #[inline(always)]
 fn touch(touched: &mut [bool], from: usize, factors: &[f32]) {
     let mut column = from;
@@ -184,7 +184,7 @@ impl<'a> Ready<'a> {
 }
 
 impl Shade {
-    /// Smallest and largest row and column it touches.
+    /// Smallest and largest row and column that it affects.
     fn extent(&self) -> ([f64; 2], [f64; 2]) {
         let around =
             |at: &[f64; 2], reach: f64| ([at[0] - reach, at[1] - reach], [at[0] + reach, at[1] + reach]);
@@ -243,8 +243,8 @@ impl Ready<'_> {
     }
 }
 
-/// Multiplies by exp(-depth), every depth at most `deepest`: five terms at a depth halved until it
-/// is shallow, then squared as often.
+/// Multiplies by exp(-depth), every depth at most `deepest`: the depth is halved until five terms
+/// suffice, then the result is squared as often.
 #[inline(always)]
 fn attenuate(deepest: f64, depths: &mut [f32], out: &mut [f32]) {
     let halvings = (deepest / SHALLOW).log2().ceil().clamp(0.0, 20.0) as i32;

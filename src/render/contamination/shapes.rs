@@ -1,7 +1,7 @@
-//! Shades that defocus leaves of discs, lines and polygons: each folded with the uniform disc of
+//! Shades of discs, lines and polygons out of focus: each convolved with the uniform disc of
 //! confusion.
 //!
-//! Distances in any one unit. `blur` is the radius b of the disc of confusion.
+//! Distances in any common unit. `blur` is the radius b of the disc of confusion.
 
 use std::f64::consts::PI;
 
@@ -42,7 +42,7 @@ pub fn line(across: f64, width: f64, blur: f64) -> f64 {
     half_plane(across + 0.5 * width, blur) - half_plane(across - 0.5 * width, blur)
 }
 
-/// Signed distance into a polygon (positive inside), corners in order either way round.
+/// Signed distance into a polygon (positive inside), corners in either order.
 pub fn into_polygon(point: [f64; 2], corners: &[[f64; 2]]) -> f64 {
     let mut nearest = f64::INFINITY;
     let mut inside = false;
@@ -62,7 +62,7 @@ pub fn into_polygon(point: [f64; 2], corners: &[[f64; 2]]) -> f64 {
 }
 
 /// Largest distance from the middle of a ball of `radius` and index n at which a parallel ray is
-/// turned by no more than `angle_rad`: 2(asin(h/a) - asin(h/na)) = angle, by bisection (the left
+/// deflected by no more than `angle_rad`: 2(asin(h/a) - asin(h/na)) = angle, by bisection (the left
 /// side rises).
 pub fn clear_radius_of_ball(radius: f64, index: f64, angle_rad: f64) -> f64 {
     let turned = |h: f64| 2.0 * (h.asin() - (h / index).asin());

@@ -1,9 +1,9 @@
 //! Contours as on a drawing: corners with chamfers and radii, turned into a profile of straight
 //! pieces.
 //!
-//! At a corner between the directions d1 and d2 with the turn φ a chamfer c cuts c off both lines;
-//! an arc of radius r touches them r·tan(φ/2) from the corner and is divided into chords whose
-//! sagitta r(1 - cos(δ/2)) stays below 1 nm.
+//! At a corner between the directions d1 and d2 with the turn φ a chamfer c removes the length c
+//! from both lines; an arc of radius r is tangent to them r·tan(φ/2) from the corner and is divided
+//! into chords whose sagitta r(1 - cos(δ/2)) stays below 1 nm.
 
 use std::io::Read;
 
@@ -20,11 +20,11 @@ const MOST_CHORDS: f64 = 20_000.0;
 
 const KEY: &str = "shaft.contour";
 
-/// Reads `z_mm,diameter_mm[,chamfer_mm,radius_mm]` lines; a header line or none, lines that start
-/// with `#` skipped.
+/// Reads `z_mm,diameter_mm[,chamfer_mm,radius_mm]` lines; with an optional header line; lines that
+/// start with `#` are skipped.
 ///
 /// # Errors
-/// Names the line and what would be right.
+/// Names the line and the valid form.
 pub fn read_contour(from: impl Read) -> Result<Vec<ContourPoint>, RenderError> {
     let refuse = |found: &str, right: &str| RenderError::setting("shaft.contour_file", found, right);
     let mut reader = csv::ReaderBuilder::new()
@@ -107,7 +107,7 @@ pub fn contour_knots(points: &[ContourPoint]) -> Result<Vec<ProfileKnot>, Render
     Ok(knots.into_iter().map(|k: DVec2| ProfileKnot { z_mm: k.x, radius_mm: k.y }).collect())
 }
 
-/// Directions of the lines before and behind a corner; none where they have no length or the corner
+/// Directions of the lines before and after a corner; none where they have no length or the corner
 /// is an end.
 fn directions(corners: &[DVec2], i: usize) -> Option<(DVec2, DVec2)> {
     let before = (corners[i] - *corners.get(i.checked_sub(1)?)?).try_normalize()?;
@@ -115,7 +115,7 @@ fn directions(corners: &[DVec2], i: usize) -> Option<(DVec2, DVec2)> {
     Some((before, behind))
 }
 
-/// Length that a corner's chamfer or arc takes off either line.
+/// Length that a corner's chamfer or arc removes from each line.
 fn cut(points: &[ContourPoint], corners: &[DVec2], i: usize) -> f64 {
     if points[i].radius_mm == 0.0 {
         return points[i].chamfer_mm;

@@ -46,7 +46,7 @@ pub(super) fn thread(thread: &Thread) -> Result<Helix, RenderError> {
     })
 }
 
-/// One parabola a turn: s²/2r, s from the middle of the mark, valleys on the radius.
+/// One parabola per turn: s²/2r, s from the middle of the mark, valleys on the radius.
 pub(super) fn feed_marks(marks: &FeedMarks, length_mm: f64) -> Result<Helix, RenderError> {
     within("shaft.feed_marks.feed_mm", marks.feed_mm, 1e-4, 100.0)?;
     within("shaft.feed_marks.nose_radius_mm", marks.nose_radius_mm, 0.5 * marks.feed_mm, 1e4)?;

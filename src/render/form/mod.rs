@@ -1,5 +1,4 @@
-//! The shaft that a user describes: contour or plain cylinder, features, form errors, thermal
-//! growth.
+//! The shaft of a config: contour or plain cylinder, features, form errors, thermal growth.
 //!
 //! In: a [`ShaftForm`] and a seed. Out: a [`Shaft`].
 //! `contour` reads profiles, `helices` makes threads and feed marks, `texture` draws roughness. A
@@ -18,15 +17,15 @@ use crate::shaft::{AxisKnot, Bow, Deflection, Features, Helix, ProfileKnot, Shaf
 /// Knots of a half sine wave over the part: the chord errs by (π/64)²/8 = 3e-4 of the sagitta.
 const ARC_KNOTS: usize = 65;
 
-/// Pieces of a taper that a temperature gradient bends.
+/// Pieces of a taper under a temperature gradient, which makes it curved.
 const BENT_PIECES: usize = 16;
 
 /// A shaft with the contour of `form`, or the mean radii of `profile` where it has none, over
 /// `0..length_mm`.
 ///
 /// # Errors
-/// Refuses a contour that intersects itself, features that cannot be, a texture whose lengths are
-/// not positive or whose grid would be too large, naming the key.
+/// Refuses a contour that intersects itself, features that do not fit the body, a texture whose
+/// lengths are not positive or whose grid would be too large, naming the key.
 pub fn form_shaft(
     profile: Vec<ProfileKnot>,
     form: &ShaftForm,

@@ -1,9 +1,9 @@
 //! Roughness and waviness by seed.
 //!
 //! The texture is a Gaussian random field with a Gaussian autocorrelation exp(-(Δz/l_z)² -
-//! (Δθ/l_θ)²), drawn on a grid of four nodes a correlation length and bilinear between them; white
-//! noise is convolved with exp(-2(Δ/l)²) in each direction (the kernel whose self-convolution is
-//! that autocorrelation) and scaled to the rms. Any other spectrum S(f) along z is laid on by
+//! (Δθ/l_θ)²), drawn on a grid of four nodes per correlation length and bilinear between them;
+//! white noise is convolved with exp(-2(Δ/l)²) in each direction (the kernel whose self-convolution
+//! is that autocorrelation) and scaled to the rms. Any other spectrum S(f) along z is applied by
 //! Fourier transform: white noise times √S, periodic over twice the length.
 
 use rand_distr::{Distribution, StandardNormal};
@@ -16,16 +16,16 @@ use rustfft::num_complex::Complex;
 use crate::render::error::{RenderError, within};
 use crate::shaft::{SurfaceTexture, TextureForm, TextureSpectrum};
 
-/// Grid nodes a correlation length: a bilinear grid of four keeps 97 % of the field's variance
-/// between the nodes.
+/// Grid nodes per correlation length: a bilinear grid of four preserves 97 % of the field's
+/// variance between the nodes.
 const NODES_PER_LENGTH: f64 = 4.0;
 
-/// Grid nodes a correlation length of an exponential autocorrelation, whose density falls as f^-2
-/// only, and a shortest wave.
+/// Grid nodes per correlation length of an exponential autocorrelation, whose density decreases
+/// only as f^-2, and per shortest wavelength.
 const EXPONENTIAL_NODES: f64 = 10.0;
 const NODES_PER_WAVE: f64 = 4.0;
 
-/// Half width of the smoothing kernel in correlation lengths; exp(-2·1.75²) = .002.
+/// Half width of the smoothing kernel in correlation lengths; exp(-2·1.75²) = 0.002.
 const KERNEL_REACH: f64 = 1.75;
 
 /// Most nodes of a texture: 64 MiB of f32.
@@ -173,10 +173,10 @@ fn check_spectrum(spectrum: &TextureSpectrum) -> Result<(), RenderError> {
     }
 }
 
-/// White noise, correlated around, with the spectrum along z.
+/// White noise, correlated around the circumference, with the spectrum along z.
 fn by_spectrum(form: &TextureForm, rows: usize, columns: usize, seed: u64) -> SurfaceTexture {
     let step_mm = step_mm(form);
-    // Twice the length: the two ends of the part are not neighbours.
+    // Twice the length, so that the two ends of the periodic part are not neighbours.
     let length = 2 * rows;
     let mut random = Pcg64::seed_from_u64(seed ^ TEXTURE_STREAM);
     let white: Vec<f64> = (0..length * columns).map(|_| StandardNormal.sample(&mut random)).collect();
@@ -187,7 +187,7 @@ fn by_spectrum(form: &TextureForm, rows: usize, columns: usize, seed: u64) -> Su
         .map(|f| if f == 0.0 { 0.0 } else { density(form, f).sqrt() })
         .collect();
     let power = gain.iter().map(|g| g * g).sum::<f64>() / length as f64;
-    // The inverse transform leaves a factor of the length.
+    // The inverse transform is not normalised: it has the length as a factor.
     gain.iter_mut()
         .for_each(|g| *g *= form.rms_um * 1e-3 / power.sqrt().max(f64::MIN_POSITIVE) / length as f64);
     let mut planner = FftPlanner::new();

@@ -1,4 +1,4 @@
-//! Which adapters there are and which one to take.
+//! The available adapters, and the choice among them.
 //!
 //! OpenGL's and Vulkan's libraries are not opened by one process: Mesa's thread-local destructors
 //! freed the same memory twice at exit about once in 200 runs that had opened both.
@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::super::error::RenderError;
 
-/// An adapter as `doctor` shows it.
+/// An adapter as listed by `doctor`.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct AdapterReport {
-    /// Name the driver gives.
+    /// Name from the driver.
     pub name: String,
     /// `vulkan`, `gl` or another API.
     pub backend: String,
@@ -31,8 +31,8 @@ impl AdapterReport {
         }
     }
 
-    /// Whether this is a graphics processor, not a program that imitates one on the CPU. An adapter
-    /// whose kind its driver does not state (`other`) is not taken for one.
+    /// Whether this is a graphics processor, not a software rasteriser. An adapter whose kind its
+    /// driver does not state (`other`) does not count as one.
     pub fn is_hardware(&self) -> bool {
         let known = ["discrete", "integrated", "virtual"].contains(&self.kind.as_str());
         known && !SOFTWARE_NAMES.iter().any(|name| self.name.to_lowercase().contains(name))
@@ -49,9 +49,9 @@ impl AdapterReport {
 const SOFTWARE_NAMES: [&str; 6] =
     ["llvmpipe", "lavapipe", "softpipe", "swiftshader", "swrast", "basic render"];
 
-/// The adapter that `auto` takes among those of one interface: the best hardware, or none. A
+/// The adapter that `auto` chooses among those of one interface: the best hardware, or none. A
 /// software adapter costs 2.4 times the CPU time of the CPU twin and twice its memory for the same
-/// frame, so it is taken only where Vulkan or OpenGL is asked for by name.
+/// frame, so that it is chosen only where Vulkan or OpenGL is requested by name.
 pub fn automatic(adapters: &[AdapterReport]) -> Option<usize> {
     best_of(adapters, AdapterReport::is_hardware)
 }
@@ -62,8 +62,8 @@ fn best_of(adapters: &[AdapterReport], wanted: impl Fn(&AdapterReport) -> bool) 
     admitted.min_by_key(|(index, a)| (!a.is_hardware(), a.rank(), *index)).map(|(index, _)| index)
 }
 
-/// Every adapter that Vulkan offers, or OpenGL with `gl`, best first. A process asks for one of
-/// the two only.
+/// Every adapter that Vulkan offers, or OpenGL with `gl`, best first. A process uses only one of
+/// the two.
 pub fn adapter_reports(gl: bool) -> Vec<AdapterReport> {
     let mut reports: Vec<_> = offered(backends(gl)).iter().map(AdapterReport::of).collect();
     reports.sort_by_key(|a| (!a.is_hardware(), a.rank()));
@@ -81,7 +81,7 @@ pub(super) fn best(gl: bool) -> Result<wgpu::Adapter, RenderError> {
     take(offered(backends(gl)), |reports| best_of(reports, |_| true)).ok_or_else(none)
 }
 
-/// The hardware adapter that `auto` takes: Vulkan's; OpenGL's only where Vulkan offers no adapter
+/// The hardware adapter that `auto` chooses: Vulkan's; OpenGL's only where Vulkan offers no adapter
 /// at all.
 pub(super) fn hardware() -> Option<wgpu::Adapter> {
     let vulkan = offered(wgpu::Backends::VULKAN);
@@ -117,7 +117,7 @@ fn offered(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     adapters
 }
 
-/// Six storage buffers and compute shaders are what the kernels need.
+/// The kernels need compute shaders and six storage buffers.
 fn can_compute(adapter: &wgpu::Adapter) -> bool {
     let flags = adapter.get_downlevel_capabilities().flags;
     flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)

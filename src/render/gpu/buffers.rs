@@ -11,7 +11,7 @@ use crate::render::kernel::params::{FILL_ROWS, Params};
 /// Most nodes of the quadrature over a pixel, 8 × 8.
 const MOST_NODES: u64 = 64;
 
-/// Longest edge-spread table that lies in a uniform, as in the shader.
+/// Longest edge-spread table in a uniform buffer, as in the shader.
 pub(super) const ESF_UNIFORM_SEGMENTS: usize = 1024;
 
 /// Buffers kept while the frame size stays the same.
@@ -39,7 +39,7 @@ impl Size {
             MOST_NODES * 16,
             bytes(ESF_UNIFORM_SEGMENTS, 16),
             bytes(job.esf.segments.len() + job.profiles.len(), 16),
-            // Whole steps of `fill`, which writes rows beyond the last one too.
+            // Whole steps of `fill`, which also writes rows beyond the last one.
             u64::from(job.params.size.words)
                 * u64::from(job.params.size.rows.next_multiple_of(FILL_ROWS))
                 * 4,
@@ -181,7 +181,7 @@ impl Buffers {
         }
     }
 
-    /// Waits for the image and hands its words to `read`.
+    /// Waits for the image and passes its words to `read`.
     pub(super) fn read<R>(
         &self,
         device: &wgpu::Device,

@@ -1,7 +1,7 @@
 //! The kernels on a wgpu device: one device for the process, buffers kept between frames.
 //!
-//! In: a [`Job`]. Out: its pixels. `adapters` lists devices and chooses one, `buffers` holds what a
-//! frame needs on it. The shader is `shaders/shadowgraph.wgsl`; its CPU twin is `render::kernel`.
+//! In: a [`Job`]. Out: its pixels. `adapters` lists devices and chooses one, `buffers` holds the
+//! buffers of a frame. The shader is `shaders/shadowgraph.wgsl`; its CPU twin is `render::kernel`.
 
 mod adapters;
 mod buffers;
@@ -47,11 +47,12 @@ pub struct Gpu {
     largest_bytes: u64,
 }
 
-/// What the kernels are compiled for, in the order of [`OVERRIDES`].
+/// Values of the pipeline constants, in the order of [`OVERRIDES`].
 type Variant = [u32; 8];
 
-/// The shader's names for it: pixels a word, fixed pattern, overlapping bands, uneven light,
-/// stacked tables, profiles, nodes over a pixel, whether the edge-spread tables lie in a uniform.
+/// Names of the pipeline constants in the shader: pixels per word, fixed pattern, overlapping
+/// bands, uneven light, stacked tables, profiles, nodes over a pixel, whether the edge-spread
+/// tables lie in a uniform.
 const OVERRIDES: [&str; 8] = [
     "pixels_per_word",
     "with_pattern",
@@ -92,7 +93,7 @@ impl std::fmt::Debug for Gpu {
     }
 }
 
-/// The graphics interfaces a device is looked for under.
+/// The graphics interfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Api {
     /// Vulkan.
@@ -105,7 +106,7 @@ impl Gpu {
     /// Opens the best adapter of the interface given, hardware before software.
     ///
     /// # Errors
-    /// When there is none, or the device cannot be had or refuses the kernels.
+    /// When there is none, or the device cannot be opened or refuses the kernels.
     pub fn open(api: Api) -> Result<Self, RenderError> {
         Self::on(&adapters::best(api == Api::Gl)?)
     }
@@ -114,15 +115,15 @@ impl Gpu {
     /// all; `None` where there is no hardware.
     ///
     /// # Errors
-    /// When its device cannot be had or refuses the kernels.
+    /// When its device cannot be opened or refuses the kernels.
     pub fn open_hardware() -> Result<Option<Self>, RenderError> {
         adapters::hardware().map(|adapter| Self::on(&adapter)).transpose()
     }
 
     fn on(adapter: &wgpu::Adapter) -> Result<Self, RenderError> {
         let info = adapter.get_info();
-        // A processor's memory is the device's memory: reading the image in place saves a copy of
-        // it.
+        // Integrated and software adapters share the CPU's memory: reading the image in place saves
+        // a copy.
         let unified = matches!(info.device_type, wgpu::DeviceType::Cpu | wgpu::DeviceType::IntegratedGpu);
         let mappable = unified && adapter.features().contains(wgpu::Features::MAPPABLE_PRIMARY_BUFFERS);
         let features =
@@ -187,7 +188,7 @@ impl Gpu {
     /// Whether the adapter can hold the job.
     ///
     /// # Errors
-    /// Names the size that it asks for and the adapter's limit.
+    /// Names the size that it needs and the adapter's limit.
     pub fn holds(&self, job: &Job<'_>) -> Result<(), RenderError> {
         let needed = buffers::largest_bytes(job);
         if needed <= self.largest_bytes {
@@ -201,7 +202,7 @@ impl Gpu {
         Err(RenderError::TooLarge { what })
     }
 
-    /// Runs the job's kernels and hands the packed words to `read`.
+    /// Runs the job's kernels and passes the packed words to `read`.
     ///
     /// # Errors
     /// When the device refuses the job or is lost.
@@ -302,7 +303,7 @@ impl Gpu {
     }
 }
 
-/// Keeps what goes wrong outside error scopes, so that it becomes an error and not a panic.
+/// Stores failures outside error scopes, so that they become errors and not panics.
 fn watch(device: &wgpu::Device, failure: &Arc<Mutex<Option<String>>>) {
     let keep = |slot: &Mutex<Option<String>>, what: String| {
         slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(what);

@@ -1,9 +1,9 @@
-//! From the silhouette to what the kernel needs of every column.
+//! From the silhouette to the kernel's input for every column.
 //!
-//! A pixel sees the edge through its own area and the blur, K = box ∗ g_σ along the row. To second
-//! order a curved or rough edge e(x) looks like a straight one at the K-weighted mean of e, widened
-//! by the K-weighted variance about the tangent: for a straight edge that is σ²/cos²β + (1 +
-//! tan²β)/12 in rows, exactly. Truth stays e itself.
+//! A pixel averages the edge over its own area and the blur, K = box ∗ g_σ along the row. To second
+//! order a curved or rough edge e(x) is equivalent to a straight one at the K-weighted mean of e,
+//! widened by the K-weighted variance about the tangent: for a straight edge that is σ²/cos²β +
+//! (1 + tan²β)/12 in rows, exactly. The truth is e itself.
 //!
 //! Positions go to the kernel as integer + fraction: f32 rows would lose 1e-4 px above row 2048.
 
@@ -24,8 +24,8 @@ pub struct ColumnEdges {
     pub bottom_px: f64,
 }
 
-/// One edge of one column as the kernel reads it: u = sign·(((row - whole) - part)·across) and its
-/// slope's share.
+/// One edge of one column for the kernel: u = sign·(((row - whole) - part)·across), plus the share
+/// of its slope.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Edge {
@@ -33,21 +33,22 @@ pub struct Edge {
     pub whole: i32,
     /// The rest, -1/2..1/2.
     pub part: f32,
-    /// -cos β / scale for an upper edge, +cos β / scale for a lower one: units of the table a row.
+    /// -cos β / scale for an upper edge, +cos β / scale for a lower one: units of the table per
+    /// row.
     pub across: f32,
-    /// ±sin β / scale with the opposite sign: units of the table a column.
+    /// ±sin β / scale with the opposite sign: units of the table per column.
     pub along: f32,
-    /// Edge-spread table; from [`PROFILE`] on the place of the edge's own profile, counted in f32
+    /// Edge-spread table; from [`PROFILE`] on the index of the edge's own profile, counted in f32
     /// from the first table.
     pub table: u32,
     /// Share of the next table; of a profile its rows, the first of which is `whole`.
     pub blend: f32,
 }
 
-/// Marks an edge that is drawn from a profile of its own: no straight line within the blur.
+/// Marks an edge with a profile of its own, because it is not straight within the blur.
 pub const PROFILE: u32 = 0x8000_0000;
 
-/// Both edges of a column as the kernel reads them.
+/// Both edges of a column for the kernel.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Column {
@@ -109,7 +110,7 @@ impl RowBlur {
     }
 }
 
-/// [`RowBlur::straight`] of neighbouring columns, one a lane: the same sums in the same order.
+/// [`RowBlur::straight`] of neighbouring columns, one per lane: the same sums in the same order.
 struct Straights {
     row: [f64; BLOCK],
     moment: [f64; BLOCK],
@@ -142,7 +143,7 @@ fn straights(blur: &RowBlur, rows: &[f64], out: &mut Straights) {
     }
 }
 
-/// Where the shaft's axis and surface lie in a column.
+/// Depth of the axis and radius of the surface in a column.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Depth {
     /// Distance of the axis from the plane of focus, mm towards the camera.
@@ -202,19 +203,19 @@ pub fn steepest(columns: &[Column]) -> f64 {
     tan / tan.hypot(1.0)
 }
 
-/// Largest error of the light where the pixel's square is folded into the table, share of full
+/// Largest error of the light where the pixel's square is convolved into the table, share of full
 /// intensity.
 const FOLDED_ERROR: f64 = 1e-6;
 
-/// Steepest |sin β| for which it is.
+/// Largest |sin β| for which it is convolved.
 const FOLDED_SIN: f64 = 0.1;
 
-/// The table with the pixel folded in, where all edges are so level and of so even a blur that it
-/// errs by less than 1e-6; fits the edges' scales to it.
+/// The table convolved with the pixel, where the slopes and the variation of the blur are small
+/// enough for an error below 1e-6; adapts the edges' scales to it.
 ///
 /// The square has the variance 1/12 across an edge of any slope. Its fourth cumulant is -(cos⁴β +
 /// sin⁴β)/120 where the table has -1/120: with |F⁗| ≤ .55/σ⁴ the light errs by .55 sin²β/(1440 σ⁴).
-/// An edge of another blur s than the table's σ gets the scale of the same variance, (s² +
+/// An edge of another blur s than the table's σ is given the scale of the same variance, (s² +
 /// 1/12)/(σ² + 1/12), whose box is too wide: .55·2(s² - σ²)/(2880 σ⁶).
 pub fn fold_pixel<'a>(esf: &'a EsfTable, columns: &mut [Column]) -> Option<&'a EsfTable> {
     let s0 = esf.scale_px;
@@ -233,7 +234,7 @@ pub fn fold_pixel<'a>(esf: &'a EsfTable, columns: &mut [Column]) -> Option<&'a E
     let folded = esf.over_pixel()?;
     for e in columns.iter_mut().flat_map(|c| [&mut c.top, &mut c.bottom]) {
         let v = excess(e);
-        // The f32 themselves are good to 1e-7.
+        // f32 is accurate to 1e-7.
         if v > 1e-6 * s0 * s0 {
             let scale = s0 * (1.0 + v / (s0 * s0 + 1.0 / 12.0)).sqrt();
             let factor = (s0 * s0 + v).sqrt() / scale;
@@ -244,8 +245,8 @@ pub fn fold_pixel<'a>(esf: &'a EsfTable, columns: &mut [Column]) -> Option<&'a E
     Some(folded)
 }
 
-/// Rows that the edges can touch: first rows a group of `group` columns for both edges, and rows a
-/// band.
+/// Rows that the edges can affect: first rows of both edges per group of `group` columns, and rows
+/// of a band.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bands {
     /// First row of the upper and the lower band of every group, in rows of the frame (may be
@@ -253,13 +254,13 @@ pub struct Bands {
     pub start: Vec<[i32; 2]>,
     /// Rows of every band.
     pub rows: u32,
-    /// Whether an upper and a lower band share rows: a pixel there sees both edges.
+    /// Whether an upper and a lower band share rows: a pixel there is affected by both edges.
     pub overlap: bool,
     /// Rows between the bands, in the shadow over all columns.
     pub dark: std::ops::Range<i32>,
 }
 
-/// First and last row that an edge touches.
+/// First and last row that an edge affects.
 fn rows_of(e: &Edge, esf: &EsfTable) -> (i32, i32) {
     if e.table >= PROFILE {
         return (e.whole, e.whole + (e.blend as i32 - 1).max(0));
@@ -269,7 +270,7 @@ fn rows_of(e: &Edge, esf: &EsfTable) -> (i32, i32) {
     (e.whole - half, e.whole + half)
 }
 
-/// Bands that hold every pixel where an edge is neither full light nor full shadow.
+/// Bands that contain every pixel with neither full light nor full shadow.
 pub fn bands(columns: &[Column], group: usize, esf: &EsfTable) -> Bands {
     let parts: Vec<(i32, Vec<[i32; 2]>)> = columns
         .par_chunks(group * BLOCK)
@@ -292,7 +293,7 @@ pub fn bands(columns: &[Column], group: usize, esf: &EsfTable) -> Bands {
     Bands { start, rows: rows as u32, overlap, dark: above..below.max(above) }
 }
 
-/// First and last rows that the upper and the lower edges of some columns touch.
+/// First and last rows that the upper and the lower edges of some columns affect.
 fn touched(members: &[Column], esf: &EsfTable) -> ([i32; 2], [i32; 2]) {
     let (mut first, mut last) = ([i32::MAX; 2], [i32::MIN; 2]);
     for column in members {

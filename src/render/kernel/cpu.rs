@@ -18,7 +18,7 @@ use super::shadowgraph::{
 /// Columns treated together: their counts stay in the first-level cache.
 const BLOCK: usize = 256;
 
-/// Rows a task of the thread pool.
+/// Rows per task of the thread pool.
 const TASK_ROWS: usize = 16;
 
 /// Standard normal deviates of a block of a row.
@@ -109,8 +109,7 @@ fn field_factors<const N: usize>(job: &Job<'_>, at: At, factors: &mut [f32; N]) 
     clear_light(job, map, at, &mut factors[..count]);
 }
 
-/// Multiplies by what contamination leaves of the light; cells that nothing touches are passed
-/// over.
+/// Multiplies by the transmission of the contamination; clean cells are skipped.
 #[inline(always)]
 fn clear_light(job: &Job<'_>, map: &LightMap, at: At, factors: &mut [f32]) {
     let (row, count) = (at.row as usize, factors.len());
@@ -128,7 +127,7 @@ fn clear_light(job: &Job<'_>, map: &LightMap, at: At, factors: &mut [f32]) {
     }
 }
 
-/// Counts of neighbouring pixels, each of a mean of its own.
+/// Counts of neighbouring pixels, each with its own mean.
 #[inline(always)]
 fn pixels<const N: usize>(job: &Job<'_>, at: At, means: &[f32; N], z: &[f32; N], counts: &mut [f32; N]) {
     for i in 0..N {
@@ -161,7 +160,7 @@ fn fill_block(job: &Job<'_>, place: Place<'_>, at: At, z: &[f32; BLOCK], counts:
     }
 }
 
-/// Overwrites the counts of a cell's pixels that one of its edges touches; the other edge adds
+/// Overwrites the counts of a cell's pixels that one of its edges affects; the other edge adds
 /// light only where the two bands overlap.
 #[inline(always)]
 fn edge_pixels(job: &Job<'_>, edge: CellSide<'_>, at: At, z: &[f32; CELL], counts: &mut [f32; CELL]) {
@@ -194,7 +193,7 @@ fn edge_pixels(job: &Job<'_>, edge: CellSide<'_>, at: At, z: &[f32; CELL], count
     }
 }
 
-/// A place in the frame.
+/// A position in the frame.
 #[derive(Clone, Copy)]
 struct At {
     row: i32,
@@ -215,7 +214,7 @@ struct Place<'a> {
     cells: &'a [[EdgeCell; 2]],
 }
 
-/// Where the edges of a block of columns lie: rows outside `clear` may hold an edge.
+/// Extent of the edges of a block of columns: rows outside `clear` may contain an edge.
 struct BlockExtent {
     top: (i32, i32),
     bottom: (i32, i32),
@@ -232,8 +231,8 @@ impl BlockExtent {
         extent
     }
 
-    /// Whether the whole block lies in the light (`true`) or in the shadow in this row, where it
-    /// does either.
+    /// Whether the whole block lies in the light (`true`) or in the shadow (`false`) in this row;
+    /// `None` for neither.
     fn even(&self, row: i32) -> Option<bool> {
         if row <= self.top.0 || row >= self.bottom.1 {
             return Some(true);
@@ -242,7 +241,7 @@ impl BlockExtent {
     }
 }
 
-/// What the blocks of a frame share over its rows.
+/// Data of the blocks of a frame, common to all rows.
 struct Blocks {
     extents: Vec<BlockExtent>,
     cells: Vec<[EdgeCell; 2]>,
@@ -258,7 +257,7 @@ pub fn render<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
     });
 }
 
-/// Rows `first..` of a frame, in the widest instruction set the machine has.
+/// Rows `first..` of a frame, in the widest instruction set of the machine.
 #[multiversion(
     targets("x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "aarch64+neon"),
     dispatcher = "direct"
@@ -284,14 +283,14 @@ fn fill_rows<P: Pixel>(job: &Job<'_>, blocks: &Blocks, first: usize, out: &mut [
     }
 }
 
-/// Overwrites the pixels of a block of a row that an edge touches.
+/// Overwrites the pixels of a block of a row that an edge affects.
 #[inline(always)]
 fn fill_edges(job: &Job<'_>, cells: &[[EdgeCell; 2]], at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
     let (z, _) = z.as_chunks::<CELL>();
     let (counts, _) = counts.as_chunks_mut::<CELL>();
     for (i, ((cells, z), counts)) in cells.iter().zip(z).zip(counts).enumerate() {
-        // What both sides share is moved before their loop: it must not be worked out where no edge
-        // is.
+        // The compiler moves the computation common to both sides before their loop; this check
+        // skips it where there is no edge.
         if !cells.iter().any(|c| c.touches(at.row)) {
             continue;
         }

@@ -1,8 +1,9 @@
 //! Light past an edge over a cell of neighbouring columns in one row: [`super::shadowgraph`]'s
 //! `transmitted` in lanes.
 //!
-//! The arithmetic of every lane is the kernel's own, in the kernel's order, so that lanes change no
-//! bit. Only the table's look-up stays a load a pixel; what comes before and after it vectorises.
+//! The arithmetic of every lane is the kernel's own, in the kernel's order, so that the results are
+//! the same bits. Only the table look-up remains one load per pixel; everything before and after it
+//! vectorises.
 
 use super::column_edges::{Edge, PROFILE};
 use super::job::Job;
@@ -12,7 +13,7 @@ use super::shadowgraph::transmitted;
 /// Columns of a cell, the light map's.
 pub(crate) use super::light_map::CELL;
 
-/// One edge of neighbouring columns, a value a lane.
+/// One edge of neighbouring columns, one value per lane.
 #[derive(Clone, Debug)]
 pub(crate) struct EdgeCell {
     /// First row of the column's band; a lane beyond the frame has none.
@@ -68,8 +69,7 @@ impl EdgeCell {
         (row.wrapping_sub(self.start[lane]) as u32) < band_rows
     }
 
-    /// Share of the light that the pixels of a row get past the edges of the columns from `first`
-    /// on.
+    /// Share of the light on the pixels of a row past the edges of the columns from `first` on.
     #[inline(always)]
     pub(crate) fn light(&self, job: &Job<'_>, at: (usize, usize), row: i32, out: &mut [f32; CELL]) {
         *out = [0.0; CELL];
@@ -118,7 +118,7 @@ fn edge_spreads(job: &Job<'_>, u: &[f32; CELL], tables: &[u32; CELL], skip: u32)
     let (mut t, mut index) = ([0.0f32; CELL], [0u32; CELL]);
     for i in 0..CELL {
         let place = (u[i] + params.edge.reach) * params.edge.per_unit;
-        // Plain comparisons: those of f32 mind NaN, which costs three instructions.
+        // Plain comparisons: `f32::max` and `min` handle NaN, which costs three instructions.
         let place = if place > 0.0 { place } else { 0.0 };
         let place = if place < segments { place } else { segments };
         let segment = floor_to_u32(place).min(last);

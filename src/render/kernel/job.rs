@@ -1,4 +1,4 @@
-//! One frame made ready for the kernel: its parameters and the tables they index.
+//! The job of one frame for the kernel: its parameters and the tables that they index.
 
 use super::column_edges::{Bands, Column};
 use super::light_map::LightMap;
@@ -6,7 +6,7 @@ use super::params::Params;
 use crate::frame::PixelFormat;
 use crate::render::optics::esf_table::{EsfTable, Node};
 
-/// A frame made ready for the kernel.
+/// The job of a frame.
 #[derive(Clone, Debug)]
 pub struct Job<'a> {
     /// Uniforms.
@@ -15,9 +15,9 @@ pub struct Job<'a> {
     pub format: PixelFormat,
     /// Edges of every column.
     pub columns: Vec<Column>,
-    /// Rows that an edge touches.
+    /// Rows that an edge affects.
     pub bands: Bands,
-    /// What contamination leaves of the light, pixel by pixel; none where nothing dims it.
+    /// Transmission of the contamination, pixel by pixel; none where nothing dims the light.
     pub contamination: Option<LightMap>,
     /// The edge-spread table.
     pub esf: &'a EsfTable,
@@ -25,7 +25,7 @@ pub struct Job<'a> {
     pub quadrature: Vec<Node>,
     /// Whether edges lie between two tables.
     pub stacked: bool,
-    /// Light down the columns whose edges are no straight lines, four rows an element; edges index
-    /// it behind `esf`.
+    /// Light down the columns whose edges are not straight, four rows per element; indexed by the
+    /// edges after `esf`.
     pub profiles: Vec<[f32; 4]>,
 }

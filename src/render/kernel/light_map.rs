@@ -1,13 +1,13 @@
-//! Light that is not even, as the kernel reads it.
+//! Uneven light for the kernel.
 //!
-//! A pixel's mean grey value is `shadow + contrast · light · field · clear`: `light` what the edges
-//! let pass, `field` the vignetting and the gradient of the backlight
-//! ([`FieldLight`](crate::render::lens::FieldLight)), `clear` what contamination leaves. Stray
-//! light in the shadow is uniform over the field and stays as it is.
+//! A pixel's mean grey value is `shadow + contrast · light · field · clear`: `light` the share past
+//! the edges, `field` the vignetting and the gradient of the backlight
+//! ([`FieldLight`](crate::render::lens::FieldLight)), `clear` the transmission of the
+//! contamination. Stray light in the shadow is uniform over the field and not affected.
 //!
-//! Contamination comes as 16-bit factors, two to a 32-bit word, 2¹⁵ for clear light: they err by
-//! 1.5e-5 of the light. Cells of 32 pixels of a row that nothing touches are known, written once
-//! and read by no one.
+//! Contamination is stored as 16-bit factors, two per 32-bit word, 2¹⁵ for clear light, with an
+//! error of 1.5e-5 of the light. Clean cells of 32 pixels of a row are flagged, written once and
+//! never read.
 
 /// The 16-bit factor of clear light.
 pub const CLEAR: f32 = 32_768.0;
@@ -15,7 +15,7 @@ pub const CLEAR: f32 = 32_768.0;
 /// Two factors of clear light.
 const CLEAR_WORD: u32 = 0x8000_8000;
 
-/// Pixels of a row that are marked as touched or clear.
+/// Pixels of a row that share a flag.
 pub const CELL: usize = 32;
 
 /// Words of a cell.
@@ -24,17 +24,17 @@ const CELL_WORDS: usize = CELL / 2;
 /// 16-bit factors of a window and the mask of what dims them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LightMap {
-    /// Two factors a word, rows padded to whole words.
+    /// Two factors per word, rows padded to whole words.
     pub words: Vec<u32>,
     /// Bits of [`crate::render::contamination::mask`], row-major; empty where not requested.
     pub mask: Vec<u8>,
     /// Whether a factor of a cell of [`CELL`] pixels differs from clear light, row-major.
     pub touched: Vec<bool>,
-    /// Pixels a row.
+    /// Pixels per row.
     pub columns: usize,
 }
 
-/// Some whole rows of a map.
+/// Several whole rows of a map.
 pub(crate) struct Lines<'a> {
     pub words: &'a mut [u32],
     pub touched: &'a mut [bool],
@@ -51,8 +51,8 @@ impl LightMap {
         self
     }
 
-    /// Makes room for a window, keeping the allocations: what a map of the same size holds stays
-    /// known.
+    /// Resizes to a window, keeping the allocations; the contents of a map of the same size stay
+    /// valid.
     pub(crate) fn prepare(&mut self, rows: usize, columns: usize, with_mask: bool) {
         let (words, cells) = (rows * columns.div_ceil(2), rows * columns.div_ceil(CELL));
         if (self.words.len(), self.touched.len(), self.columns) != (words, cells, columns) {
@@ -73,8 +73,8 @@ impl LightMap {
 }
 
 impl Lines<'_> {
-    /// Packs the factors of these rows; `dimmed` states of every cell of a row whether it holds
-    /// others than 1.
+    /// Packs the factors of these rows; `dimmed` states for every cell of a row whether it contains
+    /// factors other than 1.
     #[inline(always)]
     pub(crate) fn pack(&mut self, values: &[f32], dimmed: &[bool]) {
         let lines = self.words.chunks_exact_mut(self.columns.div_ceil(2));
@@ -110,8 +110,8 @@ fn factor(value: f32) -> u32 {
     floor_to_u32((value * CLEAR + 0.5).clamp(0.0, 65_535.0))
 }
 
-/// Integer part of a number from 0 to 2²²: adding 2²³ rounds it, which vectorises where a
-/// conversion that saturates does not.
+/// Integer part of a number from 0 to 2²²: adding 2²³ rounds it, which vectorises, unlike a
+/// saturating conversion.
 #[inline(always)]
 pub(crate) fn floor_to_u32(x: f32) -> u32 {
     let rounded = x + 8_388_608.0;

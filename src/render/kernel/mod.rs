@@ -4,14 +4,14 @@
 //! In: [`job::Job`], borrowed views of [`column_edges::Column`], the edge-spread table, the
 //! [`light_map`] and the parameters of one frame. Out: counts, packed in words. [`shadowgraph`]
 //! (one pixel) and [`cpu`] (blocks of pixels) are the CPU twin of the shader, function by function
-//! with the same names and the same order of operations; `edge_cells` computes the pixels an edge
-//! crosses in lanes; [`noise`] draws the noise of a pixel from a counter hash. [`reference`] gives
-//! the light of a pixel in f64 by quadrature and shares nothing with the others: it is what they
-//! are tested against.
+//! with the same names and the same order of operations; `edge_cells` computes the pixels at an
+//! edge in lanes; [`noise`] computes the noise of a pixel from a counter hash.
+//! [`reference`](mod@reference) computes the light of a pixel in f64 by quadrature and shares
+//! nothing with the others, which are tested against it.
 //!
 //! A new term of the light enters the shader and [`shadowgraph`] under one name, its parameters
-//! [`params::Params`], and its exact form [`reference`]; `tests/render_shaders.rs` compares layouts
-//! and names.
+//! [`params::Params`], and its exact form [`reference`](mod@reference); `tests/render_shaders.rs`
+//! compares layouts and names.
 
 pub mod column_edges;
 pub mod cpu;

@@ -6,8 +6,8 @@ use crate::frame::PixelFormat;
 /// Rows that an invocation of the kernel `fill` writes, as in the shader.
 pub const FILL_ROWS: u32 = 16;
 
-/// Uniforms of `shaders/shadowgraph.wgsl`, which names the same bytes one by one: groups follow
-/// each other as its members do (`tests/render_shaders.rs` compares every offset).
+/// Uniforms of `shaders/shadowgraph.wgsl`, which names the same bytes one by one: the groups are in
+/// the order of its members (`tests/render_shaders.rs` compares every offset).
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Params {
@@ -21,19 +21,19 @@ pub struct Params {
     pub edge: EdgeParams,
     /// Grey values, and noise of the signal.
     pub signal: SignalParams,
-    /// How the light varies.
+    /// Variation of the light.
     pub light: LightParams,
     /// Noise of pixels far from the edges.
     pub flat: FlatParams,
-    /// What becomes of a pixel's signal.
+    /// Conversion of a pixel's signal to counts.
     pub pixels: PixelParams,
     /// Light over the field.
     pub field: FieldParams,
     /// Rows in the shadow over all columns.
     pub dark: DarkParams,
-    /// Counts an electron.
+    /// Counts per electron.
     pub counts_per_electron: f32,
-    /// Fills up 16 bytes.
+    /// Pads to 16 bytes.
     pub padding: u32,
 }
 
@@ -45,7 +45,7 @@ pub struct SizeParams {
     pub rows: u32,
     /// Columns of the frame.
     pub columns: u32,
-    /// 32-bit words a row.
+    /// 32-bit words per row.
     pub words: u32,
     /// Nodes of the quadrature over a pixel.
     pub nodes: u32,
@@ -85,7 +85,7 @@ pub struct EdgeParams {
     pub segments: u32,
     /// Reach of the edge-spread table in its own units.
     pub reach: f32,
-    /// Segments of the edge-spread table a unit.
+    /// Segments of the edge-spread table per unit.
     pub per_unit: f32,
 }
 
@@ -99,7 +99,7 @@ pub struct SignalParams {
     pub contrast: f32,
     /// Grey value without electrons, counts.
     pub black: f32,
-    /// Electrons a count.
+    /// Electrons per count.
     pub electrons_per_count: f32,
     /// Variance of the read noise, electrons².
     pub read_variance: f32,
@@ -107,14 +107,14 @@ pub struct SignalParams {
     pub noise: f32,
 }
 
-/// How the light varies.
+/// Variation of the light.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct LightParams {
     /// 0 where the light is even, 1 where it varies over the field, 2 where contamination dims it
     /// as well.
     pub kind: u32,
-    /// 32-bit words a row of the contamination's factors.
+    /// 32-bit words per row of the contamination's factors.
     pub words: u32,
 }
 
@@ -128,13 +128,13 @@ pub struct FlatParams {
     pub shadow: [f32; 4],
 }
 
-/// What becomes of a pixel's signal.
+/// Conversion of a pixel's signal to counts.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct PixelParams {
     /// Largest count, the format's full scale.
     pub most: i32,
-    /// 1 where a pixel may see both edges.
+    /// 1 where a pixel may be affected by both edges.
     pub overlap: u32,
     /// 1 where the sensor has a fixed pattern.
     pub pattern: u32,
@@ -158,7 +158,7 @@ pub struct FieldParams {
     pub polynomial: [f32; 4],
     /// Loss of the backlight half a diagonal from the axis.
     pub sag: f32,
-    /// Half diagonals of the sensor a pixel.
+    /// Half diagonals of the sensor per pixel.
     pub half_diagonals: f32,
     /// Sensor column and row of the optical axis.
     pub axis: [f32; 2],
@@ -183,7 +183,7 @@ pub struct GreyLevels {
     pub bright: f64,
     /// Grey value without electrons, counts.
     pub black: f64,
-    /// Electrons a count.
+    /// Electrons per count.
     pub electrons_per_count: f64,
     /// Temporal dark noise, electrons.
     pub read_noise_e: f64,
@@ -193,7 +193,7 @@ pub struct GreyLevels {
     pub prnu: f64,
     /// Standard deviation of the pixels' offset, electrons.
     pub dsnu_e: f64,
-    /// Hot pixels a million.
+    /// Hot pixels per million.
     pub hot_ppm: f64,
     /// Extra signal of a hot pixel, electrons.
     pub hot_pixel_e: f64,
@@ -237,8 +237,8 @@ pub struct Window {
     pub columns: u32,
 }
 
-/// The windows of a frame: one, or two of the same columns, the second one's rows beneath the first
-/// one's.
+/// The windows of a frame: one, or two with the same columns, the rows of the second below those of
+/// the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Windows {
     /// The upper one.
@@ -269,7 +269,7 @@ impl Windows {
     }
 }
 
-/// What keys a frame's noise and its sensor's pattern.
+/// Keys of a frame's noise and of its sensor's pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameKeys {
     /// Seed of the temporal noise.
@@ -292,7 +292,7 @@ impl Params {
     ) -> Self {
         let window = windows.frame();
         let ceiling = levels.black + levels.full_well_e / levels.electrons_per_count;
-        // A signal this far beyond any scale is clipped by it; f32 counts stay exact.
+        // A limit far beyond any full scale, below which f32 counts are exact.
         let ceiling = ceiling.min(4.0e6);
         Self {
             size: SizeParams {
@@ -335,8 +335,8 @@ impl Params {
         }
     }
 
-    /// Leaves whole steps of rows in the shadow to a kernel of their own, where others have light
-    /// to work out.
+    /// Assigns whole steps of rows in the shadow to a separate kernel, where the others would
+    /// compute light.
     pub fn set_dark(&mut self, rows: &std::ops::Range<i32>) {
         let step = |row: i32| row.clamp(0, self.size.rows as i32) as u32;
         let (from, to) = (step(rows.start).div_ceil(FILL_ROWS), step(rows.end) / FILL_ROWS);

@@ -1,11 +1,14 @@
-//! The judge: a noise-free frame in f64, sharing no function with the kernels it judges.
+//! The reference: a noise-free frame in f64, sharing no function with the kernels that are compared
+//! with it.
 //!
-//! Gaussian blur separates, so for light above an edge e(x) of any shape a pixel reads exactly
+//! Gaussian blur separates, so for light above an edge e(x) of any shape the light on a pixel is
+//! exactly
 //!
 //! ```text
 //! I(x, y) = ∫ K(x - x') · B(e(x') - y) dx'
 //! K(t) = Φ((t + 1/2)/σ) - Φ((t - 1/2)/σ)               box ∗ Gaussian along the row
-//! B(u) = G(u + 1/2) - G(u - 1/2),  G(u) = u Φ(u/σ) + σ φ(u/σ)   box ∗ Gaussian step down the column
+//! B(u) = G(u + 1/2) - G(u - 1/2)                       box ∗ Gaussian step down the column
+//! G(u) = u Φ(u/σ) + σ φ(u/σ)
 //! ```
 //!
 //! The integral is a trapezoidal sum at σ/4: for smooth edges its error falls as exp(-2π²·16). Φ is
@@ -30,7 +33,7 @@ pub struct GaussianReference {
 }
 
 impl GaussianReference {
-    /// Grey values of a frame, row-major; `edges(x)` gives the rows of both edges at a fractional
+    /// Grey values of a frame, row-major; `edges(x)` returns the rows of both edges at a fractional
     /// column.
     pub fn frame(&self, rows: usize, columns: usize, edges: impl Fn(f64) -> [f64; 2]) -> Vec<f64> {
         self.lit_frame(rows, columns, edges, |_, _| 1.0)
@@ -67,8 +70,8 @@ impl GaussianReference {
         self.integrated([rows, columns], nodes, edges, |_, _| 1.0)
     }
 
-    /// [`Self::frame`] at another step of the trapezoidal sum, px: a bend of the edge errs with its
-    /// square, a jump with it.
+    /// [`Self::frame`] at another step of the trapezoidal sum, px: the error is proportional to its
+    /// square at a bend of the edge, to itself at a jump.
     pub fn frame_at(
         &self,
         rows: usize,
@@ -138,7 +141,7 @@ impl GaussianReference {
 
 /// Straight edges of any family: F over the distance to the line, integrated over the pixel's
 /// square by the closed form in the table's second integral ([`EdgeSpread::over_pixel`]); the
-/// kernels take nodes over the pixel instead.
+/// kernels use quadrature nodes over the pixel instead.
 #[derive(Clone, Copy, Debug)]
 pub struct StraightReference<'a> {
     /// The edge spread.

@@ -1,5 +1,5 @@
 //! CPU twin of `shaders/shadowgraph.wgsl`, the functions of one pixel: same names, same order, same
-//! arithmetic in f32. [`super::cpu`] goes over the pixels of a frame.
+//! arithmetic in f32. [`super::cpu`] iterates over the pixels of a frame.
 
 use super::column_edges::{Edge, PROFILE};
 use super::job::Job;
@@ -12,7 +12,7 @@ pub(super) fn sensor_row(params: &Params, row: u32) -> u32 {
     params.place.row0 + row + if row >= params.place.split { params.place.skip } else { 0 }
 }
 
-/// Keys of a sensor row from those of the frame: one of them is different in every row.
+/// Keys of a sensor row from those of the frame; one of them differs in every row.
 #[inline(always)]
 pub(super) fn row_key(key: [u32; 2], row: u32) -> [u32; 2] {
     let mut x = row ^ key[0];
@@ -31,8 +31,8 @@ pub(super) fn hash(key: [u32; 2], column: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// A standard normal deviate from 32 bits: two 16-bit numbers add up to a triangular one, which is
-/// bent.
+/// A standard normal deviate from 32 bits: the sum of two 16-bit numbers is triangular and is
+/// mapped to normal by P/Q.
 #[inline(always)]
 pub fn standard_normal(bits: u32) -> f32 {
     let [p0, p1, p2, p3, p4] = NUMERATOR;
@@ -45,7 +45,7 @@ pub fn standard_normal(bits: u32) -> f32 {
     x * (p / q)
 }
 
-/// The larger one; that of f32 minds NaN, which costs three instructions.
+/// The larger value; `f32::max` handles NaN, which costs three instructions.
 #[inline(always)]
 fn most(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
@@ -72,8 +72,8 @@ pub(super) fn sample(k: [f32; 4], z: f32) -> f32 {
     k[0] + z * (k[1] + z * (k[2] + z * k[3]))
 }
 
-/// What the sensor's fixed pattern adds to a mean grey value: gain, offset and hot pixels, the same
-/// in every frame.
+/// Adds the sensor's fixed pattern to a mean grey value: gain, offset and hot pixels, the same in
+/// every frame.
 #[inline(always)]
 pub(super) fn fixed_pattern(params: &Params, mean: f32, key: [u32; 2], column: u32) -> f32 {
     let a = hash(key, column);
@@ -106,8 +106,8 @@ fn edge_spread(params: &Params, esf: &[[f32; 4]], u: f32, table: u32) -> f32 {
     c[0] + t * (c[1] + t * (c[2] + t * c[3]))
 }
 
-/// Share of the light of a pixel past an edge that is no straight line: read from the edge's own
-/// profile down the column, which lies behind the tables, four rows a vector.
+/// Share of the light on a pixel past an edge that is not straight: read from the edge's own
+/// profile down the column, stored after the tables, four rows per vector.
 #[inline(always)]
 fn profile(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
     let i = row - edge.whole;
@@ -118,7 +118,7 @@ fn profile(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
     job.profiles[at >> 2][at & 3]
 }
 
-/// Share of the light that a pixel gets past one edge, integrated over the pixel's area.
+/// Share of the light on a pixel past one edge, integrated over the pixel's area.
 #[inline(always)]
 pub(crate) fn transmitted(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
     if edge.table >= PROFILE {
@@ -147,7 +147,7 @@ pub(super) fn field_light(params: &Params, row: u32, column: u32) -> f32 {
     lens * (1.0 + params.field.polynomial[2] * u + params.field.polynomial[3] * v - params.field.sag * r2)
 }
 
-/// How counts become pixels of a container.
+/// Conversion of counts to pixels of a container.
 pub trait Pixel: Copy + Send + Sync + Default {
     /// One pixel from unquantised counts.
     fn from_counts(params: &Params, counts: f32) -> Self;

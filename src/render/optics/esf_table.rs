@@ -1,14 +1,14 @@
 //! The edge-spread function as a table, and the pixel's area as a quadrature over it.
 //!
-//! A straight edge of slope tan β gives at pixel (row y, column x)
+//! The light of a straight edge of slope tan β on pixel (row y, column x) is
 //!
 //! ```text
 //! I = ∫∫ F(d(x + ξ, y + η)) dξ dη over ξ, η in ±1/2,   d = ((e - y) - η) cos β + ξ sin β
 //! ```
 //!
-//! with F over the perpendicular distance d into the light, so that one table serves every slope.
-//! The integral is a Gauss-Legendre product whose order follows from the blur; its error stays
-//! below 1e-6 of the contrast.
+//! with F over the perpendicular distance d into the light, so that one table is valid for every
+//! slope. The integral is a Gauss-Legendre product whose order follows from the blur; its error
+//! stays below 1e-6 of the contrast.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -20,7 +20,7 @@ use super::edge_spread::{
 use super::settings::{Esf, Optics};
 use crate::render::error::RenderError;
 
-/// Knots a unit of σ of the Gaussian's table: cubic Hermite errs by (1/16)⁴/384·max|F⁗| = 2e-8.
+/// Knots per σ of the Gaussian's table: cubic Hermite errs by (1/16)⁴/384·max|F⁗| = 2e-8.
 const KNOTS_PER_SIGMA: f64 = 16.0;
 
 /// Reach of the Gaussian table in σ: 1 - Φ(5.25) = 8e-8, below the spacing of f32 at 1.
@@ -29,14 +29,14 @@ const GAUSSIAN_REACH: f64 = 5.25;
 /// Largest error of the blend between two tables of neighbouring focus, share of full intensity.
 const BLEND_TOLERANCE: f64 = 1e-4;
 
-/// Largest error of a table made from another one.
+/// Largest error of a table derived from another one.
 const TOLERANCE: f64 = 1e-6;
 
 /// Nodes of a defocused disc.
 const DISC_NODES: usize = 24;
 
-/// Radii whose reflections share a table differ by a factor of at most this; the strip is as much
-/// too wide.
+/// Largest ratio of radii whose reflections share a table; the width of the strip has the same
+/// relative error.
 const RADIUS_RATIO: f64 = 1.01;
 
 /// Most segments of all tables together: 16 MiB.
@@ -45,7 +45,7 @@ const MOST_SEGMENTS: usize = 1 << 20;
 /// 10-90 % width of a Gaussian in σ.
 const WIDTH_10_90: f64 = 2.563;
 
-/// What a table has to cover beyond a knife edge in focus.
+/// The range that a table must cover beyond a knife edge in focus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
     /// Size of a pixel on the object, mm.
@@ -56,7 +56,7 @@ pub struct Extent {
     pub radius_mm: (f64, f64),
 }
 
-/// How an edge out of focus finds its table.
+/// How the table of an edge out of focus is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Focus {
     /// One for all.
@@ -78,16 +78,16 @@ pub struct EsfTable {
     pub per_table: u32,
     /// u of the first knot is -reach, of the last +reach.
     pub reach: f32,
-    /// Segments a unit of u.
+    /// Segments per unit of u.
     pub per_unit: f32,
-    /// Pixels a unit of u in focus (σ for the Gaussian).
+    /// Pixels per unit of u in focus (σ for the Gaussian).
     pub scale_px: f64,
-    /// Standard deviation of a Gaussian about as wide, px.
+    /// Standard deviation of a Gaussian of about the same width, px.
     pub blur_px: f64,
-    /// Standard deviation of a Gaussian about as sharp, px: what the quadrature over a pixel has to
-    /// resolve.
+    /// Standard deviation of a Gaussian of about the same sharpness, px: the scale that the
+    /// quadrature over a pixel must resolve.
     pub sharp_px: f64,
-    /// Whether extra blur just widens the scale (true for the Gaussian only).
+    /// Whether additional blur only widens the scale (true for the Gaussian only).
     pub widens: bool,
     /// Whether the light is already integrated over a pixel: for edges along the rows.
     pub over_pixel: bool,
@@ -95,7 +95,7 @@ pub struct EsfTable {
     folded: Folded,
 }
 
-/// What tables are made of.
+/// The sources of the tables.
 #[derive(Clone, Debug, PartialEq)]
 struct Origin {
     focus: Focus,
@@ -107,19 +107,19 @@ struct Origin {
     pixel_mm: f64,
 }
 
-/// The same tables integrated over a pixel, made when first asked for; nothing where that fails.
+/// The same tables integrated over a pixel, computed on first use; none where that fails.
 #[derive(Clone, Debug, Default)]
 struct Folded(OnceLock<Option<Box<EsfTable>>>);
 
 impl PartialEq for Folded {
-    /// It follows from the rest.
+    /// A cache, which follows from the other fields.
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-/// Tables already made for an optical setup: a partially coherent one takes tenths of a second, and
-/// every pose of a part asks for it.
+/// Cache of the tables of an optical setup: a partially coherent one takes tenths of a second, and
+/// every pose of a part needs it.
 #[derive(Clone, Debug, Default)]
 pub struct TableCache(Arc<Mutex<Vec<Kept>>>);
 
@@ -135,21 +135,21 @@ struct Kept {
 const MOST_KEPT: usize = 8;
 
 impl PartialEq for TableCache {
-    /// What was made before changes nothing.
+    /// The contents of a cache do not affect equality.
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
 impl TableCache {
-    /// [`EsfTable::new`], or the same made before.
+    /// [`EsfTable::new`], or its cached result.
     ///
     /// # Errors
     /// As [`EsfTable::new`].
     pub fn table(&self, esf: &Esf, optics: &Optics, extent: &Extent) -> Result<Arc<EsfTable>, RenderError> {
         let mut extent = *extent;
         if optics.reflection.is_none() {
-            // The radius matters to reflections alone.
+            // The radius affects reflections only.
             extent.radius_mm = (1.0, 1.0);
         }
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -173,16 +173,16 @@ pub struct TablePlace {
     pub table: u32,
     /// Share of the next one.
     pub blend: f64,
-    /// Pixels a unit of u.
+    /// Pixels per unit of u.
     pub scale_px: f64,
 }
 
 impl EsfTable {
-    /// Tabulates the edge spread of `esf` (the true one of the family in `optics`) over all that
-    /// `extent` asks for.
+    /// Tabulates the edge spread of `esf` (the true one of the family in `optics`) over the range
+    /// of `extent`.
     ///
     /// # Errors
-    /// Refuses families whose values are out of range or whose tables would grow too large.
+    /// Refuses families whose values are out of range or whose tables would be too large.
     pub fn new(esf: &Esf, optics: &Optics, extent: &Extent) -> Result<Self, RenderError> {
         let reflection = optics.reflection.as_ref().filter(|r| r.polished_share > 0.0);
         if let (Esf::Gaussian(g), None) = (esf, reflection) {
@@ -198,8 +198,8 @@ impl EsfTable {
         Self::from_tables(Origin { focus, radii_mm, sources, pixel_mm: extent.pixel_mm })
     }
 
-    /// The tables with a pixel's height folded in: what a pixel gets past an edge along its rows,
-    /// so that one place of a table replaces the quadrature. `None` where they cannot be had.
+    /// The tables convolved with a pixel's height: the light on a pixel past an edge along its
+    /// rows, so that one look-up replaces the quadrature. `None` where they cannot be computed.
     pub fn over_pixel(&self) -> Option<&Self> {
         let made = || {
             let origin = &self.origin;
@@ -288,7 +288,7 @@ impl EsfTable {
         matches!(self.origin.focus, Focus::Stack { .. })
     }
 
-    /// Whether an edge's table depends on where its axis lies or how thick it is.
+    /// Whether all edges share one table and scale, independent of depth and radius.
     pub fn is_even(&self) -> bool {
         self.origin.focus == Focus::Fixed && self.origin.radii_mm.len() < 2
     }
@@ -298,8 +298,8 @@ impl EsfTable {
         self.origin.radii_mm.len() > 1
     }
 
-    /// Table and scale of an edge whose axis lies `y_mm` before the plane of focus (towards the
-    /// camera), on a surface of mean radius `radius_mm`; `extra_px2` widens the scale of the
+    /// Table and scale of an edge whose axis lies `y_mm` in front of the plane of focus (towards
+    /// the camera), on a surface of mean radius `radius_mm`; `extra_px2` widens the scale of the
     /// Gaussian.
     pub fn place(&self, y_mm: f64, radius_mm: f64, extra_px2: f64) -> TablePlace {
         let scale = |variance: f64| (self.scale_px * self.scale_px + variance).sqrt();
@@ -324,7 +324,7 @@ impl EsfTable {
         }
     }
 
-    /// Which radius' tables serve a surface.
+    /// Index of the radius whose tables are used for a surface.
     fn bin(&self, radius_mm: f64) -> u32 {
         let after = self.origin.radii_mm.partition_point(|r| *r < radius_mm);
         match (after.checked_sub(1).map(|i| self.origin.radii_mm[i]), self.origin.radii_mm.get(after)) {
@@ -346,7 +346,7 @@ impl EsfTable {
         if at.blend == 0.0 { near } else { near + at.blend * (one(at.table + 1) - near) }
     }
 
-    /// As [`Self::light`] from the kernel's own cubics: twenty times as fast, good to 1e-7.
+    /// As [`Self::light`], from the kernel's own cubics: twenty times as fast, accurate to 1e-7.
     pub fn sample(&self, at: &TablePlace, distance_px: f64) -> f64 {
         let count = self.per_table as usize;
         let place = ((distance_px / at.scale_px + f64::from(self.reach)) * f64::from(self.per_unit))
@@ -366,8 +366,7 @@ impl EsfTable {
         &self.origin.sources
     }
 
-    /// The first table at a distance into the light, px, as the kernel holds it: for figures and
-    /// tests.
+    /// The first table of the kernel at a distance into the light, px: for figures and tests.
     pub fn at_px(&self, distance_px: f64) -> f64 {
         let count = self.per_table as usize;
         let place = ((distance_px / self.scale_px + f64::from(self.reach)) * f64::from(self.per_unit))
@@ -378,7 +377,7 @@ impl EsfTable {
     }
 }
 
-/// A family with what its focus needs.
+/// A family with the data for its focus.
 struct Family<'a> {
     esf: &'a Esf,
     na: f64,
@@ -386,7 +385,7 @@ struct Family<'a> {
 }
 
 impl Family<'_> {
-    /// Tables up to `depth_mm` out of focus, and how an edge finds its own.
+    /// Tables up to `depth_mm` out of focus, and the choice among them.
     fn over_focus(&self, depth_mm: f64) -> Result<(Focus, Vec<EdgeSpread>), RenderError> {
         let (na, pixel_um) = (self.na, self.pixel_um);
         let stack = |offset_mm: f64, table: &(dyn Fn(f64) -> Result<EdgeSpread, RenderError> + Sync)| {
@@ -477,11 +476,12 @@ pub struct Node {
     pub down: f32,
     /// Weight; all weights add up to one.
     pub weight: f32,
-    /// Fills up 16 bytes.
+    /// Pads to 16 bytes.
     pub padding: f32,
 }
 
-/// Nodes for edges as sharp as a Gaussian of `blur_px` and slopes up to `max_sin` = max |sin β|.
+/// Nodes for edges of the sharpness of a Gaussian of `blur_px` and slopes up to `max_sin` =
+/// max |sin β|.
 pub fn pixel_quadrature(blur_px: f64, max_sin: f64) -> Vec<Node> {
     let down = gauss_legendre(order(0.5 / blur_px));
     let along = gauss_legendre(order(0.5 * max_sin / blur_px));

@@ -1,18 +1,19 @@
 //! Shoulders in laser light: the amplitudes of the half planes multiply.
 //!
-//! Behind an outline of level pieces e_j between the columns c_j a point source of one colour
-//! leaves
+//! Behind an outline of level pieces e_j between the columns c_j, the amplitude of a monochromatic
+//! point source is
 //!
 //! ```text
-//! U(x, y) = Σ_j [H(x - c_j) - H(x - c_{j+1})] · H(e_j - y),   I = |U|²,   H(v) = ((½ + C) + i(½ + S))·(1 - i)/2
+//! U(x, y) = Σ_j [H(x - c_j) - H(x - c_{j+1})] · H(e_j - y),   I = |U|²
+//! H(v) = ((½ + C) + i(½ + S))·(1 - i)/2
 //! ```
 //!
-//! exactly (Kirchhoff's integral separates). The average over line, source and pixel is taken where
-//! it is known well, in the straight edges' own table F, and by three nodes each for what the
-//! corner adds to it:
+//! exactly (Kirchhoff's integral separates). The average over line, source and pixel is taken from
+//! the straight edges' own table F, where it is accurate, and by three nodes each for the
+//! contribution of the corner:
 //!
 //! ```text
-//! I = Σ_j p_j F(e_j - y) + ⟨|U|² - Σ_j p_j |H(e_j - y)|²⟩,   p_j(x) a soft partition of the columns
+//! I = Σ_j p_j F(e_j - y) + ⟨|U|² - Σ_j p_j |H(e_j - y)|²⟩,   p_j(x) a soft partition of columns
 //! ```
 
 use std::sync::LazyLock;
@@ -22,11 +23,11 @@ use super::edge_spread::fresnel_integrals::fresnel;
 use super::edge_spread::gaussian::gaussian;
 use super::esf_table::{EsfTable, TablePlace};
 
-/// Distance from a shoulder, in √(λz/2), up to which columns see it: its rings have 2 % of the
-/// amplitude there.
+/// Distance from a shoulder, in √(λz/2), up to which columns are affected by it: its rings have 2 %
+/// of the amplitude there.
 pub(crate) const SEEN_UNITS: f64 = 10.0;
 
-/// Shoulders farther away than this, in √(λz/2), are left out.
+/// Distance, in √(λz/2), beyond which shoulders are neglected.
 const FAR_UNITS: f64 = 30.0;
 
 /// Width of the soft partition, √(λz/2).
@@ -35,7 +36,7 @@ const SOFT_UNITS: f64 = 0.25;
 /// Full width at half maximum over the standard deviation of a Gaussian line.
 const FWHM: f64 = 2.354_820_045;
 
-/// Knots a unit of the table of H, and its reach; linear between them H errs by (1/512)²/8·120 =
+/// Knots per unit of the table of H, and its reach; linear interpolation errs by (1/512)²/8·120 =
 /// 6e-5 at its end.
 const KNOTS: f64 = 512.0;
 const REACH: f64 = 40.0;
@@ -67,7 +68,7 @@ fn three(sd: f64) -> [(f64, f64); 3] {
     [(-away, 1.0 / 6.0), (0.0, 2.0 / 3.0), (away, 1.0 / 6.0)]
 }
 
-/// A laser before a stepped outline.
+/// A laser in front of a stepped outline.
 pub(crate) struct LaserShoulder {
     /// √(λz/2), px.
     unit_px: f64,
@@ -77,7 +78,7 @@ pub(crate) struct LaserShoulder {
     shifts: [(f64, f64); 3],
 }
 
-/// One edge of the outline as a column sees it: level pieces between corners.
+/// One edge of the outline about a column: level pieces between corners.
 pub(crate) struct Pieces {
     /// Columns of the corners, ascending.
     pub corners: Vec<f64>,
@@ -87,7 +88,7 @@ pub(crate) struct Pieces {
     pub sign: f64,
 }
 
-/// Rows of one column that light is added to.
+/// Rows of one column to which light is added.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rows {
     /// The column.
@@ -109,12 +110,12 @@ impl LaserShoulder {
         }
     }
 
-    /// Columns about `at` whose corners count.
+    /// Range of columns about `at` whose corners are included.
     pub(crate) fn about(&self, at: f64) -> (f64, f64) {
         (at - FAR_UNITS * self.unit_px, at + FAR_UNITS * self.unit_px)
     }
 
-    /// Rows of the pieces that a column sees.
+    /// Rows of the pieces that affect a column.
     pub(crate) fn rows_seen(&self, pieces: &Pieces, at: f64) -> impl Iterator<Item = f64> {
         let reach = SEEN_UNITS * self.unit_px;
         let begins = std::iter::once(f64::NEG_INFINITY).chain(pieces.corners.iter().copied());

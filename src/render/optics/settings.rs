@@ -1,4 +1,4 @@
-//! What a user sets about lens and edge spread: the `[optics]` table.
+//! Lens and edge spread: the `[optics]` table.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -61,7 +61,8 @@ impl Esf {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Entocentric {
-    /// From the pinhole (entrance pupil) to the axis of rotation, mm; `optics.magnification` holds in the axis' plane.
+    /// From the pinhole (entrance pupil) to the axis of rotation, mm; `optics.magnification` holds
+    /// in the axis' plane.
     pub distance_mm: f64,
 }
 
@@ -79,12 +80,13 @@ pub struct Optics {
     pub magnification: f64,
     /// How light passes into shadow.
     pub esf: Esf,
-    /// Effective aperture (the smaller of lens and illumination) with which an edge out of focus blurs: σ² grows by
-    /// (y·NA)²/4 on the object, a measured edge by a disc of radius y·NA; 0 leaves focus out. Partially coherent and laser
-    /// light have their own.
+    /// Effective aperture (the smaller of lens and illumination) with which an edge out of focus
+    /// blurs: σ² grows by (y·NA)²/4 on the object, a measured edge by a disc of radius y·NA; 0
+    /// leaves focus out. Partially coherent and laser light have their own.
     pub defocus_na: f64,
-    /// Residual telecentricity: angle of the chief ray to the optical axis at half the sensor's diagonal from the centre,
-    /// mrad; positive where what comes closer looks larger. It grows in proportion to the distance from the centre.
+    /// Residual telecentricity: angle of the chief ray to the optical axis at half the sensor's
+    /// diagonal from the centre, mrad; positive where what comes closer looks larger. It grows in
+    /// proportion to the distance from the centre.
     pub telecentricity_mrad: f64,
     /// Perspective; absent for a telecentric lens.
     pub entocentric: Option<Entocentric>,
@@ -95,7 +97,7 @@ pub struct Optics {
 }
 
 impl Default for Optics {
-    /// Ø25 fills 80 % of 2048 rows: 15.26 µm a pixel on the object.
+    /// Ø25 fills 80 % of 2048 rows: 15.26 µm per pixel on the object.
     fn default() -> Self {
         Self {
             magnification: 0.226,

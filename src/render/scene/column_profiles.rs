@@ -1,22 +1,23 @@
-//! Light down the columns whose edges are no straight lines within the blur: corners, threads, and
-//! edges in motion.
+//! Light down the columns whose edges are not straight within the blur: corners, threads, and edges
+//! in motion.
 //!
-//! Gaussian blur separates, so for light above an edge e(x) of any shape pixel (x, y) reads exactly
+//! Gaussian blur separates, so for light above an edge e(x) of any shape the light on pixel (x, y)
+//! is exactly
 //!
 //! ```text
-//! I(x, y) = ∫ K(x - x') B(e(x') - y) dx',   K = box ∗ g_σ along the row,   B = box ∗ Φ down the column
+//! I(x, y) = ∫ K(x - x') B(e(x') - y) dx'
+//! K = box ∗ g_σ along the row,   B = box ∗ Φ down the column
 //! ```
 //!
-//! integrated between the outline's corners with four Gauss nodes a panel of half a σ, on steep
-//! faces one in which the edge climbs by σ; beneath a leaning shoulder's overhang there is light
-//! again (a thread's crests, whose corners are not known beforehand, with panels of an eighth of a
-//! pixel: an angle of tan 60° then errs by 1e-4 px). Other families have no such form: there a
-//! point's light is F(σΦ⁻¹(I)) with I that of the Gaussian as wide as the family. That is exact
-//! along every straight edge; at a corner of 90° it would err by up to .27 of full intensity in
-//! light of one colour from a point, where the rings of both edges cross: there the shoulders of
-//! cylinders are drawn from the amplitudes (`optics::laser_shoulder`;
-//! `tests/render_shaft/corners.rs` holds them against the opaque quadrant). An edge in motion is
-//! the mean of its images.
+//! integrated between the outline's corners with four Gauss nodes per panel of half a σ, on steep
+//! faces per rise of the edge by σ. Beneath a leaning shoulder's overhang there is light again.
+//! Threads, whose corners are not known in advance, have panels of an eighth of a pixel, with an
+//! error of 1e-4 px at flanks of tan 60°. Other families have no such form: their light at a point
+//! is F(σΦ⁻¹(I)), with I that of a Gaussian of the family's width. That is exact along every
+//! straight edge; at a corner of 90° it would err by up to 0.27 of full intensity in monochromatic
+//! light from a point source, where the rings of both edges cross. There the shoulders of cylinders
+//! are computed from the amplitudes (`optics::laser_shoulder`; `tests/render_shaft/corners.rs`
+//! compares them with the opaque quadrant). An edge in motion is the mean of its images.
 
 use std::sync::LazyLock;
 
@@ -36,19 +37,17 @@ use crate::render::silhouette::Turned;
 /// Reach of the Gaussian in σ: 1 - Φ(5.25) = 8e-8.
 const REACH: f64 = 5.25;
 
-/// Motion of an edge below which it is drawn where it stands on average, px: widens σ = .5 px by
-/// 3e-7.
+/// Motion of an edge below which only its mean position is used, px: it widens σ = 0.5 px by 3e-7.
 const STILL_PX: f64 = 1e-3;
 
-/// Panels between known corners, σ; and where corners are not known, px.
+/// Length of panels between known corners, σ; and where corners are not known, px.
 const PANEL_SIGMA: f64 = 0.5;
 const PANEL_FINE_PX: f64 = 0.125;
 
-/// Nodes a panel.
+/// Nodes per panel.
 const NODES: usize = 4;
 
-/// Share of the light below which the distance to the outline itself is taken for other families:
-/// 4.75 σ.
+/// Share of the light below which other families use the distance to the outline itself: 4.75 σ.
 const LEAST_SHARE: f64 = 1e-6;
 
 /// One point of the outline with its weight along the row.
@@ -62,8 +61,7 @@ struct Point {
 }
 
 impl Point {
-    /// Rows of one side at which light above (`true` for the upper edge) begins or, counted back,
-    /// ends again.
+    /// Rows of one side at which light begins, with weight +1, or ends again, with weight −1.
     fn borders(&self, side: usize) -> impl Iterator<Item = (f64, f64)> {
         let [upper, lower] = self.gaps[side].unwrap_or_default();
         let (begins, ends) = if side == 0 { (lower, upper) } else { (upper, lower) };
@@ -78,7 +76,7 @@ struct Line {
     light: Vec<f32>,
 }
 
-/// What the profiles of a frame are made from.
+/// Inputs of the profiles of a frame.
 pub(crate) struct Profiles<'a> {
     pub scene: &'a Scene,
     pub esf: &'a EsfTable,
@@ -87,7 +85,7 @@ pub(crate) struct Profiles<'a> {
     pub instants: &'a [Instant<'a>],
     pub depth: &'a [Depth],
     pub quadrature: &'a [Node],
-    /// Segments of the tables that the kernel reads: the profiles come behind them.
+    /// Segments of the kernel's tables, after which the profiles are stored.
     pub kernel_segments: usize,
 }
 
@@ -112,7 +110,7 @@ impl Scene {
         self.blur.straight(window.map(|e| if side == 0 { e.top_px } else { e.bottom_px }))
     }
 
-    /// Whether a column of a frame sees a corner of the outline within the blur.
+    /// Whether a corner of the outline lies within the blur about a column of a frame.
     fn is_broken(&self, frame: &Profiles<'_>, column: usize) -> bool {
         if !self.outline.has_breaks() {
             return false;
@@ -129,8 +127,8 @@ impl Scene {
         })
     }
 
-    /// Columns of the full sensor at which the outline seen at an instant has corners, and whether
-    /// these are all.
+    /// Columns of the full sensor at which the visible outline has corners at an instant, and
+    /// whether the list is complete.
     fn corners(&self, instant: &Instant<'_>, low: f64, high: f64) -> (Vec<f64>, bool) {
         let setup = &self.setup;
         let (rows, columns) = (setup.rows(), setup.columns());
@@ -158,8 +156,7 @@ impl Scene {
 }
 
 impl Profiles<'_> {
-    /// Gives the columns that need it profiles of their own and returns these, four rows an
-    /// element.
+    /// Computes profiles for the columns that need them and returns these, four rows per element.
     pub(crate) fn add(&self, columns: &mut [Column]) -> Vec<[f32; 4]> {
         let broken: Vec<bool> = (0..columns.len()).map(|c| self.scene.is_broken(self, c)).collect();
         let moved = |c: usize| {
@@ -182,7 +179,7 @@ impl Profiles<'_> {
         self.place(columns, &wanted, lines)
     }
 
-    /// Puts the lines behind the tables, and their places into the columns.
+    /// Stores the lines after the tables, and their indices in the columns.
     fn place(
         &self,
         columns: &mut [Column],
@@ -210,7 +207,7 @@ impl Profiles<'_> {
                 light.extend(line.light);
             }
         }
-        // Rounded up, so that a device's buffers fit the next frame too.
+        // Rounded up, so that a device's buffers also fit the next frame.
         light.resize(light.len().next_power_of_two().max(4), 0.0);
         light.chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect()
     }
@@ -220,7 +217,7 @@ impl Profiles<'_> {
         self.esf.place(depth.y_mm, depth.radius_mm, extra_px2)
     }
 
-    /// Standard deviation of the Gaussian that stands for the edge spread of a column, px.
+    /// Standard deviation of the Gaussian equivalent to the edge spread of a column, px.
     fn sigma(&self, column: usize) -> f64 {
         if self.esf.widens { self.table(column, 0.0).scale_px } else { self.esf.blur_px }
     }
@@ -269,8 +266,8 @@ impl Profiles<'_> {
         Point { column, weight, rows, gaps }
     }
 
-    /// Rows a column by which the outline rises or falls between two corners: many on the face of a
-    /// leaning shoulder.
+    /// Slope of the outline between two corners, rows per column: large on the face of a leaning
+    /// shoulder.
     fn steepness(&self, instant: &Instant<'_>, low: f64, high: f64) -> f64 {
         let within = 1e-6 * (high - low);
         let [a, b] = [low + within, high - within].map(|column| self.point(instant, column, 0.0));
@@ -289,7 +286,7 @@ impl Profiles<'_> {
         }
     }
 
-    /// Rows within the window that an edge between two rows touches.
+    /// Rows within the window that an edge between two rows affects.
     fn rows(&self, (low, high): (f64, f64), reach: f64) -> Option<(i32, usize)> {
         let first = ((low - reach).floor() as i32).max(0);
         let last = ((high + reach).ceil() as i32).min(self.window.rows as i32 - 1);
@@ -324,8 +321,7 @@ impl Profiles<'_> {
         Some(Line { first, light: light.into_iter().map(|v| v as f32).collect() })
     }
 
-    /// The outline's level pieces about a column, each in the row that it has nearest to the
-    /// column.
+    /// The outline's level pieces about a column, each at its row nearest to the column.
     fn pieces(&self, instant: &Instant<'_>, laser: &LaserShoulder, at: f64, side: usize) -> Pieces {
         let (low, high) = laser.about(at);
         let (mut corners, _) = self.scene.corners(instant, low, high);
@@ -426,7 +422,7 @@ impl Image<'_> {
         step(above + 0.5) - step(above - 0.5)
     }
 
-    /// As [`Self::add_gaussian`] for a family that has only a table.
+    /// As [`Self::add_gaussian`], for a family with a table only.
     fn add_family(&self, all: &Profiles<'_>, place: &TablePlace, first: f64, light: &mut [f64]) {
         for node in all.quadrature_over_pixel() {
             let x = self.at + node.0;
@@ -443,7 +439,7 @@ impl Image<'_> {
         }
     }
 
-    /// Distance (px) into the light that a straight edge of the same Gaussian light would have.
+    /// Distance (px) into the light of a straight edge with the same Gaussian light.
     fn distance(&self, x: f64, y: f64, weights: &[f64], total: f64) -> f64 {
         let sign = if self.side == 0 { 1.0 } else { -1.0 };
         let step = |u: f64| gaussian(u / self.sigma).0;
@@ -476,14 +472,14 @@ impl Image<'_> {
 }
 
 impl Profiles<'_> {
-    /// Nodes over a pixel in both directions, as steep edges need them.
+    /// Nodes over a pixel in both directions, for steep edges.
     fn quadrature_over_pixel(&self) -> Vec<(f64, f64, f64)> {
         let nodes = crate::render::optics::esf_table::pixel_quadrature(self.esf.sharp_px, 1.0);
         nodes.iter().map(|n| (f64::from(n.along), f64::from(n.down), f64::from(n.weight))).collect()
     }
 }
 
-/// Knots a unit of the tabulated vΦ(v) + φ(v): cubic Hermite errs by (1/64)⁴/384·.4 = 6e-11.
+/// Knots per unit of the tabulated vΦ(v) + φ(v): cubic Hermite errs by (1/64)⁴/384·0.4 = 6e-11.
 const STEP_KNOTS: f64 = 64.0;
 const STEP_REACH: f64 = 7.0;
 

@@ -1,5 +1,4 @@
-//! What lies between the shaft and the sensor in one frame: films on its surface, and what dims the
-//! light.
+//! Contamination of one frame: films on the shaft's surface, and objects that dim the light.
 
 use rayon::prelude::*;
 
@@ -26,7 +25,7 @@ pub(crate) fn raise_edges(
     let Some(contamination) = &setup.contamination else { return Ok(Vec::new()) };
     let halo = (edges.len() - window.columns as usize) as f64 / 2.0;
     let z_mm = |i: f64| setup.column_z_mm(request.z_mm, f64::from(window.column) + i - halo);
-    // One radius for the whole shaft, so that every field draws the same films.
+    // One radius for the whole shaft, so that every field has the same films.
     let radius_mm = shaft.profile.iter().map(|k| k.radius_mm).fold(0.0, f64::max);
     let films = contamination.films(radius_mm, z_mm(0.0)..z_mm(edges.len() as f64))?;
     if films.is_empty() {
@@ -42,7 +41,7 @@ pub(crate) fn raise_edges(
     Ok(edges.par_iter_mut().enumerate().map(raise).collect())
 }
 
-/// The window as contamination meets it.
+/// The window for contamination.
 pub(crate) struct WindowView<'a> {
     /// Its edges, raised by `rises`.
     pub edges: &'a [ColumnEdges],
@@ -52,10 +51,10 @@ pub(crate) struct WindowView<'a> {
     pub dark: std::ops::Range<i32>,
 }
 
-/// What contamination does to the window's pixels, with its mask; `None` where the optical setup is
-/// clean.
+/// Transmission of the contamination over the window's pixels, with its mask; `None` where the
+/// optical setup is clean.
 ///
-/// The mask is left empty unless it is asked for; so are, then, rows that nothing can dim.
+/// The mask is empty unless requested; without it, rows in the shadow are skipped.
 pub(crate) fn contamination(
     setup: &OpticalSetup,
     request: &FrameRequest,
@@ -67,7 +66,7 @@ pub(crate) fn contamination(
     let frame = windows.frame();
     let size = [frame.rows as usize, frame.columns as usize];
     let mut map = LightMap::default();
-    // What is seen against the shadow is seen by the mask alone.
+    // Contamination in front of the shadow matters for the mask alone.
     let unseen = if with_mask || windows.second.is_some() { 0..0 } else { seen.dark.clone() };
     if contamination.dims() {
         for part in windows.parts() {

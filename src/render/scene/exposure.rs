@@ -1,4 +1,4 @@
-//! A frame in time: where the edges stand at the instants of its exposure.
+//! A frame in time: the edges at the instants of its exposure.
 
 use rayon::prelude::*;
 
@@ -18,19 +18,19 @@ const BLOCK: usize = 256;
 pub(crate) struct Instant<'a> {
     /// Share of the light.
     pub weight: f64,
-    /// The shaft as it stands.
+    /// The shaft at that instant.
     pub turned: Turned<'a>,
     /// Machine z of the central column, mm.
     pub field_z_mm: f64,
     /// Edges of every column of the window and its halo, in rows of the window.
     pub edges: Vec<ColumnEdges>,
-    /// What films raise these edges by; empty where there are none.
+    /// Rises of these edges by films; empty where there are none.
     pub rises: Vec<Rise>,
 }
 
 impl Instant<'_> {
-    /// The rise at a fractional place among the columns, linear between two: films are wide against
-    /// a pixel.
+    /// The rise at a fractional place among the columns, linear between two, because films are wide
+    /// compared with a pixel.
     pub(crate) fn rise_at(&self, place: f64) -> Rise {
         let Some(last) = self.rises.len().checked_sub(1) else { return Rise::default() };
         let place = place.clamp(0.0, last as f64);

@@ -1,4 +1,4 @@
-//! A frame of a scene made ready for the kernel, step by step: instants, films, columns, profiles,
+//! Prepares a frame of a scene for the kernel, step by step: instants, films, columns, profiles,
 //! contamination, parameters.
 
 use super::column_profiles::Profiles;
@@ -19,8 +19,8 @@ use crate::render::kernel::shadowgraph::noise_polynomial;
 use crate::render::optics::esf_table::{EsfTable, Node, pixel_quadrature};
 
 impl Scene {
-    /// Exact edges of the silhouette at every column, in rows of the frame asked for: the mean over
-    /// the exposure where they move, as the lens distorts them.
+    /// Exact edges of the silhouette at every column, in rows of the requested frame: the mean over
+    /// the exposure where they move, distorted by the lens.
     ///
     /// # Errors
     /// Refuses a window outside the sensor and a shaft that leaves the field.
@@ -31,7 +31,7 @@ impl Scene {
         Ok(edges)
     }
 
-    /// Everything the kernel needs for a frame.
+    /// The kernel's job for a frame.
     ///
     /// # Errors
     /// As [`Self::geometric_edges`].
@@ -39,7 +39,7 @@ impl Scene {
         self.job_with(request, true)
     }
 
-    /// [`Self::job`], the truth of the contamination only where it is asked for.
+    /// [`Self::job`], with the truth of the contamination only where requested.
     ///
     /// # Errors
     /// As [`Self::job`].
@@ -75,7 +75,7 @@ impl Scene {
         if folded.is_some() {
             quadrature = vec![Node { along: 0.0, down: 0.0, weight: 1.0, padding: 0.0 }];
         }
-        // Whole rows: the lower edges keep their places to the last bit.
+        // Whole rows, so that the lower edges' fractions do not change by a bit.
         columns.iter_mut().for_each(|c| c.bottom.whole -= windows.skip() as i32);
         let bands = bands(&columns, pixels_per_word(format) as usize, esf);
         let rises = instants.last().map_or(&[][..], |i| &i.rises);
@@ -146,8 +146,8 @@ impl Scene {
         params.field.axis = [self.setup.centre_column() as f32, self.setup.centre_row() as f32];
     }
 
-    /// Where axis and surface of every column lie; empty where all edges share a table and its
-    /// scale.
+    /// Depth of the axis and radius of the surface of every column; empty where all edges share a
+    /// table and its scale.
     fn depth(&self, instant: &Instant<'_>, window: Window) -> Vec<Depth> {
         if self.esf.is_even() || (self.depth_mm == 0.0 && !self.esf.has_radii()) {
             return Vec::new();
@@ -162,14 +162,14 @@ impl Scene {
             .collect()
     }
 
-    /// Takes a job's memory back for the next frame.
+    /// Takes back a job's memory for the next frame.
     pub fn give_back(&self, job: Job<'_>) {
         if let Some(map) = job.contamination {
             self.recycle(map);
         }
     }
 
-    /// Takes a frame's contamination back for its memory and gives out its mask.
+    /// Takes back the memory of a frame's contamination and returns its mask.
     pub(crate) fn recycle(&self, mut map: LightMap) -> Vec<u8> {
         let mask = std::mem::take(&mut map.mask);
         if let Some(contamination) = &self.setup.contamination {
@@ -179,7 +179,7 @@ impl Scene {
     }
 }
 
-/// What belongs to the frame's own columns; `halo` more are computed at either side.
+/// The elements of the frame's own columns, without the `halo` on either side.
 fn within_halo<T>(all: &[T], halo: usize) -> &[T] {
     let first = halo.min(all.len());
     &all[first..all.len().saturating_sub(halo).max(first)]

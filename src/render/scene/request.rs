@@ -1,8 +1,8 @@
-//! Which frame of a scene is drawn.
+//! The request for a frame of a scene.
 
 use crate::frame::{PixelFormat, Roi};
 
-/// Which frame of a scene to draw.
+/// A request for a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameRequest {
     /// Sequence number; keys the noise together with `seed`.
@@ -17,8 +17,8 @@ pub struct FrameRequest {
     pub noise: bool,
     /// Window of the sensor; `None` reads all of it.
     pub roi: Option<Roi>,
-    /// A second window of the same columns below the first, as cameras with several regions deliver
-    /// it: its rows follow the first one's in the frame. Each window then holds one edge.
+    /// A second window of the same columns below the first, as from cameras with several regions:
+    /// its rows follow those of the first in the frame. Each window then contains one edge.
     pub second_roi: Option<Roi>,
     /// Seed of the noise.
     pub seed: u64,

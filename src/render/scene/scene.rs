@@ -1,4 +1,4 @@
-//! A scene: one shaft before one optical setup, ready to be drawn at any field and angle.
+//! A scene: one shaft in one optical setup, prepared for rendering at any field and angle.
 
 use std::sync::Arc;
 
@@ -21,10 +21,10 @@ use crate::shaft::Shaft;
 /// Stream of the spindle's asynchronous error motion.
 const ASYNCHRONOUS_STREAM: u64 = 0x6173_796e_6368;
 
-/// Room that a pinhole keeps from the shaft, mm.
+/// Smallest distance between a pinhole and the shaft, mm.
 const CLEARANCE_MM: f64 = 1.0;
 
-/// One shaft before one optical setup.
+/// One shaft in one optical setup.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub(super) setup: OpticalSetup,
@@ -37,7 +37,7 @@ pub struct Scene {
     pub(super) depth_mm: f64,
     /// Standard deviation of the widest Gaussian, px.
     pub(super) largest_sigma_px: f64,
-    /// How far along z tilt, perspective and distortion may carry a corner, mm.
+    /// Largest displacement of a corner along z by tilt, perspective and distortion, mm.
     pub(super) margin_mm: f64,
     pub(super) wiped: bool,
 }
@@ -46,8 +46,8 @@ impl Scene {
     /// Prepares a shaft for the optical setup: bounds, tables.
     ///
     /// # Errors
-    /// Refuses a shaft that cannot be drawn, or that exceeds the field everywhere; a frame refuses
-    /// the rest.
+    /// Refuses a shaft that cannot be drawn, or that exceeds the field everywhere; other cases are
+    /// refused per frame.
     pub fn new(setup: &OpticalSetup, shaft: Shaft) -> Result<Self, RenderError> {
         let outline = Outline::new(shaft)?;
         let field_mm = setup.rows() as f64 * setup.pixel_mm;
@@ -91,8 +91,7 @@ impl Scene {
         })
     }
 
-    /// The same scene with its surface wiped: no films adhere to it, whatever contaminates window
-    /// and air.
+    /// The same scene without films on the shaft, whatever contaminates window and air.
     #[must_use]
     pub fn wiped(self) -> Self {
         Self { wiped: true, ..self }
@@ -158,7 +157,7 @@ impl Scene {
         ))
     }
 
-    /// The shaft at a spindle angle, with the error motion that this frame alone has.
+    /// The shaft at a spindle angle, with the asynchronous error motion of this frame.
     pub(crate) fn turned(&self, request: &FrameRequest, angle_deg: f64) -> Turned<'_> {
         let turned = self.outline.turned(angle_deg);
         let rms_um = self.outline.shaft().spindle.asynchronous_rms_um;
@@ -174,7 +173,7 @@ impl Scene {
         turned.shifted(draw(), draw())
     }
 
-    /// Whether every slice projects by itself.
+    /// Whether every slice projects independently.
     pub(crate) fn is_straight(&self) -> bool {
         self.view(0.0).is_straight(self.outline.shaft().pose.tilt_to_camera_mrad)
     }
@@ -202,8 +201,8 @@ impl Scene {
         ColumnEdges { top_px: ideal(true), bottom_px: ideal(false) }
     }
 
-    /// The laser, where its light at the outline's corners is known in amplitude: level pieces
-    /// between shoulders.
+    /// The laser, for outlines of level pieces between shoulders, where the amplitude at the
+    /// corners has a closed form.
     pub(crate) fn laser_shoulders(&self) -> Option<&LaserShadow> {
         let Esf::Fresnel(laser) = &self.setup.esf else { return None };
         let optics = &self.setup.nominal.optics;
@@ -211,7 +210,7 @@ impl Scene {
         (plain && self.outline.is_stepped()).then_some(laser)
     }
 
-    /// Levels in counts of the format asked for.
+    /// Levels in counts of the requested format.
     pub fn levels(&self, format: PixelFormat) -> GreyLevels {
         let nominal = &self.setup.nominal;
         GreyLevels {
@@ -229,12 +228,12 @@ impl Scene {
         .in_format(nominal.sensor.format, format)
     }
 
-    /// Format of the frame asked for.
+    /// Format of the requested frame.
     pub fn format(&self, request: &FrameRequest) -> PixelFormat {
         request.format.unwrap_or(self.setup.nominal.sensor.format)
     }
 
-    /// What stands beside the pixels of the frame asked for.
+    /// Metadata of the requested frame.
     pub fn meta(&self, request: &FrameRequest) -> FrameMeta {
         FrameMeta {
             frame_id: request.frame_id,
@@ -265,7 +264,7 @@ fn per_distance(setup: &OpticalSetup, outline: &Outline) -> Result<f64, RenderEr
     Err(RenderError::setting("optics.entocentric.distance_mm", &(1.0 / per_distance), right))
 }
 
-/// Farthest that the distortion carries a point of the sensor's border along the row, px.
+/// Largest displacement of a point of the sensor's border along the row by distortion, px.
 fn sideways_px(setup: &OpticalSetup) -> f64 {
     let distortion = &setup.nominal.optics.distortion;
     if distortion.is_none() {

@@ -21,13 +21,13 @@ const PATTERN_STREAM: u64 = 0x0070_6174_7465_726e;
 /// Stream of the contamination.
 const CONTAMINATION_STREAM: u64 = 0x0000_0000_736f_696c;
 
-/// Draws are cut here, so that no seed gives an absurd lens.
+/// Limit of the draws, standard deviations, so that no seed yields an absurd lens.
 const LARGEST_DRAW: f64 = 2.5;
 
-/// Camera, lens, light and sensor as they are.
+/// True camera, lens, light and sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpticalSetup {
-    /// The nominal settings it was drawn from.
+    /// The nominal settings from which it was drawn.
     pub nominal: SetupSettings,
     /// True size of a pixel on the object, mm.
     pub pixel_mm: f64,
@@ -35,11 +35,11 @@ pub struct OpticalSetup {
     pub esf: Esf,
     /// True electrons per count.
     pub electrons_per_count: f64,
-    /// Edge-spread tables made so far.
+    /// Cache of edge-spread tables.
     pub tables: TableCache,
     /// Key of the sensor's fixed pattern: the same camera in every frame.
     pub pattern_seed: u64,
-    /// What contaminates the view, where anything does.
+    /// The contamination, if any.
     pub contamination: Option<Arc<ContaminationModel>>,
 }
 
@@ -93,19 +93,18 @@ impl OpticalSetup {
         (self.columns() as f64 - 1.0) / 2.0
     }
 
-    /// Machine z seen by a column of the full sensor when the field's centre stands at
-    /// `field_z_mm`.
+    /// Machine z, mm, of a column of the full sensor with the field's centre at `field_z_mm`.
     pub fn column_z_mm(&self, field_z_mm: f64, column: f64) -> f64 {
         field_z_mm + (column - self.centre_column()) * self.pixel_mm
     }
 
-    /// Row of the full sensor that sees a height `x_mm` above the optical axis.
+    /// Row of the full sensor that shows a height `x_mm` above the optical axis.
     pub fn row_of_x(&self, x_mm: f64) -> f64 {
         self.centre_row() - x_mm / self.pixel_mm
     }
 }
 
-/// The contamination, seen through the true optics; its defocus goes by the smaller aperture.
+/// The contamination with the true optics; its defocus is determined by the smaller aperture.
 fn contamination(
     settings: &SetupSettings,
     esf: &Esf,

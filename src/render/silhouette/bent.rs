@@ -1,10 +1,10 @@
-//! The axis of a bent body: where it stands and how it slopes.
+//! The axis of a bent body: offset and slope.
 //!
-//! A beam's sections stay square to its axis (Bernoulli; a slender shaft's shear angle is a per
-//! mille of its slope). Where the axis slopes by τ in the image plane, an upright slice of the body
-//! is therefore 1/cos τ higher than the section: edges at c_x ± h/cos τ, the outline's parallel
-//! curves to κR of the correction itself. A slope towards the camera leaves a telecentric outline
-//! as it is.
+//! A beam's sections remain perpendicular to its axis (Bernoulli; the shear angle of a slender
+//! shaft is a thousandth of its slope). Where the axis slopes by τ in the image plane, an upright
+//! slice of the body is therefore 1/cos τ higher than the section: edges at c_x ± h/cos τ, the
+//! parallel curves of the outline, to a relative error κR of the correction. A slope towards the
+//! camera does not change a telecentric outline.
 
 use glam::DVec2;
 
@@ -20,8 +20,8 @@ pub(super) fn offset(knots: &[AxisKnot], z_mm: f64) -> DVec2 {
     }
 }
 
-/// Slope of the axis at z, mm/mm: linear between the middles of the knots' intervals, so that it
-/// does not jump at a knot; level beyond the ends.
+/// Slope of the axis at z, mm/mm: linear between the middles of the knots' intervals, so that it is
+/// continuous at a knot; zero beyond the ends.
 pub(super) fn slope(knots: &[AxisKnot], z_mm: f64) -> DVec2 {
     let after = knots.partition_point(|k| k.z_mm <= z_mm);
     if after == 0 || after == knots.len() {
@@ -48,7 +48,7 @@ pub(super) fn secant(slope: f64) -> f64 {
     slope.hypot(1.0)
 }
 
-/// Slope between the knots before and at `index`; none where they stand at one z.
+/// Slope between the knots before and at `index`; zero where they are at the same z.
 fn of_interval(knots: &[AxisKnot], index: usize) -> DVec2 {
     let (a, b) = (&knots[index - 1], &knots[index]);
     let length = b.z_mm - a.z_mm;

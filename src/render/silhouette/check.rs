@@ -1,4 +1,4 @@
-//! What makes a shaft that cannot be drawn.
+//! Checks that a shaft can be drawn.
 
 use super::features;
 use crate::render::error::RenderError;

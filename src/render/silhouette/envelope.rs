@@ -1,19 +1,19 @@
-//! Outlines that are not slice by slice: tilted towards the camera, or seen by a lens that is not
-//! quite telecentric or not at all.
+//! Outlines that do not project slice by slice: tilted towards the camera, or imaged by a lens that
+//! is not exactly telecentric, or entocentric.
 //!
-//! A point (x, y, z) of the body, y towards the camera, is turned by τ about the middle of the
-//! field and seen from a pinhole at ℓ (infinite for a telecentric lens, negative for a hypercentric
-//! one):
+//! A point (x, y, z) of the body, y towards the camera, is rotated by τ about the middle of the
+//! field and projected from a pinhole at ℓ (infinite for a telecentric lens, negative for a
+//! hypercentric one):
 //!
 //! ```text
 //! z' = z0 + (z - z0) cos τ + y sin τ,   y' = y cos τ - (z - z0) sin τ,   m = ℓ/(ℓ - y')
 //! image:  z0 + m (z' - z0),  m x
 //! ```
 //!
-//! The silhouette at z is the largest m·x over all depths y; at each the slice that the ray of z
-//! meets is solved for. A grid over y, refined twice and closed by a golden section, finds it; the
-//! two rims of a shoulder that the rays pass are tried by themselves. A residual chief-ray angle ε
-//! at the height h is a pinhole at ℓ = h/tan ε.
+//! The silhouette at z is the largest m·x over all depths y; for each depth the slice on the ray of
+//! z is solved for. The maximum is found on a grid over y, refined twice, and by a golden-section
+//! search; both rims of a shoulder crossed by the rays are evaluated separately. A residual
+//! chief-ray angle ε at the height h is a pinhole at ℓ = h/tan ε.
 
 use glam::DVec2;
 
@@ -30,10 +30,10 @@ const GOLDEN: usize = 34;
 /// Steps that find the slice of a ray and the boundary of a slice.
 const STEPS: usize = 4;
 
-/// Halvings that find the depth at which a ray passes a shoulder.
+/// Bisection steps for the depth at which a ray passes a shoulder.
 const HALVINGS: usize = 50;
 
-/// From where the shaft is seen.
+/// The view of the shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct View {
     /// Middle of the field, mm: the optical axis.
@@ -44,7 +44,7 @@ pub struct View {
 }
 
 impl View {
-    /// Whether every slice projects by itself.
+    /// Whether every slice projects independently.
     pub fn is_straight(&self, tilt_to_camera_mrad: f64) -> bool {
         self.per_distance == 0.0 && tilt_to_camera_mrad == 0.0
     }
@@ -102,7 +102,7 @@ impl Turned<'_> {
         let cut = if side > 0.0 {
             slice.cut_along_x(DVec2::new(x, depth), phi)
         } else {
-            // Turned by half a turn the lower boundary is the upper one, with depths reversed.
+            // Rotated by half a turn, the lower boundary is the upper one with reversed depths.
             slice.cut_along_x(DVec2::new(x, -depth), phi + std::f64::consts::PI)
         };
         cut + side * axis.x
@@ -137,8 +137,8 @@ impl Ray<'_> {
         best
     }
 
-    /// Height times `side` of the body at depth `y` along the plane of rays; `slice` takes the
-    /// place of the slice they meet.
+    /// Height times `side` of the body at depth `y` along the plane of rays; `slice` replaces the
+    /// slice on the ray.
     fn height(&self, y: f64, side: f64, slice: Option<f64>) -> f64 {
         let (s, x, scale) = self.slice(y, side, slice);
         let outline = self.turned.outline;
@@ -146,8 +146,7 @@ impl Ray<'_> {
         scale * (x * outline.cos_tilt + side * up)
     }
 
-    /// The slice that the rays meet at depth `y`, its height times `side`, and the magnification
-    /// there.
+    /// The slice on the rays at depth `y`, its height times `side`, and the magnification there.
     fn slice(&self, y: f64, side: f64, given: Option<f64>) -> (f64, f64, f64) {
         let (sin, cos) = self.sin_cos;
         let outline = self.turned.outline;

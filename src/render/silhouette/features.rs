@@ -1,11 +1,11 @@
-//! Threads, feed marks, flats and keyways of a shaft: their heights, their bounds, and where they
-//! break the outline.
+//! Threads, feed marks, flats and keyways of a shaft: their heights, their bounds, and the ranges
+//! where they make the outline non-smooth.
 
 use std::f64::consts::TAU;
 
 use crate::shaft::{Features, Helix, Shaft};
 
-/// Corners nearer than this belong to one stretch, mm.
+/// Corners closer than this belong to one range, mm.
 const NEAR_MM: f64 = 0.01;
 
 /// Lowest and highest sum of all helices' heights, mm.
@@ -29,7 +29,7 @@ fn extent(helix: &Helix) -> (f64, f64) {
     heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
 }
 
-/// Radius of a disc that every slice holds; `low_mm` is the lower bound of form errors and helices.
+/// Radius of a disc inside every slice, mm; `low_mm` is the lower bound of form errors and helices.
 pub(super) fn core_mm(shaft: &Shaft, low_mm: f64) -> f64 {
     let waves: f64 = shaft.features.waves.iter().map(|w| w.amplitude_mm.abs()).sum();
     let smallest = shaft.profile.iter().map(|k| k.radius_mm).fold(f64::INFINITY, f64::min);
@@ -37,9 +37,9 @@ pub(super) fn core_mm(shaft: &Shaft, low_mm: f64) -> f64 {
     cuts.chain(shaft.features.keyways.iter().map(|k| k.floor_mm)).fold(smallest - waves + low_mm, f64::min)
 }
 
-/// Stretches of z whose outline is no smooth line: corners of the profile whose slope changes by
-/// more than `corner`, threads and feed marks all along, the ends of flats and keyways. Apart from
-/// each other and ascending.
+/// Ranges of z whose outline is not smooth: corners of the profile whose slope changes by more than
+/// `corner`, threads and feed marks over their whole length, the ends of flats and keyways.
+/// Disjoint and ascending.
 pub(super) fn broken(shaft: &Shaft, corner: f64) -> Vec<(f64, f64)> {
     let slope = |i: usize| {
         let (a, b) = (shaft.profile[i], shaft.profile[i + 1]);

@@ -1,4 +1,5 @@
-//! A shaft made ready for silhouettes: bounds, mean radii, and where its outline is no smooth line.
+//! A shaft prepared for silhouettes: bounds, mean radii, and the ranges where its outline is not
+//! smooth.
 
 use std::f64::consts::TAU;
 
@@ -9,19 +10,19 @@ use super::features;
 use crate::render::error::RenderError;
 use crate::shaft::{ProfileKnot, Shaft};
 
-/// Fewest segments of a revolution: bounds the half width of a segment at .0123 rad, where cos and
+/// Fewest segments of a revolution: limits the half width of a segment to 0.0123 rad, where cos and
 /// sin to the sixth order are exact to 1e-17.
 const FEWEST_SEGMENTS: usize = 256;
 
-/// Segments per undulation: k·(half width) ≤ .25, where the fifth-order Taylor polynomial of a lobe
-/// errs by 3.4e-7 a_k.
+/// Segments per undulation: k·(half width) ≤ 0.25, where the fifth-order Taylor polynomial of a
+/// lobe errs by 3.4e-7 a_k.
 const SEGMENTS_PER_LOBE: usize = 13;
 
-/// Change of the profile's slope from which a corner is no straight line within the blur: it moves
-/// the mean over whole columns by 8e-6 px.
+/// Change of the profile's slope up to which a corner counts as straight within the blur: it
+/// displaces the mean over whole columns by 8e-6 px.
 const CORNER: f64 = 3e-4;
 
-/// A shaft made ready for silhouettes: bounds and the division of the circle.
+/// A shaft prepared for silhouettes: bounds and the division of the circle.
 #[derive(Clone, Debug)]
 pub struct Outline {
     pub(super) shaft: Shaft,
@@ -32,11 +33,11 @@ pub struct Outline {
     /// Bounds of lobes + texture, mm.
     pub(super) low_mm: f64,
     pub(super) high_mm: f64,
-    /// Radius of a disc that every slice holds, flats and keyways cut away.
+    /// Radius of a disc inside every slice, with flats and keyways cut, mm.
     pub(super) core_mm: f64,
     /// z of every shoulder, ascending.
     pub(super) shoulders_mm: Vec<f64>,
-    /// Stretches of z with corners, threads or ends of features, ascending by their start.
+    /// Ranges of z with corners, threads or ends of features, ascending by their start.
     pub(super) broken_mm: Vec<(f64, f64)>,
     pub(super) tilt: DMat2,
     pub(super) sin_tilt: f64,
@@ -75,12 +76,12 @@ impl Outline {
         })
     }
 
-    /// The shaft it was made from.
+    /// The shaft.
     pub fn shaft(&self) -> &Shaft {
         &self.shaft
     }
 
-    /// Lower bound of half the height that any slice shows, mm.
+    /// Lower bound of half the height of any slice, mm.
     pub fn smallest_radius_mm(&self) -> f64 {
         self.core_mm
     }
@@ -112,13 +113,13 @@ impl Outline {
     }
 
     /// Whether a corner, a thread or the end of a feature lies in `from_mm..=to_mm`, so that the
-    /// outline there may be no smooth line.
+    /// outline may not be smooth there.
     pub fn is_broken(&self, from_mm: f64, to_mm: f64) -> bool {
         let after = self.broken_mm.partition_point(|(start, _)| *start <= to_mm);
         after.checked_sub(1).is_some_and(|last| self.broken_mm[last].1 >= from_mm)
     }
 
-    /// Undulations a revolution of the finest form that turns past the camera.
+    /// Undulations per revolution of the finest form that turns with the shaft.
     pub fn undulations(&self) -> f64 {
         let f = &self.shaft.features;
         let lobes = self.shaft.lobes.iter().map(|l| l.order_upr).max().unwrap_or(1);
@@ -127,8 +128,8 @@ impl Outline {
         f64::from(lobes.max(cut).max(spindle))
     }
 
-    /// Whether the outline is made of level pieces and shoulders alone, up to form errors, upright
-    /// before the camera.
+    /// Whether the outline consists of level pieces and upright shoulders alone, apart from form
+    /// errors.
     pub fn is_stepped(&self) -> bool {
         let (shaft, features) = (&self.shaft, &self.shaft.features);
         let level = |k: &[ProfileKnot]| k[0].radius_mm == k[1].radius_mm || k[0].z_mm == k[1].z_mm;

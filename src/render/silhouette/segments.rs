@@ -12,16 +12,16 @@ const NEWTON_STEPS: usize = 8;
 #[derive(Clone, Debug)]
 pub(super) struct Direction {
     pub(super) segments: Vec<Segment>,
-    /// Angle the direction makes with the body's θ = 0: heights are r(θ)cos(θ + facing).
+    /// Angle between the direction and the body's θ = 0: heights are r(θ)cos(θ + facing).
     pub(super) facing: f64,
 }
 
-/// One piece of the circle on which r is smooth; t runs over ±half about its middle.
+/// One segment of the circle on which r is smooth; t is in ±half about its middle.
 #[derive(Clone, Debug)]
 pub(super) struct Segment {
     /// Node of the texture at or before the segment, and the next one.
     node: [usize; 2],
-    /// Where the segment's two ends lie between these nodes, 0..=1.
+    /// Positions of the segment's two ends between these nodes, 0..=1.
     span: [f64; 2],
     /// Body angle of its middle.
     pub(super) middle: f64,
@@ -37,10 +37,10 @@ pub(super) struct Segment {
 }
 
 impl Direction {
-    /// Segments that can hold the maximum of r(θ)cos(θ + facing).
+    /// Segments that can contain the maximum of r(θ)cos(θ + facing).
     pub(super) fn new(outline: &Outline, facing: f64) -> Self {
         let smallest = outline.mean_radii_mm().0;
-        // No height is smaller than the disc that every slice holds.
+        // No height is smaller than the radius of the disc inside every slice.
         let ratio = outline.core_mm.min(smallest + outline.low_mm) / (smallest + outline.high_mm);
         let width = TAU / outline.segments as f64;
         let reach = ratio.clamp(-1.0, 1.0).acos();
@@ -93,8 +93,8 @@ impl Segment {
         [a + (b - a) * self.span[0], a + (b - a) * self.span[1]]
     }
 
-    /// Largest r(θ)cos δ on the segment: the inner maximum where the derivative changes sign, else
-    /// the better end.
+    /// Largest r(θ)cos δ on the segment: the inner maximum where the derivative changes sign,
+    /// otherwise the larger end.
     pub(super) fn maximum(&self, mean: f64, ends: [f64; 2]) -> f64 {
         let p = self.radius(mean, ends);
         let (left, right) = (self.value(&p, -self.half), self.value(&p, self.half));
@@ -117,8 +117,8 @@ impl Segment {
         p
     }
 
-    /// Largest r(θ)cos δ for t in `from..=to`, r given as a polynomial: by Newton's method, held
-    /// between points of rising and of falling height.
+    /// Largest r(θ)cos δ for t in `from..=to`, r given as a polynomial: by Newton's method,
+    /// bracketed between points of rising and of falling height.
     pub(super) fn maximum_within(&self, p: &[f64; 6], from: f64, to: f64) -> f64 {
         let (left, right) = (self.value(p, from), self.value(p, to));
         let ends = left.value.max(right.value);

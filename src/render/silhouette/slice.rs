@@ -1,11 +1,11 @@
 //! Slices with threads, feed marks, flats and keyways.
 //!
-//! A helix adds a height that is piecewise quadratic in θ; a flat keeps p·n ≤ d; a keyway takes
-//! away |p·t| < w/2 with p·n > b. The largest r(θ)cos(θ + φ) of what is left stands inside a piece
-//! on which r is smooth, at the rim of a cut, or where two cuts meet: segments are divided where
-//! pieces of a helix meet and where cuts begin, rims are found by bisection, and meeting points of
-//! straight cuts are tried one by one. The floor of a keyway and the middle of a flat never stand
-//! out: the tangent bridges them.
+//! A helix adds a height that is piecewise quadratic in θ; a flat limits p·n ≤ d; a keyway
+//! removes |p·t| < w/2 with p·n > b. The largest r(θ)cos(θ + φ) of the remainder lies inside a
+//! piece on which r is smooth, at the rim of a cut, or where two cuts intersect: segments are
+//! divided where pieces of a helix meet and where cuts begin, rims are found by bisection, and
+//! intersections of straight cuts are evaluated one by one. The floor of a keyway and the middle of
+//! a flat are never the highest point: the tangent bridges them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,15 +16,15 @@ use super::outline::Outline;
 use super::segments::{Direction, Rows, Segment, lobe_derivatives};
 use crate::shaft::{Flat, Helix, Keyway};
 
-/// Halvings that find the rim of a cut on a piece of .025 rad: 1e-15 rad.
+/// Bisection steps for the rim of a cut on a piece of 0.025 rad: 1e-15 rad.
 const HALVINGS: usize = 44;
 
-/// How far a point may lie beyond a cut by rounding, relative to the radius.
+/// Rounding error by which a point may lie beyond a cut, relative to the radius.
 const ROUNDING: f64 = 1e-12;
 
 impl Outline {
     /// Radius of the slice at z in body direction θ (radians), mm: the outermost point where a
-    /// keyway leaves two. Eccentricity moves the axis and is not in it.
+    /// keyway leaves two. Eccentricity moves the axis and is not included.
     pub fn radius_mm(&self, z_mm: f64, theta: f64) -> f64 {
         Slice::at(self, z_mm).cut(theta, self.uncut_radius_mm(z_mm, theta))
     }
@@ -40,7 +40,7 @@ impl Outline {
     }
 }
 
-/// One slice with the features that are cut into it there.
+/// One slice with the features cut into it.
 pub(super) struct Slice<'a> {
     outline: &'a Outline,
     z_mm: f64,
@@ -136,7 +136,7 @@ impl<'a> Slice<'a> {
         best
     }
 
-    /// Largest height on a segment, NEG_INFINITY where all of it is cut away.
+    /// Largest height on a segment, NEG_INFINITY where all of it is removed.
     fn on_segment(&self, segment: &Segment, p: &[f64; 6]) -> f64 {
         let mut best = f64::NEG_INFINITY;
         let breaks = self.breaks(segment);
@@ -159,8 +159,8 @@ impl<'a> Slice<'a> {
         best
     }
 
-    /// Where pieces of a helix meet and cuts begin, about where they would on a round body, between
-    /// the segment's ends.
+    /// Places between the segment's ends where pieces of a helix meet and cuts begin,
+    /// approximately, as on a round body.
     fn breaks(&self, segment: &Segment) -> Vec<f64> {
         let half = segment.half;
         let mut breaks = vec![-half, half];
@@ -191,7 +191,7 @@ impl<'a> Slice<'a> {
         breaks
     }
 
-    /// The radius with the helices' pieces that hold at `at`.
+    /// The radius with the helices' pieces that apply at `at`.
     fn with_helices(&self, segment: &Segment, p: &[f64; 6], at: f64) -> [f64; 6] {
         let mut p = *p;
         for helix in &self.helices {
@@ -208,7 +208,7 @@ impl<'a> Slice<'a> {
         p
     }
 
-    /// Largest height of the points where two straight cuts meet inside the body.
+    /// Largest height of the points where two straight cuts intersect inside the body.
     fn meeting_points(&self, direction: &Direction) -> f64 {
         let walls = self.keyways.iter().flat_map(|(k, n)| {
             let across = n.perp();
@@ -246,7 +246,7 @@ fn leave_slot(point: DVec2, keyway: &Keyway, n: DVec2) -> f64 {
     [floor, wall].into_iter().flatten().filter(|x| *x <= point.x).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Where what is free at `free_end` ends on the way to `other`.
+/// Boundary of the free part between `free_end`, which is free, and `other`.
 fn rim(free_end: f64, other: f64, free: impl Fn(f64) -> bool) -> f64 {
     let (mut good, mut bad) = (free_end, other);
     for _ in 0..HALVINGS {

@@ -10,12 +10,12 @@ use super::outline::{Outline, mean_radius};
 use super::segments::{Direction, Rows};
 use super::slice::Slice;
 
-/// Most steps that solve s = (z + X(s) sin τ)/cos τ, each of which gains a factor of |X'| tan τ,
-/// and the change (mm) at which they end.
+/// Most steps that solve s = (z + X(s) sin τ)/cos τ, each of which reduces the error by a factor
+/// of |X'| tan τ, and the change (mm) at which they end.
 const TILT_STEPS: usize = 40;
 const TILT_STILL_MM: f64 = 1e-11;
 
-/// Most steps of [`root`], and the residue (mm) at which it ends.
+/// Most steps of [`root`], and the residual (mm) at which it ends.
 const ROOT_STEPS: usize = 80;
 const ROOT_STILL_MM: f64 = 1e-13;
 
@@ -31,7 +31,7 @@ pub struct EdgePair {
     pub bottom_mm: f64,
 }
 
-/// A spindle angle made ready: both viewing directions share it over all columns.
+/// An outline prepared for a spindle angle: both viewing directions, for all columns.
 #[derive(Clone, Debug)]
 pub struct Turned<'a> {
     pub(super) outline: &'a Outline,
@@ -82,8 +82,8 @@ impl Turned<'_> {
         self.outline.radius_mm(z_mm, angle - self.sin.atan2(self.cos))
     }
 
-    /// Where the slice's axis stands, mm along x and y from that of the spindle; the pose before a
-    /// camera is not in it.
+    /// Position of the slice's axis, mm along x and y from that of the spindle, without the pose in
+    /// front of a camera.
     pub fn axis_mm(&self, z_mm: f64) -> (f64, f64) {
         let axis = self.axis(z_mm);
         (axis.x, axis.y)
@@ -94,7 +94,8 @@ impl Turned<'_> {
         self.axis(z_mm).y
     }
 
-    /// Where (z, x) both sides of a corner at body coordinate `s_mm` appear on both edges, mm.
+    /// Image positions (z, x) of both sides of a corner at body coordinate `s_mm` on both edges,
+    /// mm.
     pub(crate) fn corner_seen(&self, s_mm: f64) -> [(f64, f64); 4] {
         let outline = self.outline;
         let seen = |side: f64, top: bool| {
@@ -140,7 +141,7 @@ impl Turned<'_> {
         (heights.len() > 2).then(|| [heights[2], heights[1]].map(|x| pose_x + x))
     }
 
-    /// Every point (s, X) at which a tilted body's outline crosses z, where corners lie near; none
+    /// Every point (s, X) at which a tilted body's outline crosses z, where corners are near; empty
     /// where there are no corners.
     fn crossings(&self, z_mm: f64, top: bool) -> Vec<DVec2> {
         let outline = self.outline;
@@ -171,7 +172,7 @@ impl Turned<'_> {
         found
     }
 
-    /// The outline's point (s, X) that a tilted body shows at z, far from corners.
+    /// The outline's point (s, X) of a tilted body at z, far from corners.
     fn on_outline(&self, z_mm: f64, top: bool) -> DVec2 {
         let outline = self.outline;
         let radius = mean_radius(&outline.shaft.profile, z_mm);
@@ -184,7 +185,7 @@ impl Turned<'_> {
                 return point;
             }
         }
-        // A face too steep for steps.
+        // A face too steep for the iteration.
         let place = |s: f64| s * outline.cos_tilt - self.over_axis(s, top) * outline.sin_tilt - z_mm;
         let reach = 1.1 * outline.mean_radii_mm().1 * outline.sin_tilt.abs();
         let [low, high] = [z_mm - reach, z_mm + reach].map(|s| (s, place(s)));
@@ -202,7 +203,7 @@ impl Turned<'_> {
         }
     }
 
-    /// Where the slice's axis stands: eccentricity and bow turn with the body, deflection does not.
+    /// Position of the slice's axis: eccentricity and bow turn with the body, deflection does not.
     pub(super) fn axis(&self, s_mm: f64) -> DVec2 {
         let shaft = &self.outline.shaft;
         let phase = shaft.eccentricity.phase_deg.to_radians();
@@ -211,8 +212,8 @@ impl Turned<'_> {
         DVec2::new(self.cos, self.sin).rotate(body) + bent::offset(&shaft.deflection, s_mm) + self.shift
     }
 
-    /// By how much an upright slice is higher than the section square to the axis, where the axis
-    /// slopes in the image plane.
+    /// Ratio of the height of an upright slice to that of the section perpendicular to the axis,
+    /// where the axis slopes in the image plane.
     pub(super) fn secant(&self, s_mm: f64) -> f64 {
         let shaft = &self.outline.shaft;
         if shaft.bow.is_empty() && shaft.deflection.is_empty() {
@@ -248,8 +249,8 @@ impl Turned<'_> {
     }
 }
 
-/// Zero of a function between two points at which it has different signs: false position, the end
-/// that stays counted half.
+/// Zero of a function between two points at which it has different signs: regula falsi with the
+/// retained end halved (Illinois algorithm).
 fn root(f: impl Fn(f64) -> f64, mut low: (f64, f64), mut high: (f64, f64)) -> f64 {
     for _ in 0..ROOT_STEPS {
         let s = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
@@ -271,8 +272,8 @@ mod tests {
     use super::*;
     use crate::shaft::{AxisKnot, Shaft};
 
-    /// The upper and lower envelope of discs of radius R whose middles lie on the axis: the outline
-    /// of a bent, round bar by its definition.
+    /// The upper and lower envelope of discs of radius R centred on the axis: the outline of a
+    /// bent, round bar by definition.
     #[test]
     fn edges_of_a_bent_bar_are_the_parallel_curves_of_its_axis() {
         let (length, sagitta, radius) = (150.0_f64, 0.5_f64, 4.0_f64);
@@ -289,8 +290,8 @@ mod tests {
                 (-20_000..=20_000).map(|i| height(z + f64::from(i) * 1e-5)).fold(f64::MIN, f64::max)
             };
             let edges = turned.edges(z);
-            // At the worst place the bar is 0.22 µm wider across z than across its axis; a
-            // hundredth of that is left out.
+            // At the worst place the bar is 0.22 µm wider perpendicular to z than to its axis; the
+            // error is a hundredth of that.
             assert!((edges.top_mm - disc(1.0)).abs() < 3e-6, "{z}: {} {}", edges.top_mm, disc(1.0));
             assert!((-edges.bottom_mm - disc(-1.0)).abs() < 3e-6, "{z}");
             let wider = edges.top_mm - edges.bottom_mm - 2.0 * radius;

@@ -1,4 +1,4 @@
-//! A finished calibration, with what people read beside it.
+//! A finished calibration, with its example budget.
 
 use crate::gauge::Calibration;
 use crate::gauge::budget::{Budget, WidthReading};
@@ -13,9 +13,9 @@ pub struct Calibrated {
     pub adjustment: Adjustment,
     /// One of the masters' mean shadows.
     pub reading: Option<WidthReading>,
-    /// Its budget, for people to read.
+    /// Its budget, for reports.
     pub example: Option<Budget>,
-    /// Frames left out because no edge-spread function could be learnt from them, where it was to
-    /// be learnt.
+    /// Frames left out because no edge-spread function could be estimated from them, where that was
+    /// requested.
     pub unlearnt_frames: usize,
 }

@@ -13,22 +13,22 @@ use crate::setting::SettingError;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CalibrateError {
-    /// A setting of the plan or of the gauge cannot be right.
+    /// A setting of the plan or of the gauge is out of range.
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// Frames that cannot be read.
     #[error("{0}")]
     Frames(String),
-    /// The simulated optical setup cannot draw.
+    /// The simulated optical setup cannot render.
     #[error("simulate: {0}")]
     Render(#[from] RenderError),
-    /// Dark and flat fields that are none.
+    /// Dark and flat fields that are refused.
     #[error("fields: {0}")]
     Fields(#[from] FlatFieldError),
-    /// No photon transfer.
+    /// The photon transfer cannot be evaluated.
     #[error("fields: {0}")]
     Sensor(#[from] PhotonTransferError),
-    /// Flat fields that are none of their exposures'.
+    /// Flat fields that do not match their exposures.
     #[error("fields.flats: {0}")]
     Response(#[from] NoResponse),
     /// Frames whose files encode light in different ways.
@@ -36,11 +36,11 @@ pub enum CalibrateError {
         "{what}: the file encodes its grey values otherwise ({found}) than the frames before it ({before}); record all in one way"
     )]
     Encodings {
-        /// Whose frames.
+        /// The pin or field of the frames.
         what: String,
-        /// Theirs.
+        /// Their encoding.
         found: Encoding,
-        /// That of those before.
+        /// Encoding of the frames before.
         before: Encoding,
     },
     /// A pin that cannot be measured.
@@ -51,7 +51,7 @@ pub enum CalibrateError {
         /// The gauge's reason.
         why: String,
     },
-    /// A pin from whose frames no edge-spread function can be learnt.
+    /// A pin from whose frames no edge-spread function can be estimated.
     #[error(
         "{pin}: none of its {frames} frame(s) teaches the edge-spread function: each edge must travel {needed} rows or more along the frame, so \
          that all sub-pixel phases show, and these travel {travel:.2}: lay the pin obliquely by {tilt_mrad:.1} mrad or more (limit_tilt_mrad \
@@ -64,9 +64,9 @@ pub enum CalibrateError {
         frames: usize,
         /// Rows that an edge must travel.
         needed: f64,
-        /// Most rows that one travels.
+        /// Largest travel found, rows.
         travel: f64,
-        /// Tilt that would do, mrad.
+        /// Sufficient tilt, mrad.
         tilt_mrad: f64,
     },
     /// Frames of different sizes.
@@ -81,7 +81,7 @@ pub enum CalibrateError {
         /// Rows and columns expected.
         expected: (usize, usize),
     },
-    /// The masters give no calibration.
+    /// The masters determine no calibration.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
 }

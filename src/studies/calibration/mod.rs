@@ -30,7 +30,7 @@ use crate::gauge::{
     ResidualAccumulator, SettledStream, SystematicResidual, least_travel_px,
 };
 
-/// Edges of a pin's frames with where they were taken.
+/// Edges of a pin's frames with their position.
 struct PinEdges {
     edges: Vec<(FrameEdges, f64)>,
     size: (usize, usize),
@@ -41,8 +41,8 @@ struct PinEdges {
 /// Makes a calibration.
 ///
 /// # Errors
-/// A plan that cannot be right, frames that cannot be had or measured, masters that determine no
-/// optical setup.
+/// A plan out of range, frames that are unavailable or cannot be measured, masters that do not
+/// determine the optical setup.
 pub fn calibrate(
     plan: &CalibrationPlan,
     recordings: &mut dyn Recordings,
@@ -89,11 +89,11 @@ pub fn calibrate(
     Ok(Calibrated { calibration, adjustment, reading, example, unlearnt_frames })
 }
 
-/// Scale from the smallest and the largest master by Gaussian edges, µm/px: good to parts in a
-/// thousand, before the edge-spread function that a file gives in µm can be fitted.
+/// Scale from the smallest and the largest master by Gaussian edges, µm/px: accurate to parts in a
+/// thousand, used to convert an edge-spread function in µm before it can be fitted.
 ///
 /// # Errors
-/// Frames that cannot be had or measured.
+/// Frames that are unavailable or cannot be measured.
 pub fn rough_um_per_px(
     plan: &CalibrationPlan,
     recordings: &mut dyn Recordings,
@@ -158,7 +158,7 @@ fn fields(
         None => (dark, flats),
     };
     let dark_views: Vec<FrameView<'_>> = dark.iter().map(Frame::view).collect();
-    // The brightest one that is not clipped shows defects and light best.
+    // The brightest exposure that is not clipped has the best signal for defects and light.
     flats.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut flat_field = Err(FlatFieldError::TooFew { what: "flat" });
     for (_, frames) in &flats {
@@ -177,7 +177,7 @@ fn fields(
     Ok((Some(flat_field), Some(photon_transfer(&pairs, &darks)?)))
 }
 
-/// What two exposures or more show of a response that is not linear.
+/// The nonlinearity of the response, from two exposures or more.
 fn sensor_response(dark: &[Frame], flats: &[(f64, Vec<Frame>)]) -> Result<Option<Response>, NoResponse> {
     let dark: Vec<FrameView<'_>> = dark.iter().map(Frame::view).collect();
     let flats: Vec<(f64, Vec<FrameView<'_>>)> = flats
@@ -187,8 +187,8 @@ fn sensor_response(dark: &[Frame], flats: &[(f64, Vec<Frame>)]) -> Result<Option
     response(&dark, &flats)
 }
 
-/// A single frame of a field has no measure of its noise: left out in silence, it would be missed
-/// in the transfer curve only.
+/// A single frame of a field does not determine the noise; without this check it would be left out
+/// of the transfer curve without notice.
 fn at_least_two(key: &str, found: usize) -> Result<(), CalibrateError> {
     match found {
         2.. => Ok(()),
@@ -203,9 +203,9 @@ fn pair(exposure: f64, frames: &[Frame]) -> Option<FramePair<'_>> {
     Some(FramePair { exposure, first: first.view(), second: second.view() })
 }
 
-/// Edges of all pins, and what the masters' leave of the edge model. Where that is more than noise,
-/// the pins are looked at again, now expecting it: their own uncertainties then hold only what
-/// departs from it, too.
+/// Edges of all pins, and the masters' systematic residual of the edge model. Where that exceeds
+/// the noise, the pins are measured again with it as expected residual: their own uncertainties
+/// then include only departures from it.
 fn all_pins(
     plan: &CalibrationPlan,
     gauge: &Gauge,
@@ -284,7 +284,7 @@ fn pin_edges(
     }
 }
 
-/// Rows that the edge which travels less goes along a frame.
+/// The smaller travel of both edges along a frame, rows.
 fn travel(edges: &FrameEdges) -> f64 {
     let along = |line: &[Edge]| {
         let rows = || line.iter().filter(|e| e.is_usable()).map(|e| e.row_px);
@@ -318,8 +318,8 @@ fn adjustment(
     Ok((adjustment, figures))
 }
 
-/// The check pin's diameter by the new calibration against its certificate. It lay beside the
-/// masters under the same thermometer: what temperature does to them it does to it, and cancels.
+/// The check pin's diameter by the new calibration against its certificate. The pin was recorded at
+/// the masters' temperature, whose effect on both cancels.
 fn judge(
     plan: &CalibrationPlan,
     pin: &PinPlan,
@@ -340,8 +340,8 @@ fn judge(
     let measured_mm = mean(&|b| b.diameter_mm);
     let (u_shared_mm, u_certificate_mm) = certificate_beside(pin, &measured);
     let common = (mean(&|b| b.u_common_mm().powi(2)) - u_shared_mm.powi(2)).max(0.0).sqrt();
-    // The mean's budget: every frame's random rows by themselves, the common ones and the
-    // certificate together.
+    // The mean's budget: random rows of each frame separately, common rows and the certificate
+    // together.
     let mut whole = Budget { diameter_mm: measured_mm, contributions: Vec::new() };
     let rows = measured.iter().flat_map(|b| &b.contributions).filter(|c| c.share == Share::Random);
     rows.for_each(|c| whole.push(Contribution { u_mm: c.u_mm / n, ..c.clone() }));
@@ -360,8 +360,8 @@ fn judge(
     Some(CheckPin { certificate: pin.certificate(), measured_mm, u_error_mm, coverage_factor }.judge())
 }
 
-/// What the measured diameter owes to the laboratory that certified the check pin, too, mm, and
-/// what the difference of both owes to the pin's certificate: an error that both share cancels as
+/// Contribution to the measured diameter of the laboratory that also certified the check pin, mm,
+/// and contribution of the pin's certificate to the difference of both: a common error cancels as
 /// far as it is the same in both.
 fn certificate_beside(pin: &PinPlan, measured: &[Budget]) -> (f64, f64) {
     let certificate = pin.certificate().u_mm();
@@ -403,7 +403,7 @@ mod tests {
         }
     }
 
-    /// It was left out of the transfer curve without a word.
+    /// It used to be left out of the transfer curve without notice.
     #[test]
     fn a_flat_field_of_one_frame_is_named() {
         let plan: CalibrationPlan = toml::from_str(
@@ -413,8 +413,8 @@ mod tests {
         .unwrap();
         let said = fields(&plan, &mut Fields(vec![2, 1, 2])).unwrap_err().to_string();
         assert!(said.contains("fields.flats[1]: 1 frame(s); two or more"), "{said}");
-        // With two of each it is the flats themselves that are refused: they are as dark as the
-        // dark ones.
+        // With two of each the flats themselves are refused, because they are as dark as the dark
+        // frames.
         assert!(matches!(fields(&plan, &mut Fields(vec![2; 3])), Err(CalibrateError::Fields(_))));
     }
 
@@ -465,8 +465,8 @@ mod tests {
         let field = fields(&plan, &mut Power(0.6, linear)).unwrap().0.unwrap();
         let response = field.response.unwrap();
         assert!((response.exponent * 0.6 - 1.0).abs() < 0.03, "{response:?}");
-        // What it corrects is level: .2 of the light that falls off are made up for, nothing is
-        // bent.
+        // The corrected field is level: the fall-off of light of 0.2 is compensated, the response
+        // linear.
         let shown = field.corrected(Power(0.6, linear).frames(0.4).remove(0));
         let mean =
             |c: usize| (0..64).filter_map(|r| shown.view().get(r, c)).map(f64::from).sum::<f64>() / 64.0;

@@ -1,20 +1,20 @@
-//! All frames of a calibration encode light in one way: the offset of the edges holds for that one
-//! alone.
+//! Checks that all frames of a calibration have the same encoding of light, for which alone the
+//! edge offset is valid.
 
 use super::error::CalibrateError;
 use super::plan::{CalibrationPlan, PinPlan, Position};
 use super::recordings::Recordings;
 use crate::frame::{Encoding, Frame};
 
-/// Recordings whose frames are all encoded in one way.
+/// Recordings whose frames all have the same encoding.
 pub(super) struct OneEncoding<'a> {
     inner: &'a mut dyn Recordings,
-    /// That of the first frame seen.
+    /// Encoding of the first frame.
     pub(super) encoding: Option<Encoding>,
 }
 
 impl<'a> OneEncoding<'a> {
-    /// None seen yet.
+    /// Recordings before the first frame.
     pub(super) fn new(inner: &'a mut dyn Recordings) -> Self {
         Self { inner, encoding: None }
     }

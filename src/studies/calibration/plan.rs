@@ -19,11 +19,11 @@ use crate::source::Channel;
 pub struct Position {
     /// Folder or file with its frames, relative to the TOML file; none where frames are simulated.
     pub frames: Option<PathBuf>,
-    /// Distance of the pin's axis from the plane of the masters, towards the camera, mm: known from
-    /// the slide it lies on.
+    /// Distance of the pin's axis from the plane of the masters, towards the camera, mm: from the
+    /// slide on which it lies.
     pub y_mm: f64,
-    /// Height of the pin's axis in the field, mm: where a simulated pin is laid; a recorded one
-    /// shows it.
+    /// Height of the pin's axis in the field, mm, for a simulated pin; that of a recorded one is
+    /// measured.
     pub height_mm: f64,
 }
 
@@ -40,8 +40,8 @@ pub struct PinPlan {
     /// Coverage factor k of U.
     #[serde(default = "crate::gauge::calibration::masters::two")]
     pub coverage_factor: f64,
-    /// Laboratory, reference standard or instrument that other pins' certificates hang on, too:
-    /// with `common_expanded_u_mm`.
+    /// Laboratory, reference standard or instrument on which other pins' certificates depend as
+    /// well: with `common_expanded_u_mm`.
     #[serde(default)]
     pub certified_by: Option<String>,
     /// Part of U that the certificates of one `certified_by` share, mm, at the same k: 0 where they
@@ -49,7 +49,7 @@ pub struct PinPlan {
     /// certificates with one U is √r·U here.
     #[serde(default)]
     pub common_expanded_u_mm: Option<f64>,
-    /// Where it was recorded: one place or more.
+    /// Positions at which it was recorded, one or more.
     pub positions: Vec<Position>,
 }
 
@@ -63,7 +63,7 @@ impl PinPlan {
         }
     }
 
-    /// What its certificate shares with others.
+    /// The part of its certificate that is common with others.
     pub fn common(&self) -> Option<CertificateShare> {
         let certified_by = self.certified_by.clone()?;
         self.common_expanded_u_mm.map(|u| CertificateShare { certified_by, u_mm: u / self.coverage_factor })
@@ -87,13 +87,13 @@ pub struct FlatPlan {
 pub struct Fields {
     /// Folder with dark frames, two or more.
     pub dark: Option<PathBuf>,
-    /// Flat fields: one exposure gives defects and light, three or more the sensor's gain and noise
-    /// too.
+    /// Flat fields: one exposure determines defects and light, three or more also the sensor's gain
+    /// and noise.
     pub flats: Vec<FlatPlan>,
 }
 
-/// An optical setup to be rendered in place of recorded frames: what it really is, drawn by seed
-/// about these values. `render` of the same file draws the same optical setup.
+/// An optical setup to be rendered in place of recorded frames: its true values are drawn by seed
+/// about these. `render` of the same file draws the same optical setup.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulatedPlan {
@@ -107,7 +107,7 @@ pub struct SimulatedPlan {
     pub config: Option<PathBuf>,
     /// Pins are laid obliquely in the image plane by up to this, mrad. 0 ..= 100.
     pub limit_tilt_mrad: f64,
-    /// And off their heights by up to this, mm. 0 ..= 10.
+    /// Pins are displaced from their heights by up to this, mm. 0 ..= 10.
     pub limit_height_mm: f64,
     /// Camera geometry.
     pub camera: Camera,
@@ -123,8 +123,8 @@ pub struct SimulatedPlan {
     pub contamination: Contamination,
     /// How far the true optical setup may lie from these values.
     pub departures: SetupDeviations,
-    /// Whether the lens is as the config states: a job's. Else its distortion, keystone and
-    /// telecentricity are drawn within the data sheet's limits about it.
+    /// Whether the lens is exactly the config's, as for a job. Otherwise its distortion, keystone
+    /// and telecentricity are drawn about it within the limits of the data sheet.
     #[serde(skip)]
     pub lens_as_configured: bool,
 }
@@ -183,7 +183,7 @@ impl SimulatedPlan {
         }
     }
 
-    /// Whether no table of an optical setup of its own is given.
+    /// Whether it has no tables for an optical setup of its own.
     pub fn has_no_setup(&self) -> bool {
         self.setup() == SetupSettings::default()
     }
@@ -211,7 +211,7 @@ impl SimulatedPlan {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CalibrationPlan {
-    /// Camera, lens, light and their setting: frames of other optics are refused.
+    /// Identity of camera, lens, light and their adjustment: frames of other optics are refused.
     pub optics_id: String,
     /// Channel of colour frames that is measured; without it red, green and blue must be equal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -227,7 +227,7 @@ pub struct CalibrationPlan {
     /// Temperature of the masters.
     #[serde(default = "Thermometer::unstated")]
     pub thermometer: Thermometer,
-    /// Conditions of use that the calibration file carries along.
+    /// Conditions of use, stored in the calibration file.
     #[serde(default = "Conditions::unstated")]
     pub conditions: Conditions,
     /// Dark and flat fields.
@@ -235,7 +235,7 @@ pub struct CalibrationPlan {
     pub fields: Fields,
     /// Two masters of different diameter or more.
     pub masters: Vec<PinPlan>,
-    /// A pin that takes no part in the fit and judges it.
+    /// A pin that is not part of the fit and verifies it.
     pub check: Option<PinPlan>,
     /// The gauge.
     #[serde(default)]
@@ -285,7 +285,7 @@ impl CalibrationPlan {
     }
 
     /// The plan with the truth of a rendered setup: temperature and finish are exact where
-    /// `[simulate]` draws them and the plan states nothing.
+    /// `[simulate]` draws them and the plan does not state them.
     #[must_use]
     pub fn settled(&self) -> Self {
         if self.simulate.is_none() {
@@ -299,8 +299,8 @@ impl CalibrationPlan {
         }
     }
 
-    /// The gauge with the edge-spread function of `[simulate]`'s optics where it asks for it; as it
-    /// is where they give none, which a gauge refuses.
+    /// The gauge with the edge-spread function of `[simulate]`'s optics where it requests that;
+    /// unchanged where the optics have none, which a gauge refuses.
     fn gauge_of_optics(&self) -> GaugeSettings {
         let setup = match &self.simulate {
             Some(simulate) if self.gauge.esf == (EsfModel::Optics {}) => simulate.setup(),
@@ -316,7 +316,7 @@ impl CalibrationPlan {
         )
     }
 
-    /// Checks what only shows when the keys meet.
+    /// Checks the keys and conditions across them.
     ///
     /// # Errors
     /// Names the key and what would be right.
@@ -415,7 +415,7 @@ impl CalibrationPlan {
     }
 }
 
-/// What certificates share needs both keys, and is a part of U.
+/// The common part of certificates needs both keys, and is at most U.
 fn check_common(key: &str, pin: &PinPlan) -> Result<(), SettingError> {
     match (&pin.certified_by, pin.common_expanded_u_mm) {
         (None, None) => Ok(()),

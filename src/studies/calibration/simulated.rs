@@ -1,6 +1,6 @@
 //! A rendered optical setup in place of a recorded one. Its true values (scale, blur, gain,
 //! telecentricity, the masters' true diameters and temperature) are drawn from the uncertainties in
-//! the plan, and only the frames show them.
+//! the plan, and affect the calibration through the frames alone.
 
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
@@ -23,7 +23,7 @@ const TRUTH_STREAM: u64 = 0x0063_616c_6962;
 /// Stream of the lens' true distortion.
 const LENS_STREAM: u64 = 0x6c65_6e73;
 
-/// A shaft laid before a simulated optical setup.
+/// A shaft placed in a simulated optical setup.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Laid {
     /// Its form at 20 °C; pose and deflection are set here.
@@ -42,7 +42,7 @@ pub struct Laid {
     pub angle_deg: f64,
 }
 
-/// The optical setup as it is.
+/// The true optical setup.
 pub struct SimulatedSetup<'a> {
     renderer: &'a Renderer,
     setup: OpticalSetup,
@@ -63,8 +63,8 @@ impl<'a> SimulatedSetup<'a> {
         &self.setup
     }
 
-    /// A frame of a shaft. A chief ray at an angle magnifies what stands nearer: the body is scaled
-    /// by 1 + t·y, and out of the plane it blurs.
+    /// A frame of a shaft. Inclined chief rays magnify nearer bodies: the body is scaled by 1 +
+    /// t·y, and blurred out of the plane.
     ///
     /// # Errors
     /// Where the shaft cannot be drawn.
@@ -81,7 +81,7 @@ impl<'a> SimulatedSetup<'a> {
         self.renderer.render(&self.scene(laid)?, &request, None)
     }
 
-    /// The scene of a shaft before the optical setup.
+    /// The scene of a shaft in the optical setup.
     ///
     /// # Errors
     /// As [`Self::frame`].
@@ -106,8 +106,8 @@ impl<'a> SimulatedSetup<'a> {
         self.flat_numbered(share, self.frame_id).inspect(|_| self.frame_id += 1)
     }
 
-    /// Each half of the field from a scene whose part stands in the other half: light,
-    /// contamination and sensor are those of any other frame.
+    /// Each half of the field from a scene whose part is in the other half: light, contamination
+    /// and sensor are those of any other frame.
     fn flat_numbered(&self, share: f64, frame_id: u64) -> Result<Frame, RenderError> {
         let mut setup = self.setup.clone();
         let Sensor { black_level_counts: black, .. } = setup.nominal.sensor;
@@ -134,7 +134,7 @@ impl<'a> SimulatedSetup<'a> {
             (Buffer::U8(a), Buffer::U8(b)) => Buffer::U8([a, b].concat()),
             (Buffer::U16(a), Buffer::U16(b)) => Buffer::U16([a, b].concat()),
             (Buffer::F32(a), Buffer::F32(b)) => Buffer::F32([a, b].concat()),
-            // Both come from one renderer in one format.
+            // Both come from one renderer and have the same format.
             (a, _) => a,
         };
         Frame::new(whole, format, rows as usize, columns as usize, meta)
@@ -152,7 +152,7 @@ impl<'a> SimulatedSetup<'a> {
     }
 }
 
-/// A value drawn from what is known of it.
+/// Random draws of true values from their estimates and uncertainties.
 pub struct Draws(Pcg64);
 
 impl Draws {
@@ -193,12 +193,12 @@ fn distort(distortion: &mut Distortion, limits: &LensLimits, seed: u64) {
 }
 
 impl SimulatedPlan {
-    /// The optical setup as it really is: the one source of its optics for `calibrate`, `render`
-    /// and the studies. The lens' distortion and telecentricity lie within the data sheet's limits
-    /// about the config's, unless the config itself is the truth.
+    /// The true optical setup: the common source for `calibrate`, `render` and the studies. The
+    /// lens' distortion and telecentricity lie within the data sheet's limits about the config's,
+    /// unless the config itself is the truth.
     ///
     /// # Errors
-    /// An optical setup that cannot be.
+    /// An optical setup that is refused.
     fn true_setup(&self, lens: &LensLimits, draws: &mut Draws) -> Result<OpticalSetup, RenderError> {
         let mut settings = self.setup();
         if self.lens_as_configured {
@@ -214,8 +214,7 @@ impl SimulatedPlan {
     }
 }
 
-/// A pin as it lay before the camera at one of its positions, frame by frame with the frames'
-/// numbers.
+/// Poses of a pin at one of its positions, frame by frame, with the frames' numbers.
 struct Lying {
     pin: usize,
     position: Position,
@@ -223,7 +222,7 @@ struct Lying {
 }
 
 /// Frames of a plan's pins on a simulated optical setup: recorded once, however often they are
-/// looked at.
+/// requested.
 pub struct SimulatedRecordings<'a> {
     setup: SimulatedSetup<'a>,
     simulate: SimulatedPlan,
@@ -237,7 +236,7 @@ impl<'a> SimulatedRecordings<'a> {
     /// The optical setup of a plan that has a `[simulate]` table.
     ///
     /// # Errors
-    /// An optical setup that cannot be.
+    /// An optical setup that is refused.
     pub fn new(plan: &CalibrationPlan, renderer: &'a Renderer) -> Result<Self, CalibrateError> {
         let plan = &plan.settled();
         let simulate = plan.simulate.clone().unwrap_or_default();
@@ -250,7 +249,7 @@ impl<'a> SimulatedRecordings<'a> {
         Ok(Self { setup, simulate, draws, true_mm, thermal, lying: Vec::new() })
     }
 
-    /// The optical setup, to be measured with.
+    /// The optical setup, for measurements.
     pub fn into_setup(self) -> SimulatedSetup<'a> {
         self.setup
     }
@@ -260,7 +259,7 @@ impl<'a> SimulatedRecordings<'a> {
         &self.setup
     }
 
-    /// How pin `index` (masters first, then the check pin) lies at a position, and the numbers of
+    /// Poses of pin `index` (masters first, then the check pin) at a position, with the numbers of
     /// its frames.
     pub fn laid(&mut self, index: usize, position: &Position) -> Vec<(Laid, u64)> {
         if let Some(known) = self.lying.iter().find(|l| l.pin == index && l.position == *position) {
@@ -269,7 +268,7 @@ impl<'a> SimulatedRecordings<'a> {
         let SimulatedPlan { frames_each, limit_height_mm, limit_tilt_mrad, .. } = self.simulate;
         let mut frames = Vec::new();
         for _ in 0..frames_each {
-            // Laid in by hand: a little oblique each time.
+            // Inserted by hand: slightly oblique each time.
             let laid = Laid {
                 shaft: Shaft::cylinder(self.true_mm[index]),
                 temperature_c: self.thermal.0,

@@ -1,10 +1,10 @@
-//! A calibration in words and rows, for people.
+//! A calibration in words and rows, for reports.
 
 use super::calibrated::Calibrated;
 use crate::gauge::Calibration;
 use crate::gauge::stated::stated;
 
-/// Which edge-spread function was fitted to the masters' edges, for people.
+/// The edge-spread function fitted to the masters' edges, in words.
 pub fn edge_model_line(calibrated: &Calibrated) -> String {
     let calibration = &calibrated.calibration;
     let blur = calibration.setup.as_ref().map_or(f64::NAN, |b| b.sigma_px);

@@ -1,10 +1,10 @@
-//! Classes of scenes: what a scene is drawn from, and what is declared of it.
+//! Classes of scenes: their distributions and their declarations.
 
 use serde::Serialize;
 
 use super::illumination;
 
-/// What a scene is drawn from.
+/// The class of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Class {
@@ -22,12 +22,12 @@ pub enum Class {
     Lens,
     /// Texture of the part dominates; ten angles, one station.
     Form,
-    /// Everything counts.
+    /// All sources contribute.
     Mixed,
     /// Partially coherent light under a blur of the sensor, fitted with Gaussian edges.
     Diffraction,
-    /// Partially coherent light whose rings show, the gauge given the edge-spread function of a
-    /// neighbouring light.
+    /// Partially coherent light with visible rings; the gauge is given the edge-spread function of
+    /// a neighbouring light.
     GivenEsf,
     /// Light that falls across and along the field.
     Gradient,
@@ -78,13 +78,13 @@ impl Class {
         Self::Lobes,
         Self::LowContrast,
     ];
-    /// Outside the limits, with a residual, a blur or a clipped level to show for it.
+    /// Outside the limits, and detectable by a residual, a blur or a clipped level.
     pub const DETECTABLE: [Self; 4] =
         [Self::Vibration, Self::LossOfFocus, Self::Overexposed, Self::OtherLight];
-    /// Outside the limits, and no picture shows it.
+    /// Outside the limits, and not detectable in any frame.
     pub const UNDETECTABLE: [Self; 2] = [Self::WarmPart, Self::OtherFinish];
 
-    /// What is declared of the class and what its scenes do, as far as it differs from the others.
+    /// The declaration of the class and its scenes, as far as they differ from the others.
     pub fn declared(self) -> String {
         let text = match self {
             Self::Certificates => "certificates U = 2 um",

@@ -3,13 +3,13 @@
 use crate::render::optics::edge_spread::PartiallyCoherentEdge;
 
 /// Numerical aperture, middle ratio of coherence and blur beside it (µm) of partially coherent
-/// light: under a blur that hides its rings, or not.
+/// light: with a blur that hides its rings, or without.
 pub(super) const fn kind_of_light(rings: bool) -> (f64, f64, f64) {
     if rings { (0.02, 0.6, 5.0) } else { (0.06, 1.0, 18.0) }
 }
 
-/// Steps of the coherence ratio: five kinds (their tables are dear and kept), two to either side of
-/// the middle.
+/// Steps of the coherence ratio: five kinds (their tables take long to compute and are cached), two
+/// on either side of the middle.
 const RATIO_STEP: f64 = 0.05;
 
 /// The kind of light of the class `OtherLight`: beyond the five.
@@ -33,7 +33,7 @@ fn in_words(rings: bool, first: f64, last: f64) -> String {
     )
 }
 
-/// The light of a class in words: with rings that show, or hidden by a blur.
+/// The light of a class in words: with rings that are visible, or hidden by a blur.
 pub(super) fn light(rings: bool) -> String {
     in_words(rings, -2.0, 2.0)
 }

@@ -23,7 +23,7 @@ pub struct ClassFigures {
     pub class: Option<Class>,
     /// Scenes run.
     pub scenes: usize,
-    /// Scenes accepted: measured, and nothing warned.
+    /// Scenes accepted: measured without a warning.
     pub accepted: usize,
     /// Share of the accepted whose interval covers the truth.
     pub covered: f64,
@@ -47,9 +47,9 @@ impl ClassFigures {
         self.class.map_or("all of them".to_owned(), |class| format!("{class:?}"))
     }
 
-    /// Share of the scenes outside the limits that are handled: flagged. A light unlike the
-    /// masters' widens U by what it leaves, so that there an interval that covers the truth will
-    /// do, too.
+    /// Share of the scenes outside the limits that are handled, i.e. flagged. A light unlike the
+    /// masters' widens U by its residual, so that there an interval that covers the truth counts as
+    /// well.
     pub fn handled(&self) -> f64 {
         let covered =
             if self.class == Some(Class::OtherLight) && self.accepted > 0 { self.covered } else { 0.0 };
@@ -73,16 +73,16 @@ pub struct Coverage {
     pub deviating: Vec<ClassFigures>,
     /// All of them together.
     pub deviating_together: ClassFigures,
-    /// Classes outside the limits whose frames show it.
+    /// Classes outside the limits that are detectable in the frames.
     pub detectable: Vec<ClassFigures>,
-    /// Classes outside the limits that no frame shows.
+    /// Classes outside the limits that are not detectable in any frame.
     pub undetectable: Vec<ClassFigures>,
 }
 
 impl Coverage {
-    /// What is not met of: 94-96 % overall and 92 % a class as drawn; 95 % and a half width of 1.5
-    /// times the 95th percentile of the error inside the limits; 99 % flagged outside. `slack`
-    /// widens the limits by so many standard errors.
+    /// The requirements that are missed, of: 94-96 % overall and 92 % per class as drawn; 95 % and
+    /// a half width of 1.5 times the 95th percentile of the error inside the limits; 99 % flagged
+    /// outside. `slack` widens the limits by that many standard errors.
     pub fn misses(&self, slack: f64) -> Vec<String> {
         let mut misses = Vec::new();
         let se = |p: f64, n: usize| slack * (p * (1.0 - p) / n.max(1) as f64).sqrt();
@@ -139,7 +139,7 @@ pub fn coverage(scenes: usize, seed: u64, renderer: &Renderer) -> Result<Coverag
     Ok(Coverage { drawn, drawn_together, deviating, deviating_together, detectable, undetectable })
 }
 
-/// Figures of some classes, each by itself and together.
+/// Figures of several classes, each by itself and together.
 type Group = (Vec<ClassFigures>, ClassFigures);
 
 /// Scenes of one class.

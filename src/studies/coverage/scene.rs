@@ -31,13 +31,14 @@ const ANGLES: usize = 10;
 const STATION_MM: f64 = 0.4;
 const STATIONS: usize = 9;
 
-/// Gaussian blur as wide as the light that takes its place in [`Class::OtherLight`], px.
+/// Gaussian blur of the same width as the partially coherent light that replaces it in
+/// [`Class::OtherLight`], px.
 const OTHER_BLUR_PX: f64 = 1.26;
 
-/// Room that a user leaves for edges imaged unlike the masters', ± µm an edge.
+/// A user's allowance for edges imaged unlike the masters', ± µm per edge.
 const DEVIATING_UM: f64 = 0.03;
 
-/// What came of a scene.
+/// Result of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Measured minus true diameter at 20 °C, mm; none where the frame was refused.
@@ -46,21 +47,21 @@ pub struct Outcome {
     pub u_mm: f64,
     /// Half width of the 95 % interval, mm.
     pub half_mm: f64,
-    /// What warned of the frame, empty where nothing did.
+    /// The warning on the frame; empty without one.
     pub flag: String,
 }
 
-/// What is drawn for a scene before anything is rendered.
+/// The drawn values of a scene, before anything is rendered.
 struct Drawn {
     plan: CalibrationPlan,
     conditions: Conditions,
     class: Class,
-    /// What the edges are off by, ± µm: the limit stated, or a part of it where the class uses up
-    /// the rest.
+    /// Limit of the displacement of the edges, ± µm: the stated limit, or a part of it where the
+    /// class uses the rest.
     finish_um: f64,
 }
 
-/// An edge as the gauge is given it, for the nominal pixel.
+/// An edge as given to the gauge, for the nominal pixel.
 fn samples(edge: &PartiallyCoherentEdge, simulate: &SimulatedPlan) -> Result<EsfSamples, RenderError> {
     let table = edge.edge_spread()?;
     let nominal = SetupSettings { departures: SetupDeviations::none(), ..simulate.setup() };
@@ -82,12 +83,12 @@ fn pin(name: &str, diameter_mm: f64, expanded_u_mm: f64, positions: &[Position])
     }
 }
 
-/// A pin laid in at a place.
+/// A position of a pin.
 fn laid(height_mm: f64, y_mm: f64) -> Position {
     Position { frames: None, height_mm, y_mm }
 }
 
-/// What a class sets before its calibration is planned.
+/// The settings of a class, from which its calibration is planned.
 struct Setup {
     simulate: SimulatedPlan,
     /// Expanded uncertainty of a master, mm.
@@ -100,7 +101,7 @@ struct Setup {
 }
 
 impl Setup {
-    /// What all classes begin with.
+    /// The settings common to all classes.
     fn usual(seed: u64, draws: &mut Draws) -> Self {
         let mut simulate = SimulatedPlan { seed, frames_each: 1, ..SimulatedPlan::default() };
         (simulate.camera.rows, simulate.camera.columns) = (ROWS, COLUMNS);
@@ -130,7 +131,7 @@ impl Setup {
         }
     }
 
-    /// What a class is named after dominates its budget.
+    /// The settings of a class: the source that it is named after dominates the budget.
     fn of_class(class: Class, seed: u64, draws: &mut Draws) -> Result<Self, RenderError> {
         let mut setup = Self::usual(seed, draws);
         let Self { simulate, u_certificate, lens, thermometer, conditions, .. } = &mut setup;
@@ -185,10 +186,10 @@ impl Setup {
         Ok(setup)
     }
 
-    /// Partially coherent light, its edge given to the gauge or not.
+    /// Partially coherent light, with its edge given to the gauge or not.
     fn in_coherent_light(&mut self, given: bool, draws: &mut Draws) -> Result<(), RenderError> {
         self.simulate.optics.esf = Esf::PartiallyCoherent(coherent(given, (2.0 * draws.even()).round()));
-        // Out of the plane the rings change: one set of tables serves every scene.
+        // Out of the plane the rings change; in focus one set of tables serves every scene.
         self.in_focus();
         if given {
             self.gauge.esf = EsfModel::Table(samples(&coherent(true, 0.0), &self.simulate)?);
@@ -196,7 +197,7 @@ impl Setup {
         Ok(())
     }
 
-    /// Masters and part in the plane of best focus, of the blur planned.
+    /// Masters and part in the plane of best focus, with the planned blur.
     fn in_focus(&mut self) {
         self.simulate.departures.blur_rel = 0.0;
         for position in &mut self.positions {
@@ -228,7 +229,8 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError
     };
     let finish_um = conditions.limit_edge_um;
     if Class::DEVIATING.contains(&class) {
-        // Edge-spread function, light and tilt move edges too: the user's limit has room for them.
+        // Edge-spread function, light and tilt displace edges as well: the user's limit allows for
+        // them.
         plan.conditions.limit_edge_um += DEVIATING_UM;
     }
     Ok(Drawn { conditions: plan.conditions, plan, class, finish_um })
@@ -272,7 +274,7 @@ fn in_other_light<'a>(
     })
 }
 
-/// The same optical setup with something about it changed.
+/// The same optical setup with a change.
 fn changed<'a>(
     drawn: &Drawn,
     seed: u64,
@@ -284,12 +286,12 @@ fn changed<'a>(
         change(simulate);
     }
     let other = SimulatedRecordings::new(&plan, renderer)?.into_setup();
-    // Noise of its own, not that of the first master's frames.
+    // Independent noise, not that of the first master's frames.
     Ok(SimulatedSetup::new(renderer, other.setup().clone(), other.telecentricity_per_mm, !seed))
 }
 
-/// The part as it really lies, drawn from the conditions; what lies outside them, for the classes
-/// that are.
+/// The true pose of the part, drawn from the conditions, or outside them for the classes that are
+/// outside.
 fn lay(drawn: &Drawn, d20_mm: f64, seed: u64, draws: &mut Draws) -> Result<Laid, RenderError> {
     let c = &drawn.conditions;
     let edge_mm = 1e-3 * drawn.finish_um * draws.even();
@@ -347,7 +349,7 @@ fn lay(drawn: &Drawn, d20_mm: f64, seed: u64, draws: &mut Draws) -> Result<Laid,
     Ok(laid)
 }
 
-/// The frame, with what goes wrong during the exposure.
+/// The frame, with the disturbances during the exposure.
 fn expose(drawn: &Drawn, setup: &mut SimulatedSetup<'_>, laid: &Laid) -> Result<Frame, RenderError> {
     match drawn.class {
         Class::Vibration => {
@@ -385,7 +387,7 @@ fn refused(flag: String) -> Outcome {
     Outcome { error_mm: None, u_mm: f64::NAN, half_mm: f64::NAN, flag }
 }
 
-/// The reason that most of the edges have which are not good.
+/// The most frequent reason among the refused edges.
 fn most_common(edges: &FrameEdges) -> String {
     let mut counts = BTreeMap::new();
     for reason in edges.top.iter().chain(&edges.bottom).filter_map(Edge::reason) {
@@ -394,8 +396,8 @@ fn most_common(edges: &FrameEdges) -> String {
     counts.into_iter().max_by_key(|(_, count)| *count).map_or(String::new(), |(reason, _)| reason)
 }
 
-/// What warns of a frame: fewer than 97 % of its columns, a residual that the noise does not
-/// explain, a blur unlike the masters'.
+/// The warning on a frame: fewer than 97 % of its columns measured, a residual that the noise does
+/// not explain, a blur unlike the masters'.
 fn flag(calibration: &Calibration, conditions: &Conditions, edges: &FrameEdges) -> String {
     let usable = edges.valid() as f64 / edges.columns() as f64;
     let impaired = (0..edges.columns()).filter(|c| edges.top[*c].reason().is_some()).count();
@@ -422,7 +424,7 @@ fn judge(drawn: &Drawn, calibration: &Calibration, frame: &Frame, true_mm: f64) 
         return refused("too few columns".to_owned());
     };
     let budget = reading.budget(calibration, &drawn.conditions);
-    // Under clipped light every column is impaired, and its interval is what is asked for.
+    // Under clipped light every column is impaired, and the study tests its interval.
     let flag = match drawn.class {
         Class::Clipped => String::new(),
         _ => flag(calibration, &drawn.conditions, &edges),
@@ -464,8 +466,8 @@ fn measure_stations(
         common = common.or(WidthReading::of_frame(&edges, 0..edges.columns()));
         flags.push(flag(calibration, &drawn.conditions, &edges));
     }
-    // What is wrong with light or lens shows in most frames; columns that one of ten loses by
-    // chance are made up for by the others.
+    // A fault of light or lens is present in most frames; columns that one frame of ten loses by
+    // chance are covered by the others.
     let clean = flags.iter().filter(|f| f.is_empty()).count();
     let worst = flags.into_iter().find(|f| !f.is_empty() && 2 * clean < ANGLES).unwrap_or_default();
     let station = averager.finish(1).stations[STATIONS / 2];
@@ -485,7 +487,7 @@ fn measure_stations(
     });
     let half = 0.5 * STATION_MM;
     let true_mm = truth::station_diameter_mm(&laid.shaft, -half, half)?;
-    // The shaft drawn carries finish and drift, which are not the part's.
+    // The drawn shaft includes finish and drift, which are not part of the diameter.
     let added_mm = 2.0 * laid.shaft.profile[0].radius_mm - d20_mm;
     Ok(outcome(&budget, true_mm - added_mm, worst))
 }

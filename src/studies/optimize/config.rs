@@ -85,7 +85,8 @@ pub struct Quality {
     pub roughness_um: f64,
 }
 
-/// Taylor's tool life T = (C_T/(v·f^y·a_p^x))^(1/m), min. Defaults are handbook values for carbide on 45 steel.
+/// Taylor's tool life T = (C_T/(v·f^y·a_p^x))^(1/m), min. Defaults are handbook values for carbide
+/// on 45 steel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ToolLife {
@@ -129,7 +130,8 @@ pub struct GeneticSettings {
     pub evaluations: usize,
     /// Individuals.
     pub population: usize,
-    /// Distribution index of the simulated binary crossover: larger keeps children nearer to their parents.
+    /// Distribution index of the simulated binary crossover: larger keeps children nearer to their
+    /// parents.
     pub crossover_index: f64,
     /// Distribution index of the polynomial mutation.
     pub mutation_index: f64,

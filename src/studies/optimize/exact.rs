@@ -2,9 +2,9 @@
 //!
 //! On a box of cutting data t_j is smallest at the largest (v, f, a_p), the wear rate 1/T at the
 //! smallest, so that t_j,min·(1 + t_h/T_max) + t_q bounds t from below; the force is monotone in
-//! each variable, so that a box whose smallest corner breaks the limit is empty. Boxes that cannot
-//! beat the best point known by more than `gap` are dropped, the others halved. What is left of the
-//! gap is closed by a pattern search from the best point.
+//! each variable, so that a box whose smallest corner violates the limit is empty. Boxes that
+//! cannot improve on the best point so far by more than `gap` are dropped, the others halved. A
+//! pattern search from the best point closes the remaining gap.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -15,7 +15,7 @@ use super::problem::{Problem, Solution};
 
 /// Relative gap to which optima are proven.
 pub const DEFAULT_GAP: f64 = 1e-4;
-/// Boxes after which the search stops and the gap reached is reported.
+/// Number of boxes after which the search stops and reports the gap reached.
 const MOST_BOXES: usize = 200_000;
 
 /// An optimum and its proof.
@@ -25,7 +25,7 @@ pub struct Optimum {
     pub solution: Solution,
     /// No feasible point is shorter by more than this, relative.
     pub proven_gap: f64,
-    /// Boxes looked at.
+    /// Boxes examined.
     pub boxes: usize,
 }
 
@@ -46,7 +46,7 @@ impl PartialOrd for Candidate {
     }
 }
 impl Ord for Candidate {
-    /// Smallest bound first out of a heap that gives its largest.
+    /// Reversed order, because the heap returns its largest element first.
     fn cmp(&self, other: &Self) -> Ordering {
         other.bound.total_cmp(&self.bound)
     }
@@ -80,7 +80,7 @@ pub fn minimise(problem: &Problem, gap: f64) -> Option<Optimum> {
     Some(Optimum { solution, proven_gap: reached, boxes })
 }
 
-/// Bounds a box, looks for a good point in it, and keeps it if it may hold a better one.
+/// Bounds a box, searches it for a good point, and keeps it if it may contain a better one.
 fn consider(
     problem: &Problem,
     limits: Limits,

@@ -8,7 +8,7 @@ use super::problem::{Problem, Solution};
 const GAP: f64 = 1e-3;
 
 /// The non-dominated points of time and size error, from the most exact to the fastest. Empty where
-/// even the roughness cannot be kept.
+/// even the roughness limit cannot be satisfied.
 pub fn time_against_error(problem: &Problem, points: usize) -> Vec<Solution> {
     let at_limit = |size_limit_mm: f64| {
         exact::minimise(&problem.with_size_limit(size_limit_mm), GAP).map(|found| found.solution)
@@ -18,7 +18,8 @@ pub fn time_against_error(problem: &Problem, points: usize) -> Vec<Solution> {
     let ratio = fastest.size_error_mm / smallest;
     let mut front: Vec<Solution> = Vec::new();
     for i in 0..points {
-        // The limit at the exact end is widened by rounding, or its only point would fall out.
+        // The limit at the exact end is widened by the rounding error, because its only point would
+        // be excluded otherwise.
         let share = i as f64 / (points - 1).max(1) as f64;
         let limit = smallest * ratio.powf(share) * (1.0 + 1e-9);
         let Some(solution) = at_limit(limit) else { continue };

@@ -3,8 +3,8 @@
 //! Binary tournaments, simulated binary crossover and polynomial mutation (K. Deb and R. B.
 //! Agrawal, 1995), and survival of the best of parents and children. Limits by Deb's rules (2000):
 //! a feasible individual beats an infeasible one, a shorter time beats a longer one, a smaller
-//! violation a larger one. No penalty factor to tune, and the result violates nothing as soon as
-//! one individual did not.
+//! violation a larger one. There is no penalty factor to tune, and the result is feasible as soon
+//! as one individual is.
 
 use rand::RngExt;
 use rand_pcg::Pcg64;
@@ -21,7 +21,7 @@ pub struct Best {
     pub solution: Solution,
     /// Evaluations of the model.
     pub evaluations: usize,
-    /// The best of every generation, the newborn one first.
+    /// The best of every generation, the initial one first.
     pub generations: Vec<Generation>,
 }
 
@@ -34,7 +34,7 @@ pub struct Generation {
     pub evaluations: usize,
     /// Its time, min.
     pub time_min: f64,
-    /// How far it lies beyond the limits, relative; 0 for a feasible one.
+    /// Violation of the limits, relative; 0 for a feasible one.
     pub violation: f64,
 }
 

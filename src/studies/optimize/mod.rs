@@ -8,8 +8,8 @@
 //! T = (C_T/(v·f^y·a_p^x))^(1/m)          Taylor's tool life
 //! ```
 //!
-//! [`genetic`] is the paper's method, [`exact`] a branch and bound that proves how far any point is
-//! from the optimum, [`front`] the paper's next step: time against size error.
+//! [`genetic`] is the paper's method, [`exact`] a branch and bound that bounds the distance of any
+//! point from the optimum, [`front`] the paper's next step: time against size error.
 
 mod config;
 pub mod exact;
@@ -26,10 +26,10 @@ pub use problem::{Conflict, Constraint, Problem, Solution};
 
 use serde::Serialize;
 
-/// Everything a study of one problem found.
+/// Results of a study of one problem.
 #[derive(Clone, Debug, Serialize)]
 pub struct Study {
-    /// Whether any cutting data keep all limits.
+    /// Whether any cutting data satisfy all limits.
     pub feasible: bool,
     /// Why not.
     pub conflict: Option<Conflict>,
@@ -37,7 +37,7 @@ pub struct Study {
     pub optimum: Option<Solution>,
     /// Proven bound on how much shorter any other feasible point could be, relative.
     pub proven_gap: Option<f64>,
-    /// What the genetic algorithm found.
+    /// Result of the genetic algorithm.
     pub genetic: Option<GeneticResult>,
     /// Points given for comparison.
     pub references: Vec<ReferenceResult>,
@@ -75,11 +75,11 @@ pub struct PassTime {
     pub total_min: f64,
 }
 
-/// Passes over which the time is drawn.
+/// Number of passes up to which the time is plotted.
 pub const MOST_PASSES: u32 = 8;
 
-/// Time over the number of passes at a point, from one pass to [`MOST_PASSES`], as far as the stock
-/// lasts.
+/// Time over the number of passes at a point, from one pass to [`MOST_PASSES`], as far as the
+/// diameter of the stock allows.
 pub fn times_over_passes(problem: &Problem, point: &Point) -> Vec<PassTime> {
     (1..=MOST_PASSES)
         .map_while(|passes| {
@@ -98,11 +98,11 @@ pub struct ReferenceResult {
     pub solution: Solution,
     /// How much longer it takes than the optimum, relative.
     pub gap: Option<f64>,
-    /// The limits that it breaks.
+    /// The limits that it violates.
     pub violated: Vec<Constraint>,
 }
 
-/// Solves a problem by both methods and draws its front.
+/// Solves a problem by both methods and computes its front.
 pub fn study(problem: &Problem, config: &OptimizeConfig) -> Study {
     let found = exact::minimise(problem, exact::DEFAULT_GAP);
     let longer = |time: f64| found.as_ref().map(|f| time / f.solution.time_min - 1.0);

@@ -1,4 +1,4 @@
-//! The model: time, size error, roughness, and what a point violates.
+//! The model: time, size error, roughness, and the limits that a point violates.
 
 use serde::Serialize;
 
@@ -40,7 +40,7 @@ pub struct Solution {
     pub size_error_mm: f64,
     /// Height of the feed marks, µm.
     pub roughness_um: f64,
-    /// Limits that hold the point (within 1e-6 relative).
+    /// Limits that are active at the point (within 1e-6 relative).
     pub active: Vec<Constraint>,
 }
 
@@ -49,7 +49,7 @@ pub struct Solution {
 pub struct Conflict {
     /// The limits that exclude each other (with the bounds).
     pub constraints: Vec<Constraint>,
-    /// In words, with the nearest that can be reached.
+    /// Explanation in words, with the nearest reachable values.
     pub explanation: String,
     /// The point that comes nearest.
     pub nearest: Solution,
@@ -80,7 +80,7 @@ pub struct Problem {
 const ACTIVE: f64 = 1e-6;
 
 impl Problem {
-    /// Sets a problem up.
+    /// Sets up a problem.
     ///
     /// # Errors
     /// As [`OptimizeConfig::validate`].
@@ -128,9 +128,9 @@ impl Problem {
         std::f64::consts::PI * self.length_mm * turned / (1000.0 * p.feed_mm_per_rev * p.speed_m_per_min)
     }
 
-    /// t of a stock turned down in `passes` passes at the same cutting data, min: equation 5 gives
-    /// the time of the last of them; this is Σ t_j(k) for k = 1 to n with the tool changes of all,
-    /// and the auxiliary time once. None where nothing of the shaft would be left.
+    /// t of a stock turned in `passes` passes at the same cutting data, min: equation 5 gives the
+    /// time of the last of them; this is Σ t_j(k) for k = 1 to n with the tool changes of all, and
+    /// the auxiliary time once. `None` where no diameter would remain.
     pub fn total_time_min(&self, p: &Point, passes: u32) -> Option<f64> {
         let left = self.diameter_mm - 2.0 * f64::from(passes) * p.depth_mm;
         let cutting: f64 = (1..=passes).map(|pass| self.pass_time_min(p, pass)).sum();
@@ -167,8 +167,8 @@ impl Problem {
         self.error_per_force_mm_per_n * self.force_n(p)
     }
 
-    /// Height of the feed marks, µm: f²/8r, or what the minor cutting edge leaves at feeds beyond
-    /// the nose.
+    /// Height of the feed marks, µm: f²/8r, or the height left by the minor cutting edge at feeds
+    /// beyond the nose.
     pub fn roughness_um(&self, feed_mm_per_rev: f64) -> f64 {
         1e3 * tool_factors::feed_mark_mm(feed_mm_per_rev, &self.tool)
     }
@@ -179,7 +179,7 @@ impl Problem {
         tool_factors::largest_feed_mm_per_rev(1e-3 * self.roughness_limit_um, most, &self.tool)
     }
 
-    /// How far size error and roughness lie above their limits, relative; zero for a feasible point
+    /// Excess of size error and roughness over their limits, relative; zero for a feasible point
     /// within the bounds.
     pub fn violation(&self, p: &Point) -> f64 {
         let size = self.size_error_mm(p) / self.size_limit_mm - 1.0;

@@ -1,10 +1,10 @@
 //! The paper's experiment with two groups, through rendered and measured frames.
 //!
-//! Each part is turned twice with the same cutting data (the semi-finishing cut is that of the
-//! finishing one: what is measured after it comes again). A guideway out of line leaves the paper's
-//! error line; scatter of tool position and force, which no compensation of one part can see, is
-//! ours. One group is compensated after semi-finishing by the line fitted to its measured stations,
-//! the other is not.
+//! Each part is turned twice with the same cutting data (semi-finishing and finishing cut are the
+//! same, so that the error measured after the first recurs). A misaligned guideway causes the
+//! paper's error line; the scatter of tool position and force, which no compensation of a single
+//! part can correct, is our addition. One group is compensated after semi-finishing by the line
+//! fitted to its measured stations, the other is not.
 
 use super::Inputs;
 use crate::cell::SimulatedCell;
@@ -16,7 +16,7 @@ use crate::process::{DisturbanceSettings, FittedRange, ForceLaw, GuidewayPoint, 
 use crate::render::Renderer;
 use crate::studies::reproduction::{Accept, Row};
 
-/// The job whose camera, optics, masters and gauge are taken.
+/// The job whose camera, optics, masters and gauge are used.
 const JOB: &str = include_str!("../../../configs/slender_shaft.toml");
 /// Length of the parts, mm; the paper scales it to 1.
 const LENGTH_MM: f64 = 120.0;
@@ -24,12 +24,13 @@ const LENGTH_MM: f64 = 120.0;
 const DEPTH_MM: f64 = 0.25;
 /// Parts of a group.
 const PARTS: u64 = 4;
-/// Standard deviation of the tool's position from pass to pass, µm of diameter: a precise lathe's.
+/// Standard deviation of the tool's position from pass to pass, µm of diameter: that of a precise
+/// lathe.
 const REPEATABILITY_UM: f64 = 1.0;
 /// Half width of the force's scatter from blank to blank, relative.
 const FORCE_SPREAD: f64 = 0.1;
 
-/// A finished part as the gauge saw it.
+/// A finished part as measured by the gauge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// Whether it was compensated.
@@ -47,14 +48,14 @@ impl Part {
     }
 }
 
-/// An experiment that cannot be run.
+/// Why the experiment cannot be run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExperimentError {
     /// The loop through frames.
     #[error(transparent)]
     Loop(#[from] LoopError),
-    /// The job it stands on.
+    /// The job it is based on.
     #[error("the built-in job: {0}")]
     Job(String),
 }
@@ -74,8 +75,8 @@ fn job(inputs: &Inputs, line: &LineFit) -> Result<Job, ExperimentError> {
     // Away from the part by half the error of diameter; x = 1 at the chuck.
     let away = |x: f64| 1e3 * 0.5 * inputs.unit_mm * (line.a + line.b * x);
     job.process = ProcessSettings {
-        // The force that a handbook gives such a tool, over the handbook's depths: the paper's line
-        // is the whole error, and bending adds little to it.
+        // The handbook's force for such a tool, over the handbook's depths: the paper's line is the
+        // whole error, to which bending adds little.
         force: ForceLaw::Power(PowerLaw { fitted: FittedRange::default(), ..PowerLaw::table_2() }),
         disturbance: DisturbanceSettings {
             guideway: vec![

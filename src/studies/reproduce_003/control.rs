@@ -5,7 +5,7 @@ use crate::control::stability::{Plant, pid_transfer, stable_gains};
 use crate::control::{FirstPass, OffsetForm, Pid, PidAlgorithm, PidSettings};
 use crate::studies::reproduction::{Accept, Row};
 
-/// Agreement asked of the errors of Fig. 11, as a share of the first.
+/// Agreement required of the errors of Fig. 11, as a share of the first.
 pub(super) const READING: f64 = 0.15;
 
 pub(super) fn rows(input: &PidInput) -> Vec<Row> {
@@ -89,7 +89,8 @@ fn equations(input: &PidInput) -> Vec<Row> {
 }
 
 /// Eq. 18 as printed, without Ki, and with Ki, on a plant of unit gain under a constant
-/// disturbance. The paper does not print its machine's gain; with one in the inputs, that is taken.
+/// disturbance. The paper does not print its machine's gain; where the inputs contain one, it is
+/// used.
 fn equation_18(input: &PidInput) -> Vec<Row> {
     let first = input.uncompensated_mm[0];
     let gain = input.plant_gain.unwrap_or(1.0);
@@ -111,7 +112,7 @@ fn equation_18(input: &PidInput) -> Vec<Row> {
         let quantity = format!("largest distance from Fig. 11b on a plant of gain {gain}, {reading}");
         let text: Vec<String> = errors.iter().map(|e| format!("{e:.4}")).collect();
         let reason = format!("gives {} mm", text.join(", "));
-        // Figures are printed to .001 mm.
+        // Figures are printed to 0.001 mm.
         Row::predicted((id, &quantity, "mm"), Some(0.0), apart, Accept::Absolute(5e-4), reason)
             .needs(&[("the machine's answer to an offset", input.plant_gain.is_some())])
     };

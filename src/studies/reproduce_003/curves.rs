@@ -9,28 +9,28 @@ use crate::studies::optimize::genetic::Generation;
 /// A curve (x, y) and the paper's printed point on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// What it is drawn for.
+    /// Its name in the legend.
     pub name: String,
     /// Points.
     pub points: Vec<(f64, f64)>,
-    /// The paper's printed value of it; absent where it prints none.
+    /// The paper's printed point; absent where it prints none.
     pub printed: Option<(f64, f64)>,
 }
 
-/// Everything that is drawn.
+/// All curves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curves {
-    /// Size error over the tool's position (mm, µm of diameter), a curve a depth of cut.
+    /// Size error over the tool's position (mm, µm of diameter), one curve per depth of cut.
     pub fig_7: Vec<Curve>,
-    /// The same, a curve a cutting speed.
+    /// The same, one curve per cutting speed.
     pub fig_8: Vec<Curve>,
-    /// The same, a curve a feed.
+    /// The same, one curve per feed.
     pub fig_9: Vec<Curve>,
     /// Deflection line under a load that stays at node 71 (mm, µm of diameter), with row 1 of Table
     /// 1.
     pub fixed_load: Vec<Curve>,
-    /// Fig. 11a: error over z (mm, µm of diameter) on the physical plant, a curve a pass, without
-    /// control.
+    /// Fig. 11a: error over z (mm, µm of diameter) on the physical plant, one curve per pass,
+    /// without control.
     pub fig_11_none: Vec<Curve>,
     /// Fig. 11b: the same under PID, offsets accumulated.
     pub fig_11_pid: Vec<Curve>,

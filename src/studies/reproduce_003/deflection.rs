@@ -11,7 +11,7 @@ use crate::studies::reproduction::{Accept, Row};
 
 /// Confidence of the fits; only their values are used here.
 const CONFIDENCE: f64 = 0.95;
-/// Handbook forces scatter by so much, relative.
+/// Scatter of handbook forces, relative.
 const HANDBOOK: f64 = 0.20;
 
 fn shaft(inputs: &Inputs) -> Result<(SteppedShaft, Section), ReproductionError> {
@@ -56,7 +56,7 @@ pub(super) struct Model<'a> {
 
 impl<'a> Model<'a> {
     /// # Errors
-    /// Inputs from which no law or no shaft follows.
+    /// Inputs that determine no law or no shaft.
     pub(super) fn new(inputs: &'a Inputs, tool: &ToolSettings) -> Result<Self, ReproductionError> {
         let (shaft, section) = shaft(inputs)?;
         Ok(Self {
@@ -152,7 +152,7 @@ impl<'a> Model<'a> {
         rows
     }
 
-    /// Percent by which an error over force is below the largest over z.
+    /// Difference of an error over force from the largest over z, %.
     fn below_largest(&self, value: f64) -> f64 {
         100.0 * (1.0 - value / self.error_per_force())
     }
@@ -333,8 +333,8 @@ impl<'a> Model<'a> {
         self.law_1.force_n(figures.fig_9_depth_mm, &cutting)
     }
 
-    /// "The error increases with depth and feed and decreases with the speed": direction, and how
-    /// strongly.
+    /// "The error increases with depth and feed and decreases with the speed": direction and
+    /// elasticity.
     fn trends(&self) -> Vec<Row> {
         let figures = &self.inputs.figures;
         let of_table = |table: &[Force], law: &PowerLaw, factor: fn(&ForcePoint) -> f64| -> Vec<(f64, f64)> {
@@ -367,7 +367,7 @@ impl<'a> Model<'a> {
     }
 }
 
-/// A row of a table by the law fitted to it.
+/// A row of a table computed with the law fitted to it.
 fn fitted(table: &str, index: usize, row: &Force, law: &PowerLaw, limit: f64) -> Row {
     let (id, meant) = (format!("{table}.row{}", index + 1), row.meant());
     let ours = law.force_n(meant.depth_mm, &meant.cutting());

@@ -1,4 +1,4 @@
-//! Why a reproduction cannot be made from the inputs given.
+//! Errors of a reproduction.
 
 use thiserror::Error;
 
@@ -7,7 +7,7 @@ use crate::process::ProcessError;
 use crate::process::fit::FitError;
 use crate::studies::factor::FactorError;
 
-/// A reproduction that cannot be made from the inputs given.
+/// Why a reproduction cannot be computed from the inputs.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ReproductionError {
@@ -16,7 +16,7 @@ pub enum ReproductionError {
     Input {
         /// Dotted key.
         key: String,
-        /// What is wrong and what would be right.
+        /// What is wrong, and the valid values.
         problem: String,
     },
     /// The forces.
@@ -34,7 +34,7 @@ pub enum ReproductionError {
     /// The loop through frames.
     #[error(transparent)]
     Loop(#[from] LoopError),
-    /// The job that the physical plant stands on.
+    /// The job that the physical plant is based on.
     #[error("the built-in job: {0}")]
     Job(String),
 }

@@ -42,7 +42,7 @@ pub(super) fn rows(
         for (k, error) in found.error_mm.iter().enumerate() {
             let id = format!("fig11.frames.{name}.pass{}", k + 1);
             let quantity = format!("measured error after pass {}, controller {name}", k + 1);
-            // Without a number of the paper's: its shaft is not described.
+            // Without a number from the paper, which does not describe its shaft.
             rows.push(Row::ours((&id, &quantity, "mm"), *error, reason));
         }
     }

@@ -1,4 +1,4 @@
-//! What the paper prints.
+//! The paper's printed values.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,8 @@ pub struct Inputs {
     pub optimum: OptimumInput,
     /// The controller and Fig. 11.
     pub pid: PidInput,
-    /// The shaft of Fig. 11 as it is taken here; the paper describes it by diameter and cutting data alone.
+    /// The shaft of Fig. 11 as it is taken here; the paper describes it by diameter and cutting
+    /// data alone.
     #[serde(default)]
     pub plant: PlantInput,
 }
@@ -71,8 +72,9 @@ pub struct Handbook {
     pub feed_exponent: f64,
     /// Speed.
     pub speed_exponent: f64,
-    /// C of the radial force with a carbide tool of the handbook's reference geometry on steel of σ_b = 650 MPa, N (Ai Xing, Xiao
-    /// Shigang, Qiexiao yongliang jianming shouce, 1994; exponents .9, .6 and -.3): Tables 1 and 2 are compared with it.
+    /// C of the radial force with a carbide tool of the handbook's reference geometry on steel of
+    /// σ_b = 650 MPa, N (Ai Xing, Xiao Shigang, Qiexiao yongliang jianming shouce, 1994; exponents
+    /// .9, .6 and -.3): Tables 1 and 2 are compared with it.
     #[serde(default = "passive_coefficient")]
     pub passive_coefficient_n: f64,
     /// Tangential over radial force, a rule of thumb.
@@ -239,7 +241,8 @@ pub struct PidInput {
     pub transfer_gain: f64,
     /// Position Fig. 11 is read at, mm.
     pub position_mm: f64,
-    /// Change of the diameter over the change of the offset on the machine of Fig. 11, which the paper does not print.
+    /// Change of the diameter over the change of the offset on the machine of Fig. 11, which the
+    /// paper does not print.
     #[serde(default)]
     pub plant_gain: Option<f64>,
 }

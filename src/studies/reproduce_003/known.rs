@@ -1,17 +1,17 @@
 //! Figures of the paper that are known not to be reproduced, each with ours and the reason. A
-//! reason names the rows that show it.
+//! reason names the rows that demonstrate it.
 
 use crate::studies::reproduction::KnownMiss;
 
-/// The offsets of eq. 18 as printed replace each other, so that a pass without error takes the next
-/// one's correction away.
+/// The offsets of eq. 18 as printed replace each other, so that a pass without error cancels the
+/// correction of the next one.
 const ABSOLUTE: &str = "eq. 18's offsets replace each other as printed: on this shaft, whose gain (fig11.physical.gain) lies above what they are stable \
                         up to (stability.absolute), the correction is lost in every other pass";
 const GROWTH: &str = "copied errors level off, their factor being below 1; the thinning shaft adds to them, but no length from 300 to 1000 mm and \
                       no supports bring Fig. 11a's growth (fig11.physical.growth.most)";
 const FIG_8: &str = "the printed errors fall faster with the speed than the printed forces do (fig8.linear), which no static beam can follow";
 
-/// The misses, at the inputs that the binary carries.
+/// The misses, with the built-in inputs.
 pub const KNOWN_MISSES: [KnownMiss; 11] = [
     KnownMiss {
         id: "fig7.position",

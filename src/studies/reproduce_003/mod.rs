@@ -1,8 +1,8 @@
-//! Reproduction of the slender-shaft paper (Xue, Miao, Xue 2023): every figure of it beside ours.
+//! Reproduction of the slender-shaft paper (Xue, Miao, Xue 2023): each of its figures beside ours.
 //!
-//! `ours` is computed when asked, from [`Inputs`]: a changed input changes it, and the verdict with
-//! it ([`super::reproduction`]). A contradiction is shown by the paper's own figures alone
-//! (`own_figures`); figures that are missed for a reason that is known stand in `known`.
+//! `ours` is computed on every run from [`Inputs`]: a changed input changes it and its verdict
+//! ([`super::reproduction`]). A contradiction is shown by the paper's own figures alone
+//! (`own_figures`); figures that are missed for a known reason are listed in `known`.
 
 mod control;
 mod curves;
@@ -30,7 +30,7 @@ use crate::render::Renderer;
 pub struct Reproduction {
     /// Every figure of the paper beside ours.
     pub rows: Vec<Row>,
-    /// What is drawn.
+    /// Curves for plots.
     pub curves: Curves,
 }
 
@@ -38,7 +38,7 @@ pub struct Reproduction {
 /// measured frames.
 ///
 /// # Errors
-/// Inputs from which nothing can be computed.
+/// Inputs that are refused.
 pub fn run(
     inputs: &Inputs,
     problem: &OptimizeConfig,

@@ -9,10 +9,10 @@ use crate::studies::optimize::{
 };
 use crate::studies::reproduction::{Accept, Row};
 
-/// Agreement asked of the chosen cutting data, relative.
+/// Agreement required of the chosen cutting data, relative.
 const NEAR: f64 = 0.02;
 
-/// The rows, and what is drawn of them.
+/// The rows and their curves.
 pub(super) fn rows(
     inputs: &Inputs,
     config: &OptimizeConfig,
@@ -36,7 +36,7 @@ pub(super) fn rows(
     Ok(rows)
 }
 
-/// The problem with what the inputs give of what the paper does not print.
+/// The problem, completed by the inputs where the paper prints no value.
 fn completed(inputs: &Inputs, config: &OptimizeConfig) -> OptimizeConfig {
     let (paper, mut config) = (&inputs.optimum, config.clone());
     config.time.tool_change_min = paper.tool_change_min.unwrap_or(config.time.tool_change_min);
@@ -152,7 +152,7 @@ fn limits(inputs: &Inputs, config: &OptimizeConfig, problem: &Problem, at: &Solu
     ]
 }
 
-/// Forces scatter by so much, relative.
+/// Scatter of handbook forces, relative.
 const HANDBOOK: f64 = 0.20;
 
 fn best(
@@ -206,7 +206,7 @@ fn best(
     rows
 }
 
-/// How near the genetic algorithm comes to the optimum, by seeds.
+/// Gap between the genetic algorithm's result and the optimum, by seed.
 fn genetic_rows(
     seeds: u64,
     config: &OptimizeConfig,
@@ -219,7 +219,7 @@ fn genetic_rows(
         curves.generations.clone_from(&first.generations);
     }
     let complete = runs.len() as u64 == seeds;
-    // A seed without anything feasible has no gap that would do.
+    // A seed without a feasible result has no gap.
     let failed = if complete { 0.0 } else { f64::NAN };
     let mut gaps: Vec<f64> =
         runs.iter().map(|best| 100.0 * (best.solution.time_min / optimum.time_min - 1.0)).collect();

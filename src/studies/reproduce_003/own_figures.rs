@@ -1,19 +1,19 @@
-//! The paper against itself: its figures and equations by arithmetic and geometry alone, with no
-//! constant of ours.
+//! The consistency of the paper: its figures and equations by arithmetic and geometry alone,
+//! without a constant of ours.
 //!
-//! Only these rows can end in a contradiction. They see [`Printed`] and nothing else.
+//! Only these rows can end in a contradiction. Their only input is [`Printed`].
 
 use super::inputs::{Figure, Force, Inputs};
 use crate::studies::optimize::OptimizeConfig;
 use crate::studies::reproduction::{Accept, Row};
 
-/// Accuracy to which a printed table follows a power of its factor, relative: both do within .3 %
+/// Accuracy to which a printed table follows a power of its factor, relative: both do within 0.3 %
 /// elsewhere.
 const TABLE: f64 = 0.01;
 /// Accuracy of a value read from a printed curve, relative.
 const READING: f64 = 0.02;
 
-/// What the paper prints, and nothing else.
+/// The paper's printed values alone.
 pub(super) struct Printed<'a> {
     /// The inputs, of which `meant_…` and the handbook's and the plant's values are not used here.
     inputs: &'a Inputs,
@@ -74,7 +74,7 @@ impl<'a> Printed<'a> {
         )
     }
 
-    /// The rows of a table that the paper does not misprint, as (factor, force).
+    /// The rows of a table without a misprint, as (factor, force).
     fn sound(table: &[Force], factor: fn(&Force) -> f64) -> Vec<(f64, f64)> {
         let sound = |row: &&Force| row.meant_depth_mm.is_none() && row.meant_force_n.is_none();
         table.iter().filter(sound).map(|row| (factor(row), row.force_n)).collect()
@@ -158,7 +158,7 @@ impl<'a> Printed<'a> {
         let row = |f: &Figure| {
             let ratio = force(f) / force(first);
             let ours = first.error_um * ratio;
-            // Errors are printed to .1 µm.
+            // Errors are printed to 0.1 µm.
             let limit = 0.05 * (1.0 + ratio) + READING * f.error_um;
             let id = format!("{figure}.linear.row{}", f.row);
             let quantity = format!(

@@ -1,10 +1,10 @@
-//! Fig. 11 on the physical plant: the turning process, its true diameters in the controller's place
-//! of measurement.
+//! Fig. 11 on the physical plant: the turning process, with its true diameters in place of measured
+//! ones.
 //!
 //! The paper gives neither length nor supports of the shaft it cut. `[plant]` of the inputs takes a
 //! length twice the position of Fig. 11 and the main job's supports, with the paper's cutting data
 //! and final diameter and a radial force scaled so that its first error is the paper's: that keeps
-//! the shape, small at both ends and large in the middle, which a softer tailstock would not.
+//! the shape, small at both ends and large in the middle, which a softer tailstock would change.
 
 use super::control::READING;
 use super::curves::{Curves, of_passes};
@@ -19,13 +19,13 @@ use crate::process::{
 };
 use crate::studies::reproduction::{Accept, Row};
 
-/// The job whose scan, masters, gauge and controller the frames take.
+/// The job whose scan, masters, gauge and controller are used with frames.
 const JOB: &str = include_str!("../../../configs/slender_shaft.toml");
 
 /// Passes of Fig. 11.
 const PASSES: usize = 4;
 
-/// Shaft, cut and supports of the plant, in the main job's place.
+/// The main job with the plant's shaft, cut and supports.
 pub(super) fn job(inputs: &Inputs) -> Result<Job, ReproductionError> {
     let mut job: Job = toml::from_str(JOB).map_err(|e| ReproductionError::Job(e.to_string()))?;
     let (plant, cut) = (&inputs.plant, &inputs.optimum);
@@ -62,7 +62,7 @@ pub(super) fn job(inputs: &Inputs) -> Result<Job, ReproductionError> {
     Ok(job)
 }
 
-/// How offsets follow from the controller's output; none without control.
+/// How offsets follow from the controller's output.
 #[derive(Clone, Copy, PartialEq)]
 enum Compensation {
     None,
@@ -115,8 +115,8 @@ pub(super) fn rows(inputs: &Inputs, curves: &mut Curves) -> Result<Vec<Row>, Rep
 }
 
 /// Lengths, mm, and factors on the stiffness of the plant's supports among which the largest growth
-/// is looked for: from a shaft that just holds the paper's position to the paper's own 1000 mm; a
-/// tenth of the supports to rigid ones.
+/// is searched: from a shaft that just contains the paper's position to the paper's own 1000 mm;
+/// from a tenth of the stiffness to rigid supports.
 const LENGTHS_MM: [f64; 4] = [300.0, 500.0, 700.0, 1000.0];
 const STIFFER: [f64; 3] = [0.1, 1.0, f64::INFINITY];
 
@@ -150,7 +150,7 @@ fn growth_at_most(job: &Job, inputs: &Inputs) -> Result<Row, ReproductionError> 
 /// position.
 fn gain(job: &Job, input: &PidInput) -> Result<Row, ReproductionError> {
     let stations = job.part.station_z_mm().len();
-    // Small beside the depth of cut, so that the force law is straight over it.
+    // Small compared with the depth of cut, so that the force law is linear over it.
     let step_mm = 0.01;
     let second = |o_mm: f64| -> Result<f64, ReproductionError> {
         let mut process = workpiece(job)?;
@@ -176,8 +176,8 @@ pub(super) fn worst(id: &str, errors: &[f64], printed: &[f64], reason: &str) -> 
     Row::predicted(names, Some(paper), ours, Accept::Range(0.0, paper), reason)
 }
 
-/// The errors of every pass at the paper's position. Without control both sides count; with it,
-/// less than the paper's agrees too.
+/// The errors of every pass at the paper's position. Without control both sides count; with it, an
+/// error below the paper's agrees as well.
 fn pass_rows(name: &str, errors: &[f64], printed: &[f64], assumed: &str) -> Vec<Row> {
     let row = |(k, (error, paper)): (usize, (&f64, &f64))| {
         let id = format!("fig11.physical.{name}.pass{}", k + 1);
@@ -221,12 +221,12 @@ pub(super) fn shape(id: &str, how: &str, profiles: &[Vec<(f64, f64)>]) -> Row {
 }
 
 /// Scales the force law so that the first error at the paper's position is the paper's, by
-/// bisection over the logarithm of the factor (more force makes a larger error). An end of the
-/// search where the paper's error is out of reach.
+/// bisection over the logarithm of the factor (more force makes a larger error). Returns an end of
+/// the search range where the paper's error is out of reach.
 fn identified_force(job: &mut Job, input: &PidInput) -> Result<f64, ReproductionError> {
     let plain = if let ForceLaw::Power(law) = &job.process.force { *law } else { PowerLaw::default() };
     let (mut less, mut more) = (1e-2_f64.ln(), 1e2_f64.ln());
-    // So much force leaves less than the minimum chip on the way to the answer.
+    // During the search large forces reduce the depth below the minimum chip.
     job.process.pass.below_minimum_chip = BelowMinimumChip::Extrapolate;
     for _ in 0..50 {
         let middle = 0.5 * (less + more);

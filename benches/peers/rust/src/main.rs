@@ -1,6 +1,8 @@
-//! Edge points of grey PNGs by the crate subpixel-edge (Canny, then a parabola across the edge), on one thread.
+//! Edge points of grey PNGs by the crate subpixel-edge (Canny, then a parabola across the edge), on
+//! one thread.
 //!
-//! `peer-subpixel-edge OUT.csv FRAME.png…` writes `frame,row,column` and prints the least seconds a frame of ten rounds.
+//! `peer-subpixel-edge OUT.csv FRAME.png…` writes `frame,row,column` and prints the shortest time
+//! per frame of ten rounds, s.
 
 use std::error::Error;
 use std::fmt::Write as _;

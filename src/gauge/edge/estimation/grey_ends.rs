@@ -176,7 +176,8 @@ fn collect(windows: &Windows, level: Level, columns: usize, pool: &mut Vec<f32>)
     }
 }
 
-/// The grey value that all but [`GreyEndLimits::beyond`] of the pixels stay at or below, where many stand at it.
+/// The grey value that all but [`GreyEndLimits::beyond`] of the pixels stay at or below, where many
+/// stand at it.
 fn candidate(pool: &mut [f32]) -> Option<f32> {
     if pool.len() < 24 {
         return None;

@@ -9,7 +9,7 @@
 //! the contrast of every pixel being divided by
 //!
 //! ```text
-//! exp(g·t + q·t²),  t = y_k − D        exact for light that falls exponentially and for Gaussian spots
+//! exp(g·t + q·t²),  t = y_k − D    exact for light that falls exponentially and for Gaussian spots
 //! ```
 //!
 //! with g from the pixels a few rows farther out and q, one for the side, from those and others
@@ -446,7 +446,8 @@ fn distance(table: &Table, flat: usize) -> f64 {
     (table.width - 1) as f64 - 0.5 * (flat as f64 + 1.0) - half(table.width) as f64
 }
 
-/// |Σ w_k E_k (y_k − D)| of an edge in the middle of its window, px of the edge per share of the contrast and px.
+/// |Σ w_k E_k (y_k − D)| of an edge in the middle of its window, px of the edge per share of the
+/// contrast and px.
 fn shift(table: &Table, flat: usize) -> f64 {
     let phase = table.phase(0.0);
     let middle = half(table.width) as f64;

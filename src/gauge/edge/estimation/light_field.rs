@@ -2,7 +2,8 @@
 //! the frame.
 //!
 //! ```text
-//! ln C(x, y) = p0 + p1 x + p2 y + p3 x² + p4 xy + p5 y²        exact for light that falls exponentially and for Gaussian spots
+//! ln C(x, y) = p0 + p1 x + p2 y + p3 x² + p4 xy + p5 y²
+//! exact for light that falls exponentially and for Gaussian spots
 //! ```
 //!
 //! Least squares on the light beside the part, residuals beyond three standard deviations counting

@@ -5,7 +5,8 @@
 //! mean m + b(m) with (B. Widrow and I. Kollár, Quantization Noise, 2008, chapters 4 and 5)
 //!
 //! ```text
-//! b(m) = q Σ_k (−1)^k/(πk)·exp(−2π²k²σ²/q²)·sin(2πkm/q)        mean of b² over m:  r(σ) = q² Σ_k 1/(2π²k²)·exp(−4π²k²σ²/q²)
+//! b(m) = q Σ_k (−1)^k/(πk)·exp(−2π²k²σ²/q²)·sin(2πkm/q)
+//! mean of b² over m:  r(σ) = q² Σ_k 1/(2π²k²)·exp(−4π²k²σ²/q²)
 //! ```
 //!
 //! r is q²/12 without noise, a thirtieth of that at σ = 0.27 q, nothing from 0.5 q on. b is the

@@ -1,9 +1,9 @@
 //! Edges out of focus, column by column: tables over a range of defocus, blended between
 //! neighbours.
 //!
-//! A bent shaft or a wobbling axis carries its edge through the plane of focus by y(z, φ). The
-//! image depends on |y| only; between tables F is linear in |y|, their number grows until the blend
-//! errs by no more than the tolerance in the middle of every interval.
+//! On a bent shaft or with a wobbling axis the edge is out of focus by y(z, φ). The image depends
+//! on |y| only; between tables F is linear in |y|, and their number is increased until the error of
+//! the blend is within the tolerance in the middle of every interval.
 
 use rayon::prelude::*;
 
@@ -14,7 +14,7 @@ use crate::render::error::{RenderError, within};
 /// Most tables of a stack.
 const MOST_TABLES: usize = 257;
 
-/// Distances at which the blend is judged, over the table's reach.
+/// Number of distances at which the blend is checked, over the table's reach.
 const PROBES: usize = 801;
 
 const KEY: &str = "optics.esf.partially_coherent.depth_mm";
@@ -76,7 +76,7 @@ impl FocusStack {
         &self.tables
     }
 
-    /// Distance of two tables in focus, mm.
+    /// Difference of focus between two tables, mm.
     pub fn step_mm(&self) -> f64 {
         self.step_mm
     }
@@ -86,8 +86,8 @@ impl FocusStack {
         self.blend_error
     }
 
-    /// Table and share of the next one for an edge `defocus_mm` out of focus; beyond the largest
-    /// the last table.
+    /// Table and share of the next one for an edge `defocus_mm` out of focus; the last table beyond
+    /// the largest.
     pub fn place(&self, defocus_mm: f64) -> (usize, f64) {
         let last = self.tables.len() - 2;
         let at = (defocus_mm.abs() / self.step_mm).min((last + 1) as f64);

@@ -6,10 +6,10 @@
 
 use std::f64::consts::PI;
 
-/// Where the two methods meet: the series needs 20 terms, the fraction 40 steps there.
+/// Limit between the two methods, where the series needs 20 terms and the fraction 40 steps.
 const MEET: f64 = 1.6;
 
-/// Most terms or steps; reached by neither.
+/// Most terms or steps; never reached.
 const MOST: usize = 200;
 
 /// C(x) and S(x), absolute error below 1e-13.
@@ -20,7 +20,7 @@ pub fn fresnel(x: f64) -> (f64, f64) {
 }
 
 fn series(v: f64) -> (f64, f64) {
-    // Terms (iπ/2)^n v^(2n+1) / (n! (2n+1)): even n go to C, odd ones to S, signs alternate.
+    // Terms (iπ/2)^n v^(2n+1) / (n! (2n+1)): even n belong to C, odd ones to S, signs alternate.
     let z = 0.5 * PI * v * v;
     let mut power = v;
     let mut sums = [0.0, 0.0];
@@ -36,7 +36,7 @@ fn series(v: f64) -> (f64, f64) {
     (sums[0], sums[1])
 }
 
-/// A complex number, just enough for the fraction.
+/// A complex number (re, im).
 type Complex = (f64, f64);
 
 fn times(a: Complex, b: Complex) -> Complex {

@@ -79,7 +79,7 @@ impl GaussianBlur {
     }
 }
 
-/// Φ(u) and φ(u); the reference takes another route to Φ (libm's erf).
+/// Φ(u) and φ(u); the reference computes Φ in another way (libm's erf).
 pub(crate) fn gaussian(u: f64) -> (f64, f64) {
     (0.5 * erfc(-u / std::f64::consts::SQRT_2), phi_pdf(u))
 }

@@ -1,7 +1,7 @@
-//! Grazing reflection: a polished cylinder in diffuse light mirrors the light beside its edge into
-//! the lens.
+//! Grazing reflection: a polished cylinder in diffuse light reflects light beside its edge into the
+//! lens.
 //!
-//! In the plane across the axis, a ray that reaches the camera at the angle α and seems to come
+//! In the plane across the axis, a ray that reaches the camera at the angle α and appears to come
 //! from the height x in the plane of the axis meets a cylinder of radius R at the glancing angle γ
 //! with cos γ = (x/R) cos α. Traced back it leaves towards the source at α - 2γ, and is lit if that
 //! lies within the source's half angle θ:
@@ -10,11 +10,11 @@
 //! L(x, α) = 1 where x cos α > R, else ρ(γ) where 2γ - α ≤ θ, else 0
 //! ```
 //!
-//! For rays along the optical axis the strip is Rθ²/8 wide (Dθ²/8 of diameter: 20 mm 19 µm at 5°,
-//! .76 µm at 1°); off the axis it grows to Rθ²/6 at α = θ/3. Rays askew, with the angle ζ along the
-//! axis, keep ζ: source and pupil shrink to √(θ²-ζ²) and √(NA²-ζ²). The light of all pupil points
-//! adds up; interference between direct and mirrored light is left out (right for a source wider
-//! than the pupil), and so is the defocus of mirrored rays beyond their own angle.
+//! For rays along the optical axis the strip is Rθ²/8 wide (Dθ²/8 of diameter: 20 mm: 19 µm at
+//! 5°, 0.76 µm at 1°); off the axis it grows to Rθ²/6 at α = θ/3. Skew rays, with the angle ζ along
+//! the axis, preserve ζ: source and pupil shrink to √(θ²-ζ²) and √(NA²-ζ²). The light of all pupil
+//! points adds up; interference between direct and reflected light is neglected (correct for a
+//! source wider than the pupil), and so is the defocus of reflected rays beyond their own angle.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -26,10 +26,10 @@ use super::shifts::Shifts;
 use super::table::EdgeSpread;
 use crate::render::error::{RenderError, within};
 
-/// Cells over the strip in which its brightness is taken as even.
+/// Cells over the strip, each of uniform brightness.
 const CELLS: usize = 256;
 
-/// Points a cell's brightness is averaged over: the strip's end is found to Rθ²/12000.
+/// Points over which a cell's brightness is averaged: the strip's end is resolved to Rθ²/12000.
 const POINTS: usize = 8;
 
 /// Chords of the pupil, and nodes along a chord between two breaks.
@@ -56,7 +56,7 @@ pub struct GrazingReflection {
 }
 
 impl Default for GrazingReflection {
-    /// Ground steel before a telecentric backlight.
+    /// Ground steel in front of a telecentric backlight.
     fn default() -> Self {
         Self {
             source_half_angle_deg: 1.0,
@@ -84,7 +84,7 @@ impl GrazingReflection {
     /// Width of the lit strip at one edge for rays at `acceptance_deg` to the optical axis, µm
     /// (paraxial).
     ///
-    /// R(θ-α)(θ+3α)/8: Rθ²/8 on the axis, its largest, Rθ²/6, at α = θ/3.
+    /// R(θ-α)(θ+3α)/8: Rθ²/8 on the axis; its maximum Rθ²/6 at α = θ/3.
     pub fn strip_um(&self, radius_mm: f64, acceptance_deg: f64) -> f64 {
         let (theta, alpha) = (self.source_half_angle_deg.to_radians(), acceptance_deg.to_radians());
         radius_mm * 1e3 * (theta - alpha) * (theta + 3.0 * alpha) / 8.0
@@ -129,7 +129,7 @@ impl GrazingReflection {
     /// plane, weight).
     fn chords(&self) -> Vec<(f64, f64, f64)> {
         let theta = self.source_half_angle_deg.to_radians();
-        // Light reaches the pupil directly only within the source's own cone.
+        // Direct light reaches the pupil only within the cone of the source.
         let lit = self.acceptance_half_angle_deg.to_radians().min(theta);
         if lit == 0.0 {
             return vec![(0.0, theta, 1.0)];
@@ -137,8 +137,8 @@ impl GrazingReflection {
         let chord = |(u, w): &(f64, f64)| {
             let (sin, cos) = (FRAC_PI_2 * u).sin_cos();
             let source = (theta * theta - (lit * sin).powi(2)).max(0.0).sqrt();
-            // ζ = lit sin(πu/2): dζ and the chord's length both go with the cosine, over the area π
-            // lit².
+            // ζ = lit sin(πu/2): dζ and the chord's length are both proportional to the cosine,
+            // over the area π lit².
             (lit * cos, source, w * cos * cos)
         };
         gauss_legendre(CHORDS).iter().map(chord).collect()
@@ -149,7 +149,7 @@ impl GrazingReflection {
     }
 
     /// Mean over α in ±`half`, divided where rays begin to meet the cylinder (cos α = R/x) and
-    /// where they turn out of the source (3α² - 2θα + 8h - θ² = 0 for a depth of Rh in the shadow).
+    /// where they leave the source (3α² - 2θα + 8h - θ² = 0 for a depth of Rh in the shadow).
     fn chord_light(&self, height: f64, half: f64, source: f64, rule: &[(f64, f64)]) -> f64 {
         if half == 0.0 {
             return self.radiance(height, 0.0, source);
@@ -171,8 +171,8 @@ impl GrazingReflection {
         if 2.0 * glancing - alpha <= source { self.reflectance(glancing) } else { 0.0 }
     }
 
-    /// The edge's light as shifted edges: how much light begins at which distance (µm into the
-    /// light).
+    /// The edge's light as shifted edges: the share of light that begins at each distance (µm into
+    /// the light).
     ///
     /// # Errors
     /// Refuses values outside their ranges.

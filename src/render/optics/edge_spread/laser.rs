@@ -4,11 +4,11 @@
 //! I(v) = ½[(½ + C(v))² + (½ + S(v))²],   v = x √(2/(λz))
 //! ```
 //!
-//! z from the edge to the sensor: 25 % at the true edge, 50 % at v = .354. The rings never end in
-//! one colour (their contrast falls as √2/πv); a line of finite width, here Gaussian, washes them
-//! out at about v² = .4 λ/Δλ, a source of finite angle blurs them by z times its angle. Valid for z
-//! much larger than the distance from the edge, one edge at a time: the two edges of a wire
-//! interfere, see [`LaserShadow::wire`].
+//! z from the edge to the sensor: 25 % at the true edge, 50 % at v = 0.354. In monochromatic light
+//! the rings never end (their contrast decreases as √2/πv); a line of finite width, here Gaussian,
+//! removes them at about v² = 0.4 λ/Δλ, and a source of finite angle blurs them by z times its
+//! angle. Valid for z much larger than the distance from the edge, one edge at a time: the two
+//! edges of a wire interfere, see [`LaserShadow::wire`].
 
 use std::f64::consts::PI;
 
@@ -20,18 +20,18 @@ use super::shifts::Shifts;
 use super::table::EdgeSpread;
 use crate::render::error::{RenderError, within};
 
-/// Largest error of the table's interpolation, share of full intensity: a third of what the family
-/// promises.
+/// Largest error of the table's interpolation, share of full intensity: a third of the family's
+/// stated error.
 const TOLERANCE: f64 = 3e-6;
 
 /// Full width at half maximum over the standard deviation of a Gaussian line.
 const FWHM: f64 = 2.354_820_045;
 
-/// Reach of the average over a line, standard deviations.
+/// Range of the average over a line, standard deviations.
 const LINE_REACH: f64 = 5.0;
 
-/// v in the shadow at which the table begins, divided by that in the light: there are no rings in
-/// the shadow.
+/// |v| at the table's start in the shadow over v at its end in the light: there are no rings in the
+/// shadow.
 const SHADOW_SHARE: f64 = 0.5;
 
 /// A laser gauge's light and distances.
@@ -108,7 +108,7 @@ impl LaserShadow {
     /// Light behind an opaque wire of `diameter_um` at `x_um` from its axis: the amplitudes of both
     /// edges add.
     ///
-    /// Of one colour or averaged over the line, a point source.
+    /// Monochromatic or averaged over the line, for a point source.
     ///
     /// # Errors
     /// Refuses values outside their ranges.
@@ -126,14 +126,14 @@ impl LaserShadow {
         Ok(light)
     }
 
-    /// Nodes over the line as (√(λ0/λ), weight): the trapezoidal rule, three points to a turn of
+    /// Nodes over the line as (√(λ0/λ), weight): the trapezoidal rule, three points per period of
     /// the farthest ring.
     fn line(&self) -> Vec<(f64, f64)> {
         let relative = self.bandwidth_nm / FWHM / self.wavelength_nm;
         if relative == 0.0 {
             return vec![(1.0, 1.0)];
         }
-        // Beyond ln(1e6) of damping, (πv²σ/2)²/2, the rings are gone and need not be followed.
+        // Beyond ln(1e6) of damping, (πv²σ/2)²/2, the rings are negligible.
         let followed = (0.5 * PI * self.reach * self.reach * relative).min(6.0);
         let half = 12 + (followed * LINE_REACH * 3.0 / PI).ceil() as i32;
         let nodes: Vec<(f64, f64)> = (-half..=half)

@@ -1,10 +1,10 @@
-//! A measured edge: distance and intensity from a file, as a slanted-edge or knife-edge scan gives
-//! them.
+//! A measured edge: distance and intensity from a file, as from a slanted-edge or knife-edge scan.
 //!
-//! Two columns, `d_um,intensity`, a header line or none, lines that start with `#` skipped. The
-//! intensity is that at a point (the pixel's area is integrated later): 0 in the shadow, 1 in the
-//! light. Between the samples F runs along the monotone piecewise cubic of Fritsch & Carlson (SIAM
-//! J. Numer. Anal. 17, 1980, 238) with the slopes of Fritsch & Butland, which never overshoots.
+//! Two columns, `d_um,intensity`, with an optional header line; lines that start with `#` are
+//! skipped. The intensity is that at a point (the pixel's area is integrated later): 0 in the
+//! shadow, 1 in the light. Between the samples F runs along the monotone piecewise cubic of Fritsch
+//! & Carlson (SIAM J. Numer. Anal. 17, 1980, 238) with the slopes of Fritsch & Butland, which never
+//! overshoots.
 
 use std::io::Read;
 
@@ -19,7 +19,7 @@ const KEY: &str = "optics.esf.measured.file";
 /// Fewest samples that describe an edge.
 const FEWEST: usize = 8;
 
-/// How far the ends may lie from 0 and 1 before the file counts as not normalised.
+/// Largest departure of the ends from 0 and 1; a file beyond it is not normalised.
 const LEVEL_TOLERANCE: f64 = 0.02;
 
 /// Knots of the table in the smallest distance of two samples.
@@ -28,11 +28,13 @@ const KNOTS_PER_SAMPLE: f64 = 4.0;
 /// Most knots of the table.
 const MOST_KNOTS: f64 = 1e6;
 
-/// What a user sets about a measured edge: a file, read when the config is loaded, or the samples themselves.
+/// What a user sets about a measured edge: a file, read when the config is loaded, or the samples
+/// themselves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MeasuredEsf {
-    /// CSV file `d_um,intensity` beside the config; its samples take its place in the resolved config.
+    /// CSV file `d_um,intensity` beside the config; its samples take its place in the resolved
+    /// config.
     pub file: Option<String>,
     /// Whether an intensity that falls is refused; false for coherent light, whose rings are real.
     pub monotone: bool,
@@ -100,7 +102,7 @@ impl MeasuredEdge {
     /// coherent light, whose rings are real.
     ///
     /// # Errors
-    /// Names the line and what would be right: no number, distances that do not rise, fewer than 8
+    /// Names the line and the valid form: not a number, distances that do not rise, fewer than 8
     /// samples, ends that are not 0 and 1 to 2 %, an intensity that falls where `monotone` is set.
     pub fn read(from: impl Read, monotone: bool) -> Result<Self, RenderError> {
         let mut reader = csv::ReaderBuilder::new()
@@ -153,7 +155,7 @@ impl MeasuredEdge {
         &self.samples
     }
 
-    /// The table. Its outer fifths run to 0 and 1 beyond the samples.
+    /// The table. Its outer fifths extend to 0 and 1 beyond the samples.
     ///
     /// # Errors
     /// Refuses samples whose distances differ so much that a table of equal steps would be too
@@ -171,7 +173,7 @@ impl MeasuredEdge {
             ));
         }
         let slopes = slopes(s);
-        // A step more at either end carries the rest of the level to 0 and 1.
+        // One more step at either end continues the level to 0 and 1.
         let step = (high - low) / wanted;
         let mut knots = vec![(0.0, 0.0)];
         let mut at = 0;

@@ -1,14 +1,14 @@
-//! Families of the edge-spread function: how the light passes into the shadow of a straight edge.
+//! Families of the edge-spread function: the transition from light to shadow at a straight edge.
 //!
 //! Every family ends as an [`EdgeSpread`], a table over the signed distance d into the light in µm
-//! on the object, so that a measured one can take the place of a computed one:
+//! on the object, so that a measured one can replace a computed one:
 //!
-//! - [`GaussianBlur`]: what a sum of many small blurs tends to;
+//! - [`GaussianBlur`]: the limit of a sum of many small blurs;
 //! - [`MeasuredEdge`]: read from a file;
 //! - [`PartiallyCoherentEdge`]: a telecentric camera gauge, circular pupil and circular source,
 //!   with defocus;
 //! - [`LaserShadow`]: collimated laser light without a lens;
-//! - [`GrazingReflection`]: what a polished cylinder adds to any of them.
+//! - [`GrazingReflection`]: the reflection of a polished cylinder, in addition to any of them.
 //!
 //! All are knife-edge results; for a thick, shiny cylinder each is an approximation (see
 //! [`GrazingReflection`]). The table holds the light at a point; [`EdgeSpread::over_pixel`]

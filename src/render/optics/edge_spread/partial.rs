@@ -1,10 +1,10 @@
 //! Partially coherent edge: the image of an opaque half plane through a telecentric lens with a
 //! circular pupil, lit by a circular source of S = NA_illumination/NA_lens.
 //!
-//! S = 0 is coherent (collimated light), S = ∞ incoherent. Scalar and paraxial (NA below .2), no
-//! aberration but defocus. In focus the true edge shows .250 (S=0), .2573 (.5), 1/3 (1), .4334
-//! (1.5) of the light, and the 50 % point lies .106, .108, .0935, .039 λ/NA in the light. See
-//! `transmission` for the method.
+//! S = 0 is coherent (collimated light), S = ∞ incoherent. Scalar and paraxial (NA below 0.2), no
+//! aberration except defocus. In focus the light at the true edge is 0.250 (S = 0), 0.2573 (0.5),
+//! 1/3 (1), 0.4334 (1.5) of the full light, and the 50 % point lies 0.106, 0.108, 0.0935, 0.039
+//! λ/NA in the light. See `transmission` for the method.
 
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
@@ -23,7 +23,7 @@ use crate::render::error::{RenderError, within};
 /// Largest error of the table's interpolation, share of full intensity.
 const TOLERANCE: f64 = 1e-6;
 
-/// Nodes a panel of the frequency integral, and the phase a panel may span with them.
+/// Nodes per panel of the frequency integral, and the largest phase over a panel.
 const NODES: usize = 16;
 const PANEL_PHASE: f64 = 6.0;
 
@@ -52,7 +52,7 @@ pub struct PartiallyCoherentEdge {
 }
 
 impl Default for PartiallyCoherentEdge {
-    /// NA .02, half-filled pupil, green light.
+    /// NA 0.02, half-filled pupil, green light.
     fn default() -> Self {
         Self {
             na: 0.02,
@@ -120,14 +120,14 @@ impl PartiallyCoherentEdge {
         if self.extra_sigma_um == 0.0 {
             return Ok(table);
         }
-        // The trapezoidal rule sees the table's finest ring, λ/2NA, at twelve points.
+        // The trapezoidal rule samples the table's finest ring, λ/2NA, at twelve points.
         let nodes = 41 + (12.5 * 24.0 * self.extra_sigma_um / unit).ceil() as usize;
         table.spread(&Shifts::gaussian(self.extra_sigma_um, nodes), TOLERANCE)
     }
 }
 
-/// Tables computed last: half a second each, and asked for again by every optical setup of one
-/// lens.
+/// Cache of the tables computed last: each takes half a second, and every optical setup with the
+/// same lens needs it again.
 static TABLES: Mutex<VecDeque<(PartiallyCoherentEdge, EdgeSpread)>> = Mutex::new(VecDeque::new());
 const MOST_KEPT: usize = 32;
 

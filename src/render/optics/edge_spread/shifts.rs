@@ -1,10 +1,10 @@
-//! Where the edge stands: a distribution of shifts with weights.
+//! Positions of the edge: a distribution of shifts with weights.
 //!
-//! During an exposure the edge moves; before a broad source it is cast from many directions; a
+//! During an exposure the edge moves; an extended source projects it from many directions; a
 //! reflecting strip adds a second edge. The light is the mean over all of them, F̄(d) = Σ w_i F(d -
-//! s_i). Smooth distributions come as quadrature nodes fit to them: a box as Gauss-Legendre, an
-//! arcsine as Chebyshev nodes of the first kind, a disc as those of the second kind, a Gaussian as
-//! the trapezoidal rule, which converges faster than any power there.
+//! s_i). Smooth distributions are represented by suitable quadrature nodes: a box as
+//! Gauss-Legendre, an arcsine as Chebyshev nodes of the first kind, a disc as those of the second
+//! kind, a Gaussian as the trapezoidal rule, which converges faster than any power there.
 
 use std::f64::consts::PI;
 
@@ -30,7 +30,7 @@ impl Shifts {
         Self { nodes: nodes.into_iter().map(|(s, w)| (s, w / sum)).collect() }
     }
 
-    /// An edge that stands still.
+    /// An edge at rest.
     pub fn none() -> Self {
         Self { nodes: vec![(0.0, 1.0)] }
     }
@@ -66,7 +66,7 @@ impl Shifts {
         Self::new((0..n).map(node).collect())
     }
 
-    /// The same distribution folded with another one.
+    /// The convolution with another distribution.
     #[must_use]
     pub fn folded(&self, other: &Self) -> Self {
         let pairs = |(s, w): &(f64, f64)| {
@@ -83,8 +83,8 @@ impl Shifts {
         Self { nodes: self.nodes.iter().map(|(s, w)| (s - mean, *w)).collect() }
     }
 
-    /// The same distribution the other way round: an edge that moves up in the image moves into the
-    /// light where it is an upper one, into the shadow where it is a lower one.
+    /// The mirrored distribution: an edge that moves up in the image moves into the light where it
+    /// is an upper one, into the shadow where it is a lower one.
     #[must_use]
     pub fn mirrored(&self) -> Self {
         Self { nodes: self.nodes.iter().map(|(s, w)| (-s, *w)).collect() }
@@ -100,7 +100,7 @@ impl Shifts {
         self.nodes.iter().map(|(s, w)| s * w).sum()
     }
 
-    /// Variance about the mean, µm²: what a Gaussian blur would have to grow by.
+    /// Variance about the mean, µm²: the equivalent increase of a Gaussian blur's variance.
     pub fn variance_um2(&self) -> f64 {
         let mean = self.mean_um();
         self.nodes.iter().map(|(s, w)| w * (s - mean).powi(2)).sum()

@@ -1,15 +1,16 @@
 //! The table: an edge-spread function over the signed distance into the light.
 //!
 //! Between equidistant knots F is the cubic that takes F and dF/dd from both ends; it errs by at
-//! most h⁴/384·max|F''''|. Beyond the ends F is 0 and 1. With F1 = ∫F and F2 = ∬F, which a
-//! piecewise cubic gives exactly, a square pixel of side p over a straight edge of slope tan β sees
+//! most h⁴/384·max|F''''|. Beyond the ends F is 0 and 1. With F1 = ∫F and F2 = ∬F, which are exact
+//! for a piecewise cubic, the light on a square pixel of side p over a straight edge of slope tan β
+//! is
 //!
 //! ```text
 //! I(d) = [F2(d+a+b) - F2(d+a-b) - F2(d-a+b) + F2(d-a-b)] / 4ab,   a = p|cos β|/2,   b = p|sin β|/2
 //! ```
 //!
 //! with d the perpendicular distance of its centre, since the pixel's projection on the normal is
-//! two boxes folded.
+//! the convolution of two boxes.
 
 use rayon::prelude::*;
 
@@ -25,7 +26,8 @@ const FIRST_INTERVALS: usize = 256;
 /// Share of the reach, at either end, over which a table fades to 0 and 1.
 const FADE: f64 = 0.2;
 
-/// Below this half width, in steps of the table, a box is taken as a point: errs by b²F''/6.
+/// Half width, in steps of the table, below which a box is replaced by a point, with the error
+/// b²F''/6.
 const NARROW_STEPS: f64 = 1e-3;
 
 /// The function at one distance.
@@ -52,12 +54,12 @@ pub struct EdgeSpread {
 }
 
 impl EdgeSpread {
-    /// Tabulates a function that gives F and dF/dd (1/µm) over `low_um..=high_um`.
+    /// Tabulates a function that returns F and dF/dd (1/µm) over `low_um..=high_um`.
     ///
     /// The step is halved until the cubic differs from the function by at most `tolerance` in the
     /// middle of every interval. Over the outer fifth at either end the difference to 0 or 1 fades
-    /// out, so that a family with long tails joins the flat field without a step; how much was
-    /// faded is [`Self::truncation`].
+    /// out, so that a family with long tails joins the flat field without a step; the largest
+    /// difference is [`Self::truncation`].
     ///
     /// # Errors
     /// Refuses an empty range and a function that needs more than two million knots.
@@ -218,8 +220,8 @@ impl EdgeSpread {
         (outer - inner) / (4.0 * wide * narrow)
     }
 
-    /// The table averaged over a box of full width `width_um`: a level edge with the pixel's height
-    /// folded in.
+    /// The table averaged over a box of full width `width_um`: a level edge convolved with the
+    /// pixel's height.
     ///
     /// # Errors
     /// As [`Self::tabulate`].
@@ -235,8 +237,7 @@ impl EdgeSpread {
         })
     }
 
-    /// The table of an edge that stands at every one of `shifts` with its weight: motion,
-    /// reflections, a broad source.
+    /// The weighted mean of the table over `shifts`: motion, reflections, an extended source.
     ///
     /// # Errors
     /// As [`Self::tabulate`].
@@ -250,7 +251,7 @@ impl EdgeSpread {
         })
     }
 
-    /// Tabulates what was made from this table and already ends in 0 and 1.
+    /// Tabulates a function derived from this table, which already ends in 0 and 1.
     fn again(
         &self,
         low_um: f64,
@@ -258,15 +259,15 @@ impl EdgeSpread {
         tolerance: f64,
         f: impl Fn(f64) -> (f64, f64) + Sync,
     ) -> Result<Self, RenderError> {
-        // Room for the fade, which then only sees zeros and ones.
+        // Widened by the fade, which then acts only on zeros and ones.
         let (low, high) = (low_um / (1.0 - FADE), high_um / (1.0 - FADE));
         let made = Self::tabulate(low, high, tolerance, f)?;
         let interpolation_error = made.interpolation_error + self.interpolation_error;
         Ok(Self { interpolation_error, truncation: self.truncation, ..made })
     }
 
-    /// Distance at which F first reaches `level` (0 < level < 1), coming from the shadow; `None`
-    /// where it never does.
+    /// Smallest distance, µm, at which F reaches `level` (0 < level < 1); `None` where it never
+    /// does.
     pub fn position_um(&self, level: f64) -> Option<f64> {
         let i = self.knots.windows(2).position(|k| k[0].value < level && k[1].value >= level)?;
         let (mut a, mut b) =
@@ -283,9 +284,9 @@ impl EdgeSpread {
         Some(self.position_um(0.9)? - self.position_um(0.1)?)
     }
 
-    /// Blur of a Gaussian edge that would be as sharp, the root of max|dF| over max|d³F|, µm: what
-    /// a quadrature over the pixel has to resolve. Equals σ for the Gaussian; about a sixth of the
-    /// finest period for rings.
+    /// Blur of a Gaussian edge of the same sharpness, the root of max|dF| over max|d³F|, µm: the
+    /// scale that a quadrature over the pixel must resolve. Equals σ for the Gaussian; about a
+    /// sixth of the finest period for rings.
     pub fn sharpness_um(&self) -> f64 {
         let steepest = self.knots.iter().fold(0.0, |m: f64, k| m.max(k.slope.abs()));
         let third = (0..self.segments()).map(|i| 6.0 * self.segment(i)[3].abs() / self.step_um.powi(3));
@@ -297,7 +298,7 @@ impl EdgeSpread {
         let step = 2.0 * reach_um / segments as f64;
         let knot = |i: usize| {
             let d = -reach_um + i as f64 * step;
-            // The last knot belongs to the light, whatever its rounding.
+            // The last knot is full light, independent of its rounding.
             if i >= segments { (1.0, 0.0) } else { (self.value(d), self.slope(d)) }
         };
         (0..segments).map(|i| hermite(knot(i), knot(i + 1), step)).collect()
@@ -339,15 +340,15 @@ fn hermite((a, da): (f64, f64), (b, db): (f64, f64), step: f64) -> [f64; 4] {
     [a, da, 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db]
 }
 
-/// `intervals + 1` equidistant samples; every one by itself, so that threads cannot change the
-/// result.
+/// `intervals + 1` equidistant samples; each computed independently, so that threads cannot change
+/// the result.
 fn sample(low: f64, high: f64, intervals: usize, f: &(impl Fn(f64) -> (f64, f64) + Sync)) -> Vec<(f64, f64)> {
     let step = (high - low) / intervals.max(1) as f64;
     (0..=intervals).into_par_iter().map(|i| f(low + i as f64 * step)).collect()
 }
 
 /// Largest difference in the middle of the intervals, where the cubic errs most; the slope is
-/// checked too, lest an edge hidden inside one interval pass by symmetry.
+/// checked as well, because an edge within one interval could be missed by symmetry.
 fn largest_error(knots: &[(f64, f64)], middles: &[(f64, f64)], step: f64) -> f64 {
     knots
         .windows(2)

@@ -10,34 +10,35 @@
 //! Gr(ν) = Re C(ν,0),   Gi(ν) = 1/π PV∫ Re C(f+ν,f) df/f
 //! ```
 //!
-//! The two poles 1/f1f2 at f1 - f2 = ν part into one, (1/f2 - 1/f1)/ν, and C(-f1,-f2) = C(f1,f2) =
-//! C*(f2,f1) leaves the real part. C is the integral over source points (ξ,η) for which both
-//! shifted pupils pass; with the pupils' midpoint p = f + ν/2 + ξ its phase 2πzνp does not depend
-//! on f, so the principal value over f has the closed form
+//! By partial fractions the two poles 1/f1f2 at f1 - f2 = ν become (1/f2 - 1/f1)/ν, and because of
+//! C(-f1,-f2) = C(f1,f2) = C*(f2,f1) only the real part remains. C is the integral over source
+//! points (ξ,η) that pass both shifted pupils; with the pupils' midpoint p = f + ν/2 + ξ its phase
+//! 2πzνp does not depend on f, so the principal value over f has the closed form
 //!
 //! ```text
 //! Gi(ν) = 1/(π² S₁²) ∬ cos(2πzνp) ln|(q+s)/(q-s)| dp dη,   q = p - ν/2,   |p| ≤ a - ν/2
 //! s = √(S²-η²),   a = √(1-η²),   S₁ = min(S,1)
 //! ```
 //!
-//! in focus in one dimension more. Normalised to I(∞) = 1, that is to the source points that the
-//! pupil passes. Hopkins, Proc. R. Soc. A 217 (1953) 408; Born & Wolf, Principles of Optics, 10.6.4
-//! (the cross-coefficient).
+//! It has one dimension more than in focus, where the integral over p has a primitive. The image is
+//! normalised to I(∞) = 1, that is to the source points that pass the pupil. Hopkins, Proc. R. Soc.
+//! A 217 (1953) 408; Born & Wolf, Principles of Optics, 10.6.4 (the cross-coefficient).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::quadrature::{gauss_legendre, panels};
 
-/// Nodes across the pupil (η) on each side of the break: the spectrum is good to 1e-7 there.
+/// Nodes across the pupil (η) on each side of the break: the spectrum is accurate to 1e-7.
 const ACROSS: usize = 32;
 
 /// Nodes along the pupil (p) between two singular points, with ends smoothed to t³.
 const ALONG: usize = 32;
 
-/// Phase 2πzν per half pupil up to which [`ALONG`] nodes do; more are taken in proportion.
+/// Phase 2πzν per half pupil up to which [`ALONG`] nodes suffice; their number increases in
+/// proportion beyond.
 const PHASE: f64 = 20.0;
 
-/// Rules shared by all frequencies.
+/// Quadrature rules common to all frequencies.
 pub(super) struct Spectrum {
     /// Relative source radius, above 0.
     s: f64,
@@ -91,7 +92,7 @@ impl Spectrum {
         2.0 * nodes.iter().map(term).sum::<f64>()
     }
 
-    /// ∫ cos(πzν(2ξ+ν)) dξ over the source's chord that both pupils pass.
+    /// ∫ cos(πzν(2ξ+ν)) dξ over the source's chord that passes both pupils.
     fn overlap(&self, nu: f64, a: f64, s: f64) -> f64 {
         let (low, high) = (-s.min(a), s.min(a - nu));
         let length = high - low;

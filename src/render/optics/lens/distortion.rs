@@ -9,7 +9,7 @@
 //! v' = v(1 + k1 r² + k2 r⁴ + k3 r⁶) + p1(r² + 2v²) + 2 p2 uv
 //! ```
 //!
-//! k1 = .001 moves the corner by .1 % of the half diagonal. The inverse is Newton's method on the
+//! k1 = 0.001 moves the corner by 0.1 % of the half diagonal. The inverse is Newton's method on the
 //! exact Jacobian; a distortion that folds the image within the sensor is refused.
 
 use schemars::JsonSchema;
@@ -17,13 +17,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::render::error::{RenderError, within};
 
-/// Largest coefficient: a metrology lens has 1e-4 to 1e-2, a plain wide-angle one .3.
+/// Largest coefficient: a metrology lens has 1e-4 to 1e-2, an ordinary wide-angle lens 0.3.
 const LARGEST: f64 = 0.5;
 
 /// Newton steps of the inverse; three reach 1e-12 for 10 % of distortion.
 const STEPS: usize = 12;
 
-/// Points along the border and the diagonals at which folding is looked for.
+/// Points along the border and the diagonals at which folding is checked.
 const PROBES: usize = 64;
 
 /// Coefficients, dimensionless, for lengths in units of half the sensor's diagonal.
@@ -70,12 +70,12 @@ impl Distortion {
         Ok(())
     }
 
-    /// Whether points stay where they are.
+    /// Whether there is no distortion.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Where the ideal point (u, v) lands, both in half diagonals.
+    /// Distorted position of the ideal point (u, v), both in half diagonals.
     pub fn distort(&self, u: f64, v: f64) -> (f64, f64) {
         let r2 = u * u + v * v;
         let radial = 1.0 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3));
@@ -99,7 +99,7 @@ impl Distortion {
         ]
     }
 
-    /// The ideal point that lands at (u', v').
+    /// The ideal point with the distorted position (u', v').
     pub fn undistort(&self, u_seen: f64, v_seen: f64) -> (f64, f64) {
         let (mut u, mut v) = (u_seen, v_seen);
         for _ in 0..STEPS {
@@ -116,8 +116,8 @@ impl Distortion {
         (u, v)
     }
 
-    /// [`Self::distort`] in pixels of a sensor of `rows` x `columns`: where the ideal point (row,
-    /// column) lands.
+    /// [`Self::distort`] in pixels of a sensor of `rows` x `columns`: the distorted position of the
+    /// ideal point (row, column).
     pub fn distort_px(&self, row: f64, column: f64, rows: usize, columns: usize) -> (f64, f64) {
         let frame = SensorFrame::new(rows, columns);
         let (u, v) = frame.units(row, column);
@@ -135,8 +135,8 @@ impl Distortion {
 
     /// Row at which the ideal edge row = `edge`(column) crosses a column of the distorted image.
     ///
-    /// Solves distorted column(c) = `column` for the ideal column c by secant steps; good to 1e-10
-    /// px for edges whose slope stays below about 100.
+    /// Solves distorted column(c) = `column` for the ideal column c by secant steps; accurate to
+    /// 1e-10 px for edges with slopes below about 100.
     pub fn edge_row(&self, column: f64, rows: usize, columns: usize, edge: impl Fn(f64) -> f64) -> f64 {
         let seen = |c: f64| self.distort_px(edge(c), c, rows, columns);
         let start = self.undistort_px(edge(column), column, rows, columns).1;

@@ -1,25 +1,25 @@
-//! Outlines that are not slice by slice: seen in perspective, or tilted towards the camera.
+//! Outlines that do not project slice by slice: in perspective, or tilted towards the camera.
 //!
-//! A pinhole at the distance ℓ from the axis sees a circle of radius R centred at (x0, y0), y
-//! towards the camera, between its two tangents. With L = ℓ - y0, ω = atan(x0/L) and sin β =
+//! From a pinhole at the distance ℓ from the axis, a circle of radius R centred at (x0, y0), y
+//! towards the camera, is bounded by its two tangents. With L = ℓ - y0, ω = atan(x0/L) and sin β =
 //! R/√(x0² + L²) they cross the plane of the axis at
 //!
 //! ```text
 //! x = ℓ·tan(ω ± β);   centred: ± R·ℓ/√(ℓ² - R²)
 //! ```
 //!
-//! so that a cylinder looks larger than it is. Where radius changes along z, a ray that passes one
-//! slice may hit the next: the silhouette is the envelope over z, top(z) = max over slices of what
-//! each casts at z. For a telecentric view tilted by τ towards the camera a point (s, y) of the
-//! body appears at s·cos τ + y·sin τ: a shoulder of radius R spreads over ± R·sin τ in z (R 12.5
-//! and .1°: ± 22 µm).
+//! so that a cylinder appears larger than it is. Where the radius changes along z, a ray that
+//! passes one slice may hit the next: the silhouette is the envelope over z, top(z) = max over
+//! slices of the projection of each at z. For a telecentric view tilted by τ towards the camera a
+//! point (s, y) of the body appears at s·cos τ + y·sin τ: a shoulder of radius R spreads over ±
+//! R·sin τ in z (R = 12.5 mm and 0.1°: ± 22 µm).
 
 use crate::render::error::{RenderError, within};
 
-/// Golden-section steps on a slice's ellipse or a bracket of slices; leaves 1e-10 of the bracket.
+/// Golden-section steps on a slice's ellipse or a bracket of slices; reduces the bracket to 1e-10.
 const STEPS: usize = 48;
 
-/// Edges of a circle of radius `radius_mm` centred at (`x_mm`, `y_mm`) seen from `distance_mm`:
+/// Edges of a circle of radius `radius_mm` centred at (`x_mm`, `y_mm`), viewed from `distance_mm`:
 /// heights (upper, lower) at which the tangents cross the plane of the axis, mm.
 ///
 /// # Errors
@@ -52,10 +52,10 @@ pub fn apparent_radius_mm(radius_mm: f64, distance_mm: f64) -> Result<f64, Rende
 /// Apparent half height at `z_mm` of a body of revolution tilted by `tilt_rad` towards the camera,
 /// telecentric.
 ///
-/// `radius(s)` is the body's radius over its own axis, which stands still at z = 0 (z = s·cos τ +
-/// y·sin τ). Maximum over the slices s that can appear at z, of the height √(R² - y²) of the
-/// slice's rim at y = (z - s·cos τ)/sin τ. `largest_mm` bounds the radius. Steps in `radius` are
-/// allowed; slices are searched on a grid of `slices`, the best bracket is refined.
+/// `radius(s)` is the body's radius over its own axis, about whose point z = 0 it is tilted (z =
+/// s·cos τ + y·sin τ). Maximum over the slices s that can appear at z, of the height √(R² - y²) of
+/// the slice's rim at y = (z - s·cos τ)/sin τ. `largest_mm` bounds the radius. Steps in `radius`
+/// are allowed; slices are searched on a grid of `slices`, the best bracket is refined.
 pub fn tilted_half_height_mm(
     radius: impl Fn(f64) -> f64,
     largest_mm: f64,
@@ -78,12 +78,12 @@ pub fn tilted_half_height_mm(
 }
 
 /// Apparent upper edge at the image point `z_mm` (in the plane of the axis) of a centred body of
-/// revolution seen by a pinhole at `distance_mm` before z = 0: the largest height, over all slices
-/// s that the ray plane of z passes, at which the ray still touches the slice's rim.
+/// revolution, viewed from a pinhole at `distance_mm` in front of z = 0: the largest height, over
+/// all slices s crossed by the ray plane of z, at which the ray is tangent to the slice's rim.
 ///
 /// A rim point (R cos t, R sin t, s) appears magnified by m = ℓ/(ℓ - R sin t) at z = m·s and x =
 /// m·R cos t. For every s the t with m·s = z is unique, so the envelope is a maximum over s alone;
-/// a straight cylinder gives [`apparent_radius_mm`].
+/// for a straight cylinder it is [`apparent_radius_mm`].
 pub fn entocentric_half_height_mm(
     radius: impl Fn(f64) -> f64,
     largest_mm: f64,

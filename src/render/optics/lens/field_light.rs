@@ -6,15 +6,15 @@
 //!
 //! u, v the column and row from the centre, r their distance, all in half diagonals of the sensor.
 //! The factor is 1 in the centre; it multiplies light, not the black level. A gradient shifts an
-//! edge's 50 % point by about σ²·g'/g: that is real, the gauge has to live with it.
-//! [`FieldLight::natural`] gives cos⁴ fall-off of an entocentric lens to fourth order.
+//! edge's 50 % point by about σ²·g'/g, a real effect that the gauge must handle.
+//! [`FieldLight::natural`] is the cos⁴ fall-off of an entocentric lens to fourth order.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::render::error::{RenderError, within};
 
-/// Below this the field is dark, not vignetted.
+/// Smallest factor: below it the field is dark, not vignetted.
 const DARKEST: f64 = 0.05;
 
 /// Points over the field at which the factor is checked, along either side.

@@ -1,9 +1,9 @@
-//! The lens and its light beyond the edge spread: where points land, and how bright the field is.
+//! The lens and its light beyond the edge spread: positions of image points, and brightness of the
+//! field.
 //!
 //! - [`Distortion`]: radial and tangential, forward and inverse;
 //! - [`FieldLight`]: vignetting and gradient of the backlight, a factor for every pixel;
-//! - [`entocentric`]: outlines seen in perspective, and the envelope over z that tilt makes of a
-//!   shoulder.
+//! - [`entocentric`]: outlines in perspective, and the envelope over z of a tilted shoulder.
 
 mod distortion;
 pub mod entocentric;
