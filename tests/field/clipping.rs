@@ -480,6 +480,20 @@ fn quiet_levels_with_defects_are_not_clipped() {
     assert!(flagged <= 1, "{flagged} flagged");
 }
 
+/// A frame without noise in which a hot or dead pixel opens a row: that row is not a live one beside a
+/// stuck one.
+#[test]
+fn a_defect_in_a_row_without_noise_makes_no_stuck_row_of_its_neighbour() {
+    for (hot, dead) in [(0.015, 0.0), (0.0, 0.015)] {
+        for seed in 0..24 {
+            let camera = Camera { hot, dead, noise: (0.0002, 0.0), ..EIGHT };
+            let frame = camera.shaft(&Scene { dark: 0.06, ..Scene::even(0.8) }, seed);
+            let found = Gauge::new(GaugeSettings::default()).unwrap().edges(&frame.view());
+            assert!(found.is_ok(), "hot {hot}, dead {dead}, seed {seed}: {}", found.unwrap_err());
+        }
+    }
+}
+
 /// Cameras whose response bends before it ends: found by the noise of the light, or by the shape of
 /// the flank where none is left.
 #[test]

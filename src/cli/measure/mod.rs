@@ -1,7 +1,7 @@
 //! `shadowgauge measure`: edges and diameters of frames in files.
 //!
 //! In: frames (`frames`), a calibration and conditions, an edge-spread function (`esf_argument`).
-//! Out: a table (`table`) or JSON, edges as CSV. This file measures frame by frame; results over
+//! Out: a table (`table`) or JSON, edges as CSV (`edges_file`). This file measures frame by frame; results over
 //! several frames are in the files beside it: `judge` (budgets, decisions on a tolerance), `size`
 //! and `turn` (a part over its angles), `statistics` (series), `crests` (largest diameters of a
 //! stretch), `ring` (parts seen end-on), `timing`. A new result of a frame is a key of its JSON
@@ -9,9 +9,11 @@
 
 mod choice;
 mod crests;
+mod edges_file;
 pub(super) mod esf_argument;
 mod frames;
 mod judge;
+mod judge_args;
 pub mod ring;
 mod size;
 mod statistics;
@@ -22,15 +24,17 @@ mod words;
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
 use self::choice::ChoiceArgs;
 use self::crests::CrestStream;
+use self::edges_file::{FrameRows, claim_edges, column_reason, write_rows};
 use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
-use self::judge::{InspectionReport, JudgeArgs, stated_budget};
+use self::judge::{InspectionReport, stated_budget};
+use self::judge_args::JudgeArgs;
 use self::table::{print_series, print_table};
 use self::words::place;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
@@ -42,7 +46,7 @@ use crate::gauge::calibration::{Conditions, Date, GivenConditions};
 use crate::gauge::ring::RingSettings;
 use crate::gauge::sensor::ShaftRuns;
 use crate::gauge::{
-    Calibration, Edge, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
+    Calibration, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
     largest_caliper_over,
 };
 use crate::profile::Reason;
@@ -145,6 +149,21 @@ struct Measured {
     /// Pitch of crests and roots, px, where the frame was measured as such.
     pitch_px: Option<f64>,
     result: Result<FrameEdges, (Reason, String)>,
+}
+
+impl Measured {
+    fn rows(&self) -> FrameRows<'_> {
+        let result = self.result.as_ref().map_err(|(reason, _)| *reason);
+        FrameRows { stem: &self.stem, columns: self.columns, result }
+    }
+}
+
+impl MeasureArgs {
+    /// Files read beside the frames.
+    fn other_inputs(&self) -> Vec<PathBuf> {
+        let named = [&self.calibration, &self.conditions].into_iter().flatten().cloned();
+        named.chain(self.esf.as_ref().map(PathBuf::from)).collect()
+    }
 }
 
 /// Runs the command.
@@ -376,7 +395,8 @@ fn measure_all(
     conditions: Conditions,
     paths: Vec<PathBuf>,
 ) -> CommandResult {
-    let edges = args.edges.as_deref().map(|path| claim_edges(args, path, &paths)).transpose()?;
+    let edges = args.edges.as_deref();
+    let edges = edges.map(|path| claim_edges(path, &paths, args.other_inputs(), args.json)).transpose()?;
     let edges_on_stdout = edges.as_ref().is_some_and(OutputFile::is_stdout);
     let mut source = Frames::new(paths, &args.frames, calibration, args.um_per_px);
     let (results, frames) = measure_each(args, gauge, calibration, &conditions, &mut source);
@@ -384,7 +404,7 @@ fn measure_all(
     report_unlearnt(gauge, &results);
     if let Some(file) = edges {
         file.write_with(|out| {
-            write_rows(out, &results).map_err(|e| match e.into_kind() {
+            write_rows(out, results.iter().map(Measured::rows)).map_err(|e| match e.into_kind() {
                 csv::ErrorKind::Io(cause) => cause,
                 other => std::io::Error::other(format!("{other:?}")),
             })
@@ -553,56 +573,4 @@ fn frame_figures(
         figures["warnings"] = json!([why]);
     }
     figures
-}
-
-/// The reason reported for a column: that of a gap takes precedence over an impairment's.
-fn column_reason(top: &Edge, bottom: &Edge) -> Option<Reason> {
-    let gap = [top, bottom].into_iter().find(|e| !e.is_usable()).and_then(Edge::reason);
-    gap.or_else(|| top.reason()).or_else(|| bottom.reason())
-}
-
-/// Claims the file of --edges, which must not be an input. On stdout it is the only output.
-fn claim_edges(args: &MeasureArgs, path: &Path, images: &[PathBuf]) -> Result<OutputFile, Failure> {
-    // Tables of frames are beside the images or above their folder.
-    let tables =
-        images.iter().flat_map(|image| image.ancestors().skip(1).take(2)).map(|f| f.join("frames.csv"));
-    let named = [&args.calibration, &args.conditions].into_iter().flatten().cloned();
-    let esf = args.esf.as_ref().map(PathBuf::from);
-    let file = OutputFile::claim(path, images.iter().cloned().chain(tables).chain(named).chain(esf))?;
-    if file.is_stdout() && args.json {
-        return Err(Failure::refuse("--json and --edges both go to stdout; give --edges a file"));
-    }
-    Ok(file)
-}
-
-fn write_rows(out: &mut dyn std::io::Write, results: &[Measured]) -> Result<(), csv::Error> {
-    let mut csv = csv::Writer::from_writer(out);
-    csv.write_record(["frame", "column", "top_px", "bottom_px", "u_top_px", "u_bottom_px", "flag"])?;
-    let number = |usable: bool, value: f64, digits: usize| {
-        if usable { format!("{value:.digits$}") } else { String::new() }
-    };
-    for measured in results {
-        let edges = match &measured.result {
-            Ok(edges) => edges,
-            Err((reason, _)) => {
-                for column in 0..measured.columns.max(1) {
-                    csv.write_record([&measured.stem, &column.to_string(), "", "", "", "", reason.as_str()])?;
-                }
-                continue;
-            }
-        };
-        for (column, (top, bottom)) in edges.top.iter().zip(&edges.bottom).enumerate() {
-            csv.write_record([
-                measured.stem.as_str(),
-                &column.to_string(),
-                &number(top.is_usable(), top.row_px, 6),
-                &number(bottom.is_usable(), bottom.row_px, 6),
-                &number(top.is_usable(), top.u_px(), 7),
-                &number(bottom.is_usable(), bottom.u_px(), 7),
-                column_reason(top, bottom).map_or("", Reason::as_str),
-            ])?;
-        }
-    }
-    csv.flush()?;
-    Ok(())
 }

@@ -23,8 +23,8 @@ limits! {
     /// Share of the columns that have one value in a stuck row: all but hot pixels. Tuned: see
     /// study limits.
     alike: f64 = 0.95;
-    /// Share of the columns that may have one value in the live rows beside it: of Gaussian noise
-    /// with a standard deviation of one count two fifths stand at one value.
+    /// Share of the columns that may repeat the column before in the live rows beside it: of Gaussian
+    /// noise with a standard deviation of one count a quarter do.
     alive: f64 = 0.6;
     /// Least range of a live row's grey values, counts: less may be one level and its rounding,
     /// which gives two values.
@@ -103,27 +103,32 @@ fn level_if_stuck<T: Sample>(
     let step = windows.centre.len().div_ceil(limits.samples).max(1);
     let in_reach = |k: &usize| windows.centre[*k].is_ok_and(|c| (row - c).abs() <= reach);
     let (mut above, mut below, mut count) = (0, 0, 0);
-    let mut equal = [0; 3];
+    let (mut equal, mut repeated) = (0, [0; 3]);
     let mut range = [(f32::INFINITY, f32::NEG_INFINITY); 3];
     let mut first: Option<[f32; 3]> = None;
+    let mut before = [f32::NAN; 3];
     for column in (0..windows.centre.len()).step_by(step).filter(in_reach) {
         let values = [-1, 0, 1].map(|k| plane.at((row + k) as usize, column));
         let [upper, own, lower] = values;
         above += usize::from(own > upper.max(lower) + limits.departure * contrast);
         below += usize::from(own < upper.min(lower) - limits.departure * contrast);
-        let first = first.get_or_insert(values);
-        for ((equal, value), first) in equal.iter_mut().zip(values).zip(first) {
-            *equal += usize::from(value.to_bits() == first.to_bits());
+        equal += usize::from(own.to_bits() == first.get_or_insert(values)[1].to_bits());
+        for ((repeated, value), before) in repeated.iter_mut().zip(values).zip(before) {
+            *repeated += usize::from(value.to_bits() == before.to_bits());
         }
+        before = values;
         for ((low, high), value) in range.iter_mut().zip(values) {
             (*low, *high) = (low.min(value), high.max(value));
         }
         count += 1;
     }
-    let scatters =
-        |k: usize| range[k].1 - range[k].0 >= limits.least_range && share_of(equal[k], count) <= limits.alive;
+    // From one column to the next: a row without noise in which one pixel is hot or dead has a range,
+    // and may begin with that pixel, but does not scatter.
+    let scatters = |k: usize| {
+        range[k].1 - range[k].0 >= limits.least_range && share_of(repeated[k], count) <= limits.alive
+    };
     let departs = share_of(above.max(below), count) >= limits.nearly_all;
-    let dead = share_of(equal[1], count) >= limits.alike && scatters(0) && scatters(2);
+    let dead = share_of(equal, count) >= limits.alike && scatters(0) && scatters(2);
     let level = |[upper, own, lower]: [f32; 3]| Level {
         counts: own,
         departure: (own - upper.max(lower)).max(upper.min(lower) - own).max(0.0),

@@ -1,0 +1,121 @@
+//! Arguments of the results beyond edges: tolerance, stations, averages, revolutions.
+
+use crate::conformity::Tolerance;
+use crate::gauge::diameter::reading_series::{Average, Averaging};
+use crate::gauge::{Calibration, LEAST_STRETCH};
+
+/// What is stated of diameters.
+#[derive(Debug, clap::Args)]
+pub struct JudgeArgs {
+    /// Tolerance of the part as on its drawing: "25 h6", "Ø25 ±0.01", "25 0/-0.013", "24.987..25",
+    /// with (E) or (GN) where --turn is given; exit code 1 unless every value is proven good: each
+    /// frame's largest diameter, its local sizes (means over about 65 columns, or over the stations
+    /// of --station-mm) and its mean.
+    #[arg(long, value_name = "T")]
+    pub(super) tolerance: Option<Tolerance>,
+    /// Probability of conformity to both limits behind GO (ISO 14253-1).
+    #[arg(long, value_name = "P", default_value_t = 0.95)]
+    pub(super) conformance_probability: f64,
+    /// Length of the stations that are given and judged, mm; without it 65 columns, as the largest
+    /// diameter is found.
+    #[arg(long, value_name = "MM", value_parser = length)]
+    pub(super) station_mm: Option<f64>,
+    /// Least width of a stretch that counts for the largest diameter, columns; without it 5, as far
+    /// as noise lets a narrow one be distinguished.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(super) stretch_columns: Option<u16>,
+    /// Least width of a stretch that counts for the largest diameter, mm along the axis.
+    #[arg(long, value_name = "MM", value_parser = length, conflicts_with = "stretch_columns")]
+    pub(super) stretch_mm: Option<f64>,
+    /// Averages successive frames: moving:N, median:N or recursive:W.
+    #[arg(long, value_name = "HOW", value_parser = averaging)]
+    pub(super) average: Option<Averaging>,
+    /// Coverage factor k of the expanded uncertainties; without it that of 95.45 % at the effective
+    /// degrees of freedom: 2 where there are many.
+    #[arg(long, value_name = "K", value_parser = length)]
+    pub(super) coverage_factor: Option<f64>,
+    /// Uncertainty budget of every frame's largest diameter.
+    #[arg(long)]
+    pub(super) budget: bool,
+    /// Takes the frames as one turn (angles from frames.csv) and adds sizes, roundness, run-out and
+    /// harmonics.
+    #[arg(long)]
+    pub(super) turn: bool,
+    /// Spindle angles of the frames of a turn in their order, degrees from one to the next.
+    #[arg(long, value_name = "DEG", value_parser = length, requires = "turn")]
+    pub(super) angle_step: Option<f64>,
+    /// Largest change of a diameter from one turn to the next that is believed, µm; more (and more
+    /// than noise explains) is a gap with the flag `implausible`.
+    #[arg(long, value_name = "UM", default_value_t = 5.0, value_parser = length, requires = "turn")]
+    pub(super) turn_limit_um: f64,
+    /// Takes every frame as another part: the statistics are those of a batch, and have Cp and Cpk.
+    #[arg(long, conflicts_with_all = ["turn", "average"])]
+    pub(super) parts: bool,
+    /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of
+    /// focus, moving), with a warning.
+    #[arg(long)]
+    pub(super) accept_blur: bool,
+    /// Gaussian filter of roundness, undulations per revolution (15, 50, 150).
+    #[arg(long, value_name = "UPR", default_value_t = 50.0, value_parser = length)]
+    pub(super) cutoff_upr: f64,
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("a number above 0 is needed".to_owned()),
+    }
+}
+
+fn averaging(text: &str) -> Result<Averaging, String> {
+    let right = || "right would be moving:8, median:5 or recursive:0.2".to_owned();
+    let (how, number) = text.split_once(':').ok_or_else(right)?;
+    let averaging = match how {
+        "moving" => Averaging::Moving { readings: number.parse().map_err(|_| right())? },
+        "median" => Averaging::Median { readings: number.parse().map_err(|_| right())? },
+        "recursive" => Averaging::Recursive { weight: number.parse().map_err(|_| right())? },
+        _ => return Err(right()),
+    };
+    Average::new(averaging).map(|_| averaging).map_err(|e| e.to_string())
+}
+
+impl JudgeArgs {
+    /// Whether anything here needs millimetres.
+    pub fn needs_scale(&self) -> Option<&'static str> {
+        [
+            (self.tolerance.is_some(), "--tolerance"),
+            (self.station_mm.is_some(), "--station-mm"),
+            (self.stretch_mm.is_some(), "--stretch-mm"),
+            (self.average.is_some(), "--average"),
+            (self.budget, "--budget"),
+            (self.turn, "--turn"),
+        ]
+        .into_iter()
+        .find_map(|(given, name)| given.then_some(name))
+    }
+
+    /// Whether budgets were asked for.
+    pub fn budget(&self) -> bool {
+        self.budget
+    }
+
+    /// Whether blurred frames give diameters.
+    pub fn accepts_blur(&self) -> bool {
+        self.accept_blur
+    }
+
+    /// Least width of a stretch that counts for the largest diameter, columns.
+    pub fn least_stretch(&self, calibration: Option<&Calibration>) -> usize {
+        let columns = self.stretch_mm.zip(calibration).map(|(mm, c)| (mm / c.scale_mm_per_px).ceil());
+        match (self.stretch_columns, columns) {
+            (Some(columns), _) => usize::from(columns),
+            (None, Some(columns)) => columns.clamp(1.0, 1e6) as usize,
+            (None, None) => LEAST_STRETCH,
+        }
+    }
+
+    /// k, where it is given.
+    pub fn coverage_factor(&self) -> Option<f64> {
+        self.coverage_factor
+    }
+}
