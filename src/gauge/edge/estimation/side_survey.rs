@@ -9,7 +9,7 @@ use crate::gauge::edge::image::scan_windows::LevelSums;
 const AT_THE_END: f64 = 2.0;
 
 /// Properties of the sensor known before a frame is evaluated.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct GreyScaleLimits {
     /// Variance of quantisation, counts²; 0 for frames that are not quantised.
     pub(crate) floor: f64,
