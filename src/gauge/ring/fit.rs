@@ -424,9 +424,7 @@ fn departures(sectors: &[SectorFit]) -> Vec<f64> {
     let n = sectors.len();
     let shift = |k: usize| sectors[k % n].shift;
     let half = (n / 80).max(2);
-    (0..n)
-        .map(|k| shift(k) - median((0..=2 * half).map(|j| shift(k + n + j - half)).collect()))
-        .collect()
+    (0..n).map(|k| shift(k) - median((0..=2 * half).map(|j| shift(k + n + j - half)).collect())).collect()
 }
 
 /// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0; `ends`

@@ -26,7 +26,8 @@ const EXCESS_CHI2: f64 = 3.5;
 /// share.
 const SHORT: usize = 64;
 
-/// A level along the columns, with the uncertainty that neighbouring columns share.
+/// A level along the columns, with the uncertainty that neighbouring columns share. Level and
+/// uncertainty are columns of equal length: the fit of an edge reads the former alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct LevelCurve {
     /// Level of each column, counts.

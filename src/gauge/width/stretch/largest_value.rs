@@ -48,7 +48,8 @@ const CORNERS: f64 = 0.6;
 /// may be small by chance.
 const LEAST_SCATTER: f64 = 0.5;
 
-/// A line of columns.
+/// A line of columns. Its values are vectors of equal length: a fit reads size or value shown, each
+/// as a slice.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
     /// Columns, px.
