@@ -108,12 +108,8 @@ impl ModelLaw {
                 after_mm,
             }
         };
-        let pass = Pass {
-            stations: stations.map(station).collect(),
-            before,
-            index,
-            cutting: seen.plan.cutting,
-        };
+        let pass =
+            Pass { stations: stations.map(station).collect(), before, index, cutting: seen.plan.cutting };
         self.passes.push(pass);
     }
 }
@@ -271,7 +267,8 @@ impl Model<'_> {
     }
 
     fn residual(&self, theta: &Theta, passes: &[Pass], i: usize, j: usize) -> f64 {
-        passes[j].stations[i].pushed_mm - self.pushed(theta, i, passes[j].index, &Self::cut(theta, &passes[j], i))
+        passes[j].stations[i].pushed_mm
+            - self.pushed(theta, i, passes[j].index, &Self::cut(theta, &passes[j], i))
     }
 
     /// Variance of a residual: repeatability, reading and, where the stock was not measured, its

@@ -5,7 +5,7 @@ use super::frame_survey::FrameSurvey;
 use super::rounded_frame::FittedSide;
 use super::side::blur::{BlurInputs, learnt_shape};
 use super::side::buffers::SideBuffers;
-use super::side::line::{EdgeLine, LineFit, LineWork, follow_blur};
+use super::side::line::{EdgeLine, LineFit, LineWork, edge_line, follow_blur};
 use super::side::model::EdgeModel;
 use super::side::tables::TableCache;
 use super::stream_settings::StreamSettings;
@@ -154,7 +154,7 @@ impl FrameFit<'_> {
         let (top, bottom) = self.both_sides(models, work, out, |by, work| {
             let (side, pooling) = (&mut *work.side, self.survey.pooling(&work.model.shape, levels));
             let pooled = side.levels.pool(&side.scan, &pooling, &mut side.pool);
-            pooled.then(|| by.fit(work))
+            pooled.then(|| edge_line(by, work))
         });
         Some(self.joined([top?, bottom?], models, work, out))
     }
@@ -166,7 +166,7 @@ impl FrameFit<'_> {
         work: &mut FitWork<'_>,
         out: &mut FrameEdges,
     ) -> EdgeLines {
-        let (top, bottom) = self.both_sides(models, work, out, |by, work| by.fit(work));
+        let (top, bottom) = self.both_sides(models, work, out, edge_line);
         self.joined([top, bottom], models, work, out)
     }
 

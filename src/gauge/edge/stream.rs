@@ -63,7 +63,8 @@ pub(crate) struct AreaStream {
     track: Track,
 }
 
-/// Buffers: the next frame takes over their memory, and of their content nothing.
+/// Buffers: the next frame takes over their memory, and of their content nothing. Until then they
+/// hold the stages of the frame measured last, for [`AreaStream::accumulate`].
 #[derive(Clone, Debug)]
 struct Workspace {
     search: PartSearch,

@@ -76,30 +76,30 @@ struct SideFit<'a> {
     buffers: &'a mut FitBuffers,
 }
 
-impl LineFit<'_> {
-    /// Fits all columns into `line`, then tests residuals and neighbours.
-    /// Clipped levels and their blur are fitted along with the edges and replace those given.
-    pub(crate) fn fit(&self, work: LineWork<'_>) -> EdgeLine {
-        let LineWork { side, model, tables, edges: line, model_uncertainty_px: stated } = work;
-        let SideBuffers { scan, levels, fit: buffers, rows, .. } = side;
-        let columns = scan.windows.centre.len();
-        buffers.outliers.reserve(columns);
-        stated.reserve(columns.div_ceil(RESIDUAL_BLOCK).saturating_sub(stated.len()));
-        line.clear();
-        let mut fit = SideFit { by: self, scan: &*scan, tables, buffers: &mut *buffers };
-        let fitted = match self.ends {
-            Some(ends) => fit.clipped(ends, model, levels, line),
-            None => fit.columns(model, levels, line),
-        };
-        let reduced_chi2 = self.reject(&fitted, buffers, line, stated);
-        let jump = neighbour_test::largest_jump(line);
-        if jump.is_finite() {
-            rows.clear();
-            rows.extend(line.iter().map(|edge| Ok((edge.row_px + 0.5) as i32)));
-        }
-        EdgeLine { reduced_chi2, jump, clipped_px: fitted.clipped_px, shown: fitted.shown }
+/// Fits all columns of a side, then tests residuals and neighbours. Clipped levels and their blur
+/// are fitted along with the edges and replace those given.
+pub(crate) fn edge_line(by: &LineFit<'_>, work: LineWork<'_>) -> EdgeLine {
+    let LineWork { side, model, tables, edges: line, model_uncertainty_px: stated } = work;
+    let SideBuffers { scan, levels, fit: buffers, rows, .. } = side;
+    let columns = scan.windows.centre.len();
+    buffers.outliers.reserve(columns);
+    stated.reserve(columns.div_ceil(RESIDUAL_BLOCK).saturating_sub(stated.len()));
+    line.clear();
+    let mut fit = SideFit { by, scan: &*scan, tables, buffers: &mut *buffers };
+    let fitted = match by.ends {
+        Some(ends) => fit.clipped(ends, model, levels, line),
+        None => fit.columns(model, levels, line),
+    };
+    let reduced_chi2 = by.reject(&fitted, buffers, line, stated);
+    let jump = neighbour_test::largest_jump(line);
+    if jump.is_finite() {
+        rows.clear();
+        rows.extend(line.iter().map(|edge| Ok((edge.row_px + 0.5) as i32)));
     }
+    EdgeLine { reduced_chi2, jump, clipped_px: fitted.clipped_px, shown: fitted.shown }
+}
 
+impl LineFit<'_> {
     /// The fit of no column.
     fn nothing_yet(&self, model: &EdgeModel) -> Fitted {
         let shown = BlurTrack::begin(self.follows_blur);
