@@ -6,7 +6,6 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 use shadowgauge::frame::FrameMeta;
-use shadowgauge::gauge::ColumnDiameters;
 use shadowgauge::gauge::diameter::sections::{PartForm, TurnAverager};
 use shadowgauge::gauge::form::{
     Cutoff, FormError, Origin, Turn, circular_run_out, gaussian_closed, gaussian_transmission, harmonics,
@@ -14,6 +13,7 @@ use shadowgauge::gauge::form::{
     minimum_circumscribed_circle, polar_profile, total_run_out,
 };
 use shadowgauge::gauge::size::{circumscribed, inscribed, turn_sizes};
+use shadowgauge::gauge::{ColumnDiameter, ColumnDiameters};
 use shadowgauge::profile::{Diameter, Reading};
 
 const NM: f64 = 1e-6;
@@ -189,22 +189,19 @@ fn half_turn(sd: f64, rng: &mut rand_pcg::Pcg64) -> PartForm {
     let mut averager = TurnAverager::new(vec![0.0], 1.0);
     for k in 0..36 {
         let edges: Vec<[f64; 2]> = (0..4).map(|_| [noise.sample(rng), noise.sample(rng)]).collect();
-        let diameter = |e: &[f64; 2]| {
-            Reading::Value(Diameter {
+        let column = |e: &[f64; 2]| ColumnDiameter {
+            reading: Reading::Value(Diameter {
                 d_mm: 50.0 + e[0] - e[1],
                 u_random_mm: sd * 2.0_f64.sqrt(),
                 u_common_mm: 0.0,
-            })
+            }),
+            shared_mm: 0.0,
+            width_px: 500.0,
+            middle_mm: 0.5 * (e[0] + e[1]),
+            u_middle_common_mm: 0.0,
         };
-        let diameters = ColumnDiameters {
-            readings: edges.iter().map(diameter).collect(),
-            shared_mm: vec![0.0; 4],
-            shared_length: 64.0,
-            pitch_mm: 0.1,
-            width_px: vec![500.0; 4],
-            middle_mm: edges.iter().map(|e| 0.5 * (e[0] + e[1])).collect(),
-            u_middle_common_mm: vec![0.0; 4],
-        };
+        let columns = edges.iter().map(column).collect();
+        let diameters = ColumnDiameters { columns, shared_length: 64.0, pitch_mm: 0.1 };
         averager.add(&FrameMeta { angle_deg: 5.0 * f64::from(k), ..FrameMeta::default() }, &diameters);
     }
     averager.finish(Cutoff::UPR_15)

@@ -38,7 +38,7 @@ pub use calibration::{
     MasterMeasurement,
 };
 pub(crate) use diameter::station_mean::StationColumns;
-pub use diameter::{ColumnDiameters, StationAverager};
+pub use diameter::{ColumnDiameter, ColumnDiameters, StationAverager};
 pub use edge::edge_stream::EdgeStream;
 pub use edge::estimation::model_bias::ResidualAccumulator;
 pub use edge::estimation::slanted_edge::least_travel_px;

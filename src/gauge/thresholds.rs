@@ -35,7 +35,9 @@ use super::edge::estimation::scoring_table::ScoringTableLimits;
 use super::edge::estimation::side_survey::SideSurveyLimits;
 use super::edge::estimation::slanted_edge::SlantedEdgeLimits;
 use super::edge::estimation::soft_knee::SoftKneeLimits;
+use super::edge::frame_lines::FrameLineLimits;
 use super::edge::frame_survey::SurveyLimits;
+use super::edge::frame_windows::FrameWindowLimits;
 use super::edge::image::grey_step::GreyStepLimits;
 use super::edge::image::part_localisation::LocalisationLimits;
 use super::edge::image::repeated::RepeatedLimits;
@@ -60,8 +62,8 @@ use super::edge::rejection::neighbour_test::NeighbourLimits;
 use super::edge::rejection::one_sided::OneSidedLimits;
 use super::edge::rejection::residual_test::ResidualLimits;
 use super::edge::rings::RingLimits;
-use super::edge::side::SideLimits;
-use super::edge::side_parts::TableLimits;
+use super::edge::side::survey::SideSampleLimits;
+use super::edge::side::tables::TableLimits;
 use super::edge::stream::StreamLimits;
 use super::edge::wire::clipped::WireClipLimits;
 use super::edge::wire::frame::WireFrameLimits;
@@ -188,7 +190,9 @@ fn of_edges() -> Vec<Vec<Limit>> {
         SurveyLimits::list(),
         NarrowLimits::list(),
         RingLimits::list(),
-        SideLimits::list(),
+        FrameWindowLimits::list(),
+        FrameLineLimits::list(),
+        SideSampleLimits::list(),
         TableLimits::list(),
         StreamLimits::list(),
     ]

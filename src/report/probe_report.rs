@@ -5,16 +5,20 @@ use super::html::Page;
 use crate::closed_loop::Calibrated;
 use crate::job::Job;
 use crate::probe;
-use crate::run_folder::RunFolder;
+use crate::run_folder::StationRow;
 
 /// Common contributions by source, with the median random contribution over the stations of the
 /// last pass; nothing for a run with the camera.
-pub(super) fn budget(page: &mut Page, job: &Job, folder: &RunFolder) -> Result<(), ReportError> {
+pub(super) fn budget(
+    page: &mut Page,
+    job: &Job,
+    calibration: &str,
+    rows: &[StationRow],
+) -> Result<(), ReportError> {
     let Some(settings) = &job.probe else { return Ok(()) };
-    let text = folder.read_text("calibration.json")?;
-    let known: Calibrated = serde_json::from_str(&text).map_err(|e| ReportError::Draw(e.to_string()))?;
+    let known: Calibrated =
+        serde_json::from_str(calibration).map_err(|e| ReportError::Draw(e.to_string()))?;
     let Calibrated::Probe(calibration) = known else { return Ok(()) };
-    let rows = folder.stations()?;
     let last = rows.iter().map(|r| r.pass).max().unwrap_or(0);
     let mut random: Vec<f64> = rows.iter().filter(|r| r.pass == last).filter_map(|r| r.u_random_mm).collect();
     random.sort_by(f64::total_cmp);

@@ -15,7 +15,10 @@ use crate::gauge::Calibration;
 use crate::gauge::budget::{Contribution, Shape, Share, WidthReading};
 use crate::gauge::diameter::sections::PartForm;
 use crate::job::Job;
-use crate::run_folder::{PassRow, RunFolder, StationRow, profile_of};
+use crate::run_folder::{
+    AxisRow, ControlRecord, FormRow, OffsetRow, PartFormRow, PassRow, RunFolder, StationRow, TrueAxisRow,
+    profile_of,
+};
 
 /// Inputs of a report.
 #[derive(Clone, Copy)]
@@ -59,13 +62,47 @@ impl Rows {
     }
 }
 
-/// Writes the page of a finished run.
+/// What the folder of a run holds, read once.
+struct RunRecord {
+    rows: Rows,
+    /// The run without control.
+    reference: Option<Rows>,
+    offsets: Vec<OffsetRow>,
+    control: ControlRecord,
+    sections: Vec<FormRow>,
+    parts: Vec<PartFormRow>,
+    axis: Vec<AxisRow>,
+    true_axis: Vec<TrueAxisRow>,
+    /// `calibration.json`.
+    calibration: String,
+}
+
+impl RunRecord {
+    fn read(view: &RunView<'_>) -> Result<Self, ReportError> {
+        let folder = view.folder;
+        let (sections, parts) = folder.form()?;
+        Ok(Self {
+            rows: Rows::read(folder)?,
+            reference: view.reference.map(Rows::read).transpose()?,
+            offsets: folder.offsets()?,
+            control: folder.control()?,
+            sections,
+            parts,
+            axis: folder.axis()?,
+            true_axis: folder.true_axis()?,
+            calibration: folder.read_text("calibration.json")?,
+        })
+    }
+}
+
+/// Writes the page of a finished run: folder → record → sections of the page, each a function of
+/// what it shows.
 ///
 /// # Errors
 /// Where the folder cannot be read or a chart not be drawn.
 pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
-    let rows = Rows::read(view.folder)?;
-    let reference = view.reference.map(Rows::read).transpose()?;
+    let record = RunRecord::read(view)?;
+    let (rows, reference) = (&record.rows, record.reference.as_ref());
     let controller = view.job.control.controller.as_str();
     let mut page =
         Page::new(format!("{}: {} passes, controller {controller}", view.job.name, rows.passes.len()));
@@ -74,12 +111,12 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
          geometry and are for comparison only: the controller saw measured diameters alone.",
         view.job.seed, view.backend, view.adapter
     ));
-    summary(&mut page, view, &rows, reference.as_ref());
-    let error_svg = error_along_z(&mut page, &rows, reference.as_ref())?;
-    corrected_passes(&mut page, view.job, &rows)?;
-    let convergence_svg = convergence(&mut page, controller, &rows, reference.as_ref())?;
-    offsets(&mut page, view)?;
-    decisions(&mut page, view)?;
+    summary(&mut page, view, rows, reference);
+    let error_svg = error_along_z(&mut page, rows, reference)?;
+    corrected_passes(&mut page, view.job, rows)?;
+    let convergence_svg = convergence(&mut page, controller, rows, reference)?;
+    offsets(&mut page, &record.offsets)?;
+    decisions(&mut page, &record.control);
     let mut files = vec![
         ("plots/error_along_z.svg".to_owned(), error_svg.into_bytes()),
         ("plots/convergence.svg".to_owned(), convergence_svg.into_bytes()),
@@ -88,15 +125,13 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
         files.extend(sample::figures(&mut page, sample).map_err(ReportError::Draw)?);
     }
     forces(&mut page, &rows.passes);
-    let (sections, parts) = view.folder.form()?;
-    form_section(&mut page, &sections, &parts, view.form)?;
-    let true_axis = view.folder.true_axis()?;
-    files.extend(axis_section(&mut page, &view.folder.axis()?, &true_axis)?);
-    files.extend(turn_picture(&mut page, &rows.passes, &rows.stations, &true_axis));
-    uncertainty(&mut page, &rows)?;
-    budget(&mut page, view, &rows)?;
-    probe_report::budget(&mut page, view.job, view.folder)?;
-    calibration(&mut page, view)?;
+    form_section(&mut page, &record.sections, &record.parts, view.form)?;
+    files.extend(axis_section(&mut page, &record.axis, &record.true_axis)?);
+    files.extend(turn_picture(&mut page, &rows.passes, &rows.stations, &record.true_axis));
+    uncertainty(&mut page, rows)?;
+    budget(&mut page, view, &record)?;
+    probe_report::budget(&mut page, view.job, &record.calibration, &rows.stations)?;
+    calibration(&mut page, &record.calibration)?;
     Ok(RunPage { html: page.finish(), files })
 }
 
@@ -242,8 +277,7 @@ fn convergence(
     draw(page, &chart, "Largest true error over all stations after each pass, with and without control.")
 }
 
-fn offsets(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
-    let rows = view.folder.offsets()?;
+fn offsets(page: &mut Page, rows: &[OffsetRow]) -> Result<(), ReportError> {
     let last = rows.iter().map(|r| r.pass).max().unwrap_or(0);
     let series: Vec<Series> = (2..=last)
         .map(|pass| {
@@ -267,8 +301,7 @@ fn offsets(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
 }
 
 /// The decision after every pass, with its reason; where offsets were held, the reason.
-fn decisions(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
-    let record = view.folder.control()?;
+fn decisions(page: &mut Page, record: &ControlRecord) {
     let rows: Vec<Vec<String>> = record
         .passes
         .iter()
@@ -294,7 +327,6 @@ fn decisions(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
         page.text("The stock was scanned before the first pass.");
     }
     page.table(&["after pass", "decision", "reason", "judged by", "remarks"], &rows);
-    Ok(())
 }
 
 fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {
@@ -347,13 +379,14 @@ fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {
 
 /// The budget of a station after the last pass: random part of type A over the angles, common parts
 /// by source.
-fn budget(page: &mut Page, view: &RunView<'_>, rows: &Rows) -> Result<(), ReportError> {
+fn budget(page: &mut Page, view: &RunView<'_>, record: &RunRecord) -> Result<(), ReportError> {
+    let rows = &record.rows;
     let last = rows.passes.iter().map(|p| p.pass).max().unwrap_or(0);
     let mut random: Vec<f64> = rows.of_pass(last).filter_map(|s| s.u_random_mm).collect();
     let (Some(sample), false) = (view.sample, random.is_empty()) else { return Ok(()) };
     random.sort_by(f64::total_cmp);
-    let text = view.folder.read_text("calibration.json")?;
-    let known: Calibration = serde_json::from_str(&text).map_err(|e| ReportError::Draw(e.to_string()))?;
+    let known: Calibration =
+        serde_json::from_str(&record.calibration).map_err(|e| ReportError::Draw(e.to_string()))?;
     let Some(reading) = WidthReading::of_frame(&sample.edges, 0..sample.edges.columns()) else {
         return Ok(());
     };
@@ -374,10 +407,8 @@ fn budget(page: &mut Page, view: &RunView<'_>, rows: &Rows) -> Result<(), Report
     Ok(())
 }
 
-fn calibration(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
-    let text = view.folder.read_text("calibration.json")?;
-    let json: serde_json::Value =
-        serde_json::from_str(&text).map_err(|e| ReportError::Draw(e.to_string()))?;
+fn calibration(page: &mut Page, text: &str) -> Result<(), ReportError> {
+    let json: serde_json::Value = serde_json::from_str(text).map_err(|e| ReportError::Draw(e.to_string()))?;
     let rows: Vec<Vec<String>> = json
         .as_object()
         .into_iter()

@@ -153,9 +153,8 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
     let input = |name: String, estimate, distribution| Input { name, estimate, distribution };
     let even = |half| Distribution::Rectangular { half };
     let sources = adjustment.input_sources();
-    let seen = adjustment.observations();
-    let mut all: Vec<Input> = seen
-        .iter()
+    let mut all: Vec<Input> = adjustment
+        .observations()
         .zip(adjustment.sigma_mm())
         .zip(&sources)
         .map(|((o, sigma), name)| {
@@ -164,7 +163,7 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
         .collect();
     // Priors are in units of their standard uncertainties; for the lens, temperature and expansion
     // only limits are given.
-    all.extend(sources.into_iter().skip(seen.len()).map(|name| {
+    all.extend(sources.into_iter().skip(adjustment.observations().len()).map(|name| {
         let limits = is_rectangular(&name);
         let distribution = if limits { even(3.0_f64.sqrt()) } else { Distribution::Normal { u: 1.0 } };
         input(name, 0.0, distribution)

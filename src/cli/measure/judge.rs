@@ -189,7 +189,7 @@ impl<'a> InspectionReport<'a> {
         if self.args.turn {
             self.compare_with_turns(&meta, &mut diameters, out);
         }
-        let mean = diameters.mean(0..diameters.readings.len());
+        let mean = diameters.mean(0..diameters.columns.len());
         if let Some(d) = mean.value() {
             put(out, "mean_diameter_mm", d.d_mm);
             put(out, "u_mean_diameter_mm", d.u_mm());
@@ -267,7 +267,7 @@ impl<'a> InspectionReport<'a> {
         diameters: &mut ColumnDiameters,
         out: &mut Map<String, Value>,
     ) {
-        let valid = |d: &ColumnDiameters| d.readings.iter().filter(|r| r.value().is_some()).count();
+        let valid = |d: &ColumnDiameters| d.columns.iter().filter(|c| c.reading.value().is_some()).count();
         let before = valid(diameters);
         let jumps = self.turn.history.check(meta, diameters);
         if jumps.is_empty() {
@@ -339,7 +339,7 @@ impl<'a> InspectionReport<'a> {
         }
         let (what, length) = match self.args.station_mm {
             Some(length) => ("station", length),
-            None => ("local", local_columns(diameters.readings.len()) * diameters.pitch_mm),
+            None => ("local", local_columns(diameters.columns.len()) * diameters.pitch_mm),
         };
         // Their u comes from the noise of very many pixels, and from the calibration.
         let of = |what, z_mm, reading| Judged { what, z_mm, reading, freedom: MANY };

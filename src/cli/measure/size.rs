@@ -112,8 +112,8 @@ type Frames = [(FrameMeta, ColumnDiameters)];
 fn z_range_mm(turn: &Frames) -> Option<(f64, f64)> {
     let ends = turn
         .iter()
-        .filter(|(_, d)| !d.readings.is_empty())
-        .map(|(meta, d)| (d.z_mm(meta, 0), d.z_mm(meta, d.readings.len() - 1)));
+        .filter(|(_, d)| !d.columns.is_empty())
+        .map(|(meta, d)| (d.z_mm(meta, 0), d.z_mm(meta, d.columns.len() - 1)));
     let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| (l.min(a), h.max(b)));
     (high > low).then_some((low, high))
 }
@@ -184,9 +184,9 @@ pub(super) fn part_form(
 pub(super) fn common_mm(turn: &Frames, z_mm: f64, length_mm: f64) -> Option<f64> {
     let (mut sum, mut n) = (0.0, 0.0);
     for (meta, diameters) in turn {
-        for (column, reading) in diameters.readings.iter().enumerate() {
+        for (index, column) in diameters.columns.iter().enumerate() {
             if let (Some(d), true) =
-                (reading.value(), (diameters.z_mm(meta, column) - z_mm).abs() <= 0.5 * length_mm)
+                (column.reading.value(), (diameters.z_mm(meta, index) - z_mm).abs() <= 0.5 * length_mm)
             {
                 (sum, n) = (sum + d.u_common_mm, n + 1.0);
             }

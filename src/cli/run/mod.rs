@@ -2,23 +2,26 @@
 //! same without control beside it.
 //!
 //! In: a job. Out: a run folder with its report; the exit code is that of the finished part.
-//! `recorder` writes the results of each pass and reads them back when a run is resumed.
+//! Arguments → job → `recorder` (cell and controller, pass after pass) → `tables` (what each pass
+//! leaves, read back when a run is resumed) → report → `finished` (what is printed).
 
+mod finished;
 mod recorder;
+mod tables;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::config;
-use crate::conformity::part_verdict::{PartConformity, Verdict};
 use crate::control::{ControllerName, OnAlarm};
 use crate::job::Job;
 use crate::render::{BackendChoice, Renderer};
-use crate::report;
-use crate::run_folder::{AxisRow, PassRow, RunFolder, axis_json};
+use crate::report::{self, RunView};
+use crate::run_folder::RunFolder;
 
+use self::finished::Finished;
 use self::recorder::{Recorded, Recorder};
-use crate::cli::failure::{CommandResult, Failure, Outcome, folder_failure};
+use crate::cli::failure::{CommandResult, Failure, folder_failure};
 
 /// Folder of the uncontrolled run below the controlled one.
 pub const REFERENCE_FOLDER: &str = "without_control";
@@ -58,6 +61,19 @@ pub struct RunArgs {
 /// Exit 2 for a config, a command line or an output folder that is refused; 3 for a device or a
 /// disk that fails.
 pub fn run(args: &RunArgs) -> CommandResult {
+    let job = job_of(args)?;
+    let finished = execute(&job, &args.out, args.backend, !args.no_reference)?;
+    if args.json {
+        say_line!("{}", finished.to_json());
+    } else {
+        say!("{}", finished.to_table());
+        say_line!("report: {}", args.out.join("report.html").display());
+    }
+    Ok(finished.outcome())
+}
+
+/// The checked job of a command line.
+fn job_of(args: &RunArgs) -> Result<Job, Failure> {
     let text = std::fs::read_to_string(&args.config)
         .map_err(|cause| Failure::refused(config::ConfigError::Read { path: args.config.clone(), cause }))?;
     let name = args.config.display().to_string();
@@ -70,27 +86,7 @@ pub fn run(args: &RunArgs) -> CommandResult {
         .and_then(|()| job.check_control())
         .map_err(|e| Failure::refused(config::value_error(&text, &name, e)))?;
     job.cautions().iter().for_each(|word| tracing::warn!("{name}: {word}"));
-    let finished = execute(&job, &args.out, args.backend, !args.no_reference)?;
-    if args.json {
-        say_line!("{}", finished.to_json());
-    } else {
-        say!("{}", finished.to_table());
-        say_line!("report: {}", args.out.join("report.html").display());
-    }
-    Ok(finished.outcome())
-}
-
-/// Result of a finished run.
-pub struct Finished {
-    job: Job,
-    backend: String,
-    adapter: String,
-    passes: Vec<PassRow>,
-    axis: Vec<AxisRow>,
-    reference: Option<Vec<PassRow>>,
-    seconds: Vec<(f64, f64)>,
-    verdict: Option<Verdict>,
-    stopped: Option<String>,
+    Ok(job)
 }
 
 /// Runs a checked job into `out`; with `reference`, the same without control into a folder below
@@ -105,16 +101,8 @@ pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -
     let start = Instant::now();
     let reference = reference && job.control.controller != ControllerName::None;
     let (main, reference) = run_both(job, &folder, &renderer, reference)?;
-    let page = report::run_report(&report::RunView {
-        job,
-        folder: &folder,
-        reference: reference.as_ref(),
-        backend: renderer.backend_name(),
-        adapter: renderer.adapter_name(),
-        sample: main.sample.as_ref(),
-        form: main.form.as_ref(),
-    })
-    .map_err(Failure::fail)?;
+    let page = report::run_report(&main.view(job, (&folder, reference.as_ref()), &renderer));
+    let page = page.map_err(Failure::fail)?;
     tracing::info!(seconds = start.elapsed().as_secs_f64(), "finished");
     for (name, bytes) in &page.files {
         folder.write(name, bytes).map_err(folder_failure)?;
@@ -162,105 +150,35 @@ fn run_reference(job: &Job, out: &Path, renderer: &Renderer) -> Result<RunFolder
         claimed => claimed?,
     };
     let done = Recorder::new(&uncontrolled, &folder, renderer)?.run(false)?;
-    let page = report::run_report(&report::RunView {
-        job: &uncontrolled,
-        folder: &folder,
-        reference: None,
-        backend: renderer.backend_name(),
-        adapter: renderer.adapter_name(),
-        sample: done.sample.as_ref(),
-        form: done.form.as_ref(),
-    })
-    .map_err(Failure::fail)?;
+    let page = report::run_report(&done.view(&uncontrolled, (&folder, None), renderer));
+    let page = page.map_err(Failure::fail)?;
     folder.write("report.html", page.html.as_bytes()).map_err(folder_failure)?;
     Ok(folder)
+}
+
+impl Recorded {
+    /// What its report is made from; `folders`: its own and, where there is one, that of the run
+    /// without control.
+    fn view<'a>(
+        &'a self,
+        job: &'a Job,
+        folders: (&'a RunFolder, Option<&'a RunFolder>),
+        renderer: &'a Renderer,
+    ) -> RunView<'a> {
+        RunView {
+            job,
+            folder: folders.0,
+            reference: folders.1,
+            backend: renderer.backend_name(),
+            adapter: renderer.adapter_name(),
+            sample: self.sample.as_ref(),
+            form: self.form.as_ref(),
+        }
+    }
 }
 
 fn claim(job: &Job, out: &Path) -> Result<RunFolder, Failure> {
     let resolved = config::resolved(job).map_err(Failure::fail)?;
     let hash = config::hash(job).map_err(Failure::fail)?;
     RunFolder::claim(out, &hash, &resolved).map_err(folder_failure)
-}
-
-impl Finished {
-    fn outcome(&self) -> Outcome {
-        let proven = self.verdict.as_ref().is_none_or(|v| v.part() == PartConformity::Conforms);
-        if !proven || self.stopped.is_some() { Outcome::OutOfTolerance } else { Outcome::Done }
-    }
-
-    fn to_json(&self) -> serde_json::Value {
-        let rows = |rows: &[PassRow], seconds: &[(f64, f64)]| -> Vec<serde_json::Value> {
-            rows.iter()
-                .enumerate()
-                .map(|(i, p)| {
-                    let (render_s, gauge_s) = seconds.get(i).copied().unwrap_or((0.0, 0.0));
-                    serde_json::json!({
-                        "pass": p.pass, "nominal_mm": p.nominal_mm, "max_abs_error_mm": p.max_abs_error_mm,
-                        "rms_error_mm": p.rms_error_mm, "true_max_abs_error_mm": p.true_max_abs_error_mm,
-                        "worst_measured_minus_true_mm": p.worst_measured_minus_true_mm,
-                        "rms_error_over_u": p.rms_error_over_u, "frames": p.frames, "decision": p.decision,
-                        "radial_force_n": p.radial_force_n, "tangential_force_n": p.tangential_force_n,
-                        "feed_force_n": p.feed_force_n, "deflection_um": p.deflection_um,
-                        "tangential_error_um": p.tangential_error_um, "feed_mark_um": p.feed_mark_um,
-                        "render_s": render_s, "gauge_s": gauge_s,
-                    })
-                })
-                .collect()
-        };
-        let mut passes = rows(&self.passes, &self.seconds);
-        for (json, row) in passes.iter_mut().zip(&self.passes) {
-            json["axis"] = axis_json(&self.axis, row.pass);
-        }
-        let mut json = serde_json::json!({
-            "controller": self.job.control.controller.as_str(),
-            "backend": self.backend,
-            "adapter": self.adapter,
-            "passes": passes,
-            "in_tolerance": self.verdict.as_ref().map(|v| v.part() == PartConformity::Conforms),
-            "conformity": self.verdict.as_ref().map(Verdict::part),
-            // For one version also under the name that `measure` uses for GO, HI, …
-            "judgement": self.verdict.as_ref().map(Verdict::part),
-            "alarm": self.verdict.as_ref().and_then(|v| v.alarm.clone()),
-            "stopped": self.stopped,
-        });
-        if let Some(reference) = &self.reference {
-            json["without_control"] = serde_json::json!({ "passes": rows(reference, &[]) });
-        }
-        json
-    }
-
-    /// The passes as a table for a terminal.
-    pub fn to_table(&self) -> String {
-        let um = |mm: f64| format!("{:.2}", mm * 1e3);
-        let mut text = format!(
-            "{}: controller {}, {} ({})\n\n pass  nominal/mm  max |e|/µm  true max |e|/µm  measured-true/µm  rms(error/u)  none: true max |e|/µm\n",
-            self.job.name,
-            self.job.control.controller.as_str(),
-            self.backend,
-            self.adapter
-        );
-        for (i, p) in self.passes.iter().enumerate() {
-            let beside = self
-                .reference
-                .as_ref()
-                .and_then(|r| r.get(i))
-                .map_or("-".to_owned(), |r| um(r.true_max_abs_error_mm));
-            text += &format!(
-                " {:>4}  {:>10.4}  {:>10}  {:>15}  {:>16}  {:>12.2}  {beside:>21}\n",
-                p.pass,
-                p.nominal_mm,
-                um(p.max_abs_error_mm),
-                um(p.true_max_abs_error_mm),
-                um(p.worst_measured_minus_true_mm),
-                p.rms_error_over_u
-            );
-        }
-        if let Some(stopped) = &self.stopped {
-            text += &format!("\nALARM, {stopped}\n");
-        }
-        if let Some(verdict) = &self.verdict {
-            text += &format!("\n{}\n", verdict.words());
-        }
-        text
-    }
 }

@@ -42,17 +42,23 @@ type Theta = DVector<f64>;
 /// The observation of one pass.
 #[derive(Clone, Debug)]
 struct Pass {
-    /// y, mm of radius.
-    pushed_mm: Vec<f64>,
-    /// Standard uncertainty of y at a station, mm of radius.
-    u_mm: Vec<f64>,
-    before_mm: Vec<f64>,
-    after_mm: Vec<f64>,
+    stations: Vec<PassStation>,
     cutting: CuttingData,
-    /// Whether `before_mm` was measured.
+    /// Whether the stations' `before_mm` were measured.
     before: Before,
     /// Number of the pass, from 0.
     index: usize,
+}
+
+/// A station of a pass.
+#[derive(Clone, Copy, Debug)]
+struct PassStation {
+    /// y, mm of radius.
+    pushed_mm: f64,
+    /// Standard uncertainty of y, mm of radius.
+    u_mm: f64,
+    before_mm: f64,
+    after_mm: f64,
 }
 
 /// Where the diameters before a pass come from.
@@ -83,26 +89,30 @@ impl ModelLaw {
     }
 
     fn remember(&mut self, seen: &Observation<'_>) {
-        let after_mm: Vec<f64> = seen.errors.e_mm.iter().map(|e| e + seen.plan.nominal_mm).collect();
+        let count = seen.errors.e_mm.len();
         let index = (seen.plan.pass as usize).saturating_sub(1);
-        let last = self.passes.last().filter(|p| p.index + 1 == index).map(|p| p.after_mm.clone());
+        let last = self.passes.last().filter(|p| p.index + 1 == index);
+        let last = last.map(|p| p.stations.iter().map(|s| s.after_mm).collect());
         let (before, before_mm) = match (index, last, &self.stock_mm) {
             (_, Some(last), _) => (Before::Measured, last),
             (0, None, Some(stock)) => (Before::Measured, stock.clone()),
-            (0, None, None) => (Before::Stock, vec![self.workpiece.stock_diameter_mm; after_mm.len()]),
-            (_, None, _) => (Before::Nominal, vec![self.one_more(seen); after_mm.len()]),
+            (0, None, None) => (Before::Stock, vec![self.workpiece.stock_diameter_mm; count]),
+            (_, None, _) => (Before::Nominal, vec![self.one_more(seen); count]),
         };
-        let pushed = after_mm.iter().zip(seen.plan.commanded_mm()).map(|(d, b)| 0.5 * (d - b));
         let repeatability = self.settings.repeatability_mm;
-        let pass = Pass {
-            pushed_mm: pushed.collect(),
-            u_mm: seen.errors.u_random_mm.iter().map(|u| repeatability.hypot(0.5 * u)).collect(),
-            before,
-            index,
-            before_mm,
-            after_mm,
-            cutting: seen.plan.cutting,
+        let errors = seen.errors.e_mm.iter().zip(&seen.errors.u_random_mm);
+        let stations = errors.zip(seen.plan.commanded_mm()).zip(before_mm);
+        let station = |(((e, u), commanded), before_mm): (((&f64, &f64), f64), f64)| {
+            let after_mm = e + seen.plan.nominal_mm;
+            PassStation {
+                pushed_mm: 0.5 * (after_mm - commanded),
+                u_mm: repeatability.hypot(0.5 * u),
+                before_mm,
+                after_mm,
+            }
         };
+        let pass =
+            Pass { stations: stations.map(station).collect(), before, index, cutting: seen.plan.cutting };
         self.passes.push(pass);
     }
 }
@@ -256,12 +266,13 @@ impl Model<'_> {
     }
 
     fn cut<'p>(theta: &Theta, pass: &'p Pass, i: usize) -> Cut<'p> {
-        let shift = if pass.before == Before::Stock { theta[3] } else { 0.0 };
-        Cut { before_mm: pass.before_mm[i] + shift, after_mm: pass.after_mm[i], cutting: &pass.cutting }
+        let (at, shift) = (&pass.stations[i], if pass.before == Before::Stock { theta[3] } else { 0.0 });
+        Cut { before_mm: at.before_mm + shift, after_mm: at.after_mm, cutting: &pass.cutting }
     }
 
     fn residual(&self, theta: &Theta, passes: &[Pass], i: usize, j: usize) -> f64 {
-        passes[j].pushed_mm[i] - self.pushed(theta, i, passes[j].index, &Self::cut(theta, &passes[j], i))
+        passes[j].stations[i].pushed_mm
+            - self.pushed(theta, i, passes[j].index, &Self::cut(theta, &passes[j], i))
     }
 
     /// Variance of a residual: repeatability, reading and, where the stock was not measured, the
@@ -273,7 +284,7 @@ impl Model<'_> {
             let gain = self.gain(theta, i, &Self::cut(theta, pass, i));
             0.5 * self.settings.stock_form_mm * (1.0 / gain - 1.0)
         };
-        pass.u_mm[i].powi(2) + copied.powi(2)
+        pass.stations[i].u_mm.powi(2) + copied.powi(2)
     }
 
     /// Root mean square of the residuals beyond noise in the passes whose stock was measured, mm of

@@ -101,22 +101,41 @@ pub struct Residual {
 /// The adjustment, ready to be solved for its own data and for deviated data.
 #[derive(Clone, Debug)]
 pub struct Adjustment {
-    masters: Vec<MasterPrior>,
-    /// Laboratories whose certificates share an error, and each master's index among them.
+    masters: Vec<CertifiedMaster>,
+    /// Laboratories whose certificates share an error.
     laboratories: Vec<String>,
-    laboratory_of: Vec<Option<usize>>,
-    observations: Vec<Observation>,
+    observations: Vec<WeightedObservation>,
     thermometer: Thermometer,
     perfect: LensModel,
     u_lens: [f64; 4],
     frames: usize,
     /// Distances from the masters' plane that share an error w_y, mm.
     focus_mm: Vec<f64>,
-    /// Own standard deviation of each observation's residual, mm.
-    sigma: Vec<f64>,
     /// Step of each unknown that makes the normal equations dimensionless.
     unit: Vec<f64>,
     start: DVector<f64>,
+}
+
+/// A master, and its laboratory.
+#[derive(Clone, Debug)]
+struct CertifiedMaster {
+    prior: MasterPrior,
+    /// Index among the laboratories whose certificates share an error.
+    laboratory: Option<usize>,
+}
+
+/// An observation, and how much it counts.
+#[derive(Clone, Debug)]
+struct WeightedObservation {
+    seen: Observation,
+    /// Own standard deviation of its residual, mm.
+    sigma_mm: f64,
+}
+
+impl WeightedObservation {
+    fn weight(&self) -> f64 {
+        self.sigma_mm.powi(-2)
+    }
 }
 
 /// Root of the mean of squares; 0 of none.
@@ -212,15 +231,18 @@ impl Adjustment {
         let frames = observations.iter().map(|o| o.frame + 1).max().unwrap_or(0);
         let (laboratories, laboratory_of) = laboratories(&masters);
         let focus_mm = out_of_plane(&observations);
+        let certified = |(prior, laboratory)| CertifiedMaster { prior, laboratory };
+        let weighted = |seen: Observation| {
+            let sigma_mm = (scale * seen.chord * seen.u_width_px).max(1e-9);
+            WeightedObservation { seen, sigma_mm }
+        };
         let mut adjustment = Self {
             laboratories,
-            laboratory_of,
             u_lens: limits.u_parameters(scale * perfect.half_diagonal_px),
-            sigma: observations.iter().map(|o| (scale * o.chord * o.u_width_px).max(1e-9)).collect(),
             unit: Vec::new(),
             start: DVector::zeros(0),
-            masters,
-            observations,
+            masters: masters.into_iter().zip(laboratory_of).map(certified).collect(),
+            observations: observations.into_iter().map(weighted).collect(),
             thermometer,
             perfect,
             frames,
@@ -239,7 +261,7 @@ impl Adjustment {
         let [u_t, u_alpha] = self.thermometer.u();
         let mut unit = vec![1e-4 * scale, 1e-3];
         unit.extend(self.u_lens.map(some));
-        unit.extend(self.masters.iter().map(|m| some(m.u_own_mm())));
+        unit.extend(self.masters.iter().map(|m| some(m.prior.u_own_mm())));
         // γ counts in standard uncertainties; c_p stands in the rows.
         unit.extend(self.laboratories.iter().map(|_| 1.0));
         unit.extend([some(u_t), some(u_alpha)]);
@@ -252,14 +274,14 @@ impl Adjustment {
     /// blocks. Levels are pooled over fewer columns than a frame has, and one clean block does not
     /// represent the others.
     fn u_frame(&self, frame: usize) -> f64 {
-        let of_frame = self.observations.iter().filter(|o| o.frame == frame);
+        let of_frame = self.observations().filter(|o| o.frame == frame);
         root_mean(of_frame.map(|o| (o.u_shared_px.powi(2) - o.u_misfit_px.powi(2)).max(0.0)))
     }
 
     /// Model uncertainty of the frames at a distance from the plane, px: root mean square over
     /// their blocks.
     fn u_focus(&self, y_mm: f64) -> f64 {
-        root_mean(self.observations.iter().filter(|o| o.axis_y_mm == y_mm).map(|o| o.u_misfit_px.powi(2)))
+        root_mean(self.observations().filter(|o| o.axis_y_mm == y_mm).map(|o| o.u_misfit_px.powi(2)))
     }
 
     fn first_master(&self) -> usize {
@@ -276,15 +298,15 @@ impl Adjustment {
 
     /// Index of the unknown that a master's certificate shares, and c_p, mm.
     fn shared(&self, master: usize) -> Option<(usize, f64)> {
-        let laboratory = self.laboratory_of[master]?;
-        Some((self.first_laboratory() + laboratory, self.masters[master].u_common_mm()))
+        let CertifiedMaster { prior, laboratory } = &self.masters[master];
+        Some((self.first_laboratory() + (*laboratory)?, prior.u_common_mm()))
     }
 
     /// Diameter of a master at 20 °C with the errors of its certificate, mm.
     fn true_diameter_mm(&self, z: &DVector<f64>, master: usize) -> f64 {
         let v = |k: usize| z[k] * self.unit[k];
         let shared = self.shared(master).map_or(0.0, |(k, c)| c * v(k));
-        self.masters[master].certificate.diameter_mm + v(self.first_master() + master) + shared
+        self.masters[master].prior.certificate.diameter_mm + v(self.first_master() + master) + shared
     }
 
     fn first_frame(&self) -> usize {
@@ -308,8 +330,8 @@ impl Adjustment {
     }
 
     /// The masters.
-    pub fn masters(&self) -> &[MasterPrior] {
-        &self.masters
+    pub fn masters(&self) -> impl ExactSizeIterator<Item = &MasterPrior> {
+        self.masters.iter().map(|master| &master.prior)
     }
 
     /// Laboratories whose certificates share an error.
@@ -318,14 +340,14 @@ impl Adjustment {
     }
 
     /// The observations.
-    pub fn observations(&self) -> &[Observation] {
-        &self.observations
+    pub fn observations(&self) -> impl ExactSizeIterator<Item = &Observation> {
+        self.observations.iter().map(|observation| &observation.seen)
     }
 
     /// Standard deviation of each observation's residual, mm, Birge's ratio included once it is
     /// solved.
-    pub fn sigma_mm(&self) -> &[f64] {
-        &self.sigma
+    pub fn sigma_mm(&self) -> impl ExactSizeIterator<Item = f64> {
+        self.observations.iter().map(|observation| observation.sigma_mm)
     }
 
     fn lens_of(&self, z: &DVector<f64>) -> LensModel {
@@ -340,7 +362,7 @@ impl Adjustment {
 
     /// Residual of an observation whose width is `deviation_px` larger, mm.
     fn residual(&self, z: &DVector<f64>, lens: &LensModel, index: usize, deviation_px: f64) -> f64 {
-        let o = &self.observations[index];
+        let o = &self.observations[index].seen;
         let v = |k: usize| z[k] * self.unit[k];
         let thermal = self.thermal();
         let alpha = self.thermometer.alpha() + v(thermal + 1);
@@ -353,7 +375,7 @@ impl Adjustment {
 
     /// Derivatives of the residual by the unknowns in their units, as (index, value).
     fn row(&self, z: &DVector<f64>, lens: &LensModel, index: usize) -> [(usize, f64); 12] {
-        let o = &self.observations[index];
+        let o = &self.observations[index].seen;
         let v = |k: usize| z[k] * self.unit[k];
         let thermal = self.thermal();
         let lag = self.thermometer.temperature_c + v(thermal) - 20.0;
@@ -388,7 +410,7 @@ impl Adjustment {
         let mut normal = DMatrix::zeros(self.unit.len(), self.unit.len());
         for index in 0..self.observations.len() {
             let row = self.row(z, &lens, index);
-            let weight = self.sigma[index].powi(-2);
+            let weight = self.observations[index].weight();
             for (i, a) in row {
                 for (j, b) in row {
                     normal[(i, j)] += weight * a * b;
@@ -423,7 +445,7 @@ impl Adjustment {
         let mut right = DVector::zeros(self.unit.len());
         for index in 0..self.observations.len() {
             let moved = deviations.map_or(0.0, |d| d[index]);
-            let weighted = self.residual(z, &lens, index, moved) * self.sigma[index].powi(-2);
+            let weighted = self.residual(z, &lens, index, moved) * self.observations[index].weight();
             for (k, value) in self.row(z, &lens, index) {
                 right[k] -= value * weighted;
             }
@@ -446,13 +468,13 @@ impl Adjustment {
         let (z, _, _) = self.solve(None).ok_or_else(undetermined)?;
         let birge_ratio = self.birge_ratio(&z);
         if birge_ratio > 1.0 {
-            self.sigma.iter_mut().for_each(|s| *s *= birge_ratio);
+            self.observations.iter_mut().for_each(|o| o.sigma_mm *= birge_ratio);
         }
         let (z, inverse, seen) = self.solve(None).ok_or_else(undetermined)?;
         let lens = self.lens_of(&z);
         let residuals = (0..self.observations.len())
             .map(|index| {
-                let o = &self.observations[index];
+                let WeightedObservation { seen: o, sigma_mm } = &self.observations[index];
                 Residual {
                     master: o.master,
                     frame: o.frame,
@@ -462,7 +484,7 @@ impl Adjustment {
                     // The nuisances belong to the masters and the frames: shown is the residual of
                     // the optical setup.
                     residual_mm: self.residual(&self.without_nuisances(&z), &lens, index, 0.0),
-                    u_mm: self.sigma[index],
+                    u_mm: *sigma_mm,
                 }
             })
             .collect();
@@ -516,7 +538,7 @@ impl Adjustment {
     fn chi2(&self, z: &DVector<f64>) -> f64 {
         let lens = self.lens_of(z);
         let seen: f64 = (0..self.observations.len())
-            .map(|i| (self.residual(z, &lens, i, 0.0) / self.sigma[i]).powi(2))
+            .map(|i| (self.residual(z, &lens, i, 0.0) / self.observations[i].sigma_mm).powi(2))
             .sum();
         seen + z.iter().skip(2).map(|v| v * v).sum::<f64>()
     }
@@ -553,7 +575,7 @@ impl Adjustment {
         let mut parts = vec![share(EDGES, &edges)];
         for (index, master) in self.masters.iter().enumerate() {
             let k = self.first_master() + index;
-            parts.push(share(&format!("certificate of {}", master.name), &of_priors(k..k + 1)));
+            parts.push(share(&format!("certificate of {}", master.prior.name), &of_priors(k..k + 1)));
         }
         for (index, name) in self.laboratories.iter().enumerate() {
             let k = self.first_laboratory() + index;
@@ -575,7 +597,7 @@ impl Adjustment {
         let [temperature, expansion] = self.thermometer.sources();
         let mut all = vec![EDGES.to_owned(); self.observations.len()];
         all.extend([DISTORTION, DISTORTION, DISTORTION, TELECENTRICITY].map(str::to_owned));
-        all.extend(self.masters.iter().map(|m| format!("certificate of {}", m.name)));
+        all.extend(self.masters().map(|m| format!("certificate of {}", m.name)));
         all.extend(self.laboratories.iter().map(|name| shared_source(name)));
         all.extend([temperature, expansion].map(str::to_owned));
         all.resize(self.inputs() - self.focus_mm.len(), EDGES.to_owned());

@@ -294,23 +294,23 @@ impl AxisAverager {
         let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64 % 360_000_000;
         let half = 0.5 * self.station_mm;
         let mut of_frame: BTreeMap<usize, Sums> = BTreeMap::new();
-        for (column, reading) in diameters.readings.iter().enumerate() {
-            let Reading::Value(d) = reading else { continue };
-            let z_mm = diameters.z_mm(meta, column);
+        for (index, column) in diameters.columns.iter().enumerate() {
+            let Reading::Value(d) = column.reading else { continue };
+            let z_mm = diameters.z_mm(meta, index);
             let after = self.z_mm.partition_point(|middle| *middle + half <= z_mm);
             if after >= self.z_mm.len() || z_mm < self.z_mm[after] - half {
                 continue;
             }
             let sums = of_frame.entry(after).or_default();
-            let shared = diameters.shared_mm[column].powi(2);
+            let shared = column.shared_mm.powi(2);
             let t = (z_mm - self.z_mm[after]) / half;
             sums.columns += 1;
-            sums.seen.add(t, diameters.middle_mm[column] - self.zero.height_mm);
-            sums.common_mm += diameters.u_middle_common_mm[column];
+            sums.seen.add(t, column.middle_mm - self.zero.height_mm);
+            sums.common_mm += column.u_middle_common_mm;
             sums.own += (d.u_random_mm.powi(2) - shared).max(0.0);
             sums.shared += shared;
             sums.length = diameters.shared_length;
-            sums.narrow = diameters.readings.len() < stream_limits.least_columns;
+            sums.narrow = diameters.columns.len() < stream_limits.least_columns;
         }
         for (station, sums) in of_frame {
             self.put(station, angle, meta.z_mm, sums);

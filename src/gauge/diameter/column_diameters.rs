@@ -20,37 +20,57 @@ use crate::profile::{Diameter, Reading, Reason};
 /// Diameters of a frame's columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnDiameters {
-    /// One reading a column; `u_random_mm` is that of this one column.
-    pub readings: Vec<Reading>,
-    /// Part of each `u_random_mm` that the columns nearby share, mm.
-    pub shared_mm: Vec<f64>,
-    /// Columns over which it is shared.
+    /// One a column.
+    pub columns: Vec<ColumnDiameter>,
+    /// Columns over which [`ColumnDiameter::shared_mm`] is shared.
     pub shared_length: f64,
     /// Scale along z, mm per column.
     pub pitch_mm: f64,
-    /// Shadow width of each column across the axis, px; NaN in a gap.
-    pub width_px: Vec<f64>,
-    /// Height of the middle between both edges above a fixed row of the frame, mm; NaN in a gap.
-    pub middle_mm: Vec<f64>,
+}
+
+/// Diameter of one column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColumnDiameter {
+    /// The reading; its `u_random_mm` is that of this one column.
+    pub reading: Reading,
+    /// Part of `u_random_mm` that the columns nearby share, mm; NaN in a gap, as what follows.
+    pub shared_mm: f64,
+    /// Shadow width across the axis, px.
+    pub width_px: f64,
+    /// Height of the middle between both edges above a fixed row of the frame, mm.
+    pub middle_mm: f64,
     /// Standard uncertainty of that height by what columns and frames share but for the scale (edge
-    /// model, rounding, blur), mm; NaN in a gap.
-    pub u_middle_common_mm: Vec<f64>,
+    /// model, rounding, blur), mm.
+    pub u_middle_common_mm: f64,
+}
+
+impl ColumnDiameter {
+    /// A column without a diameter.
+    pub fn gap(reason: Reason) -> Self {
+        Self {
+            reading: Reading::Gap(reason),
+            shared_mm: f64::NAN,
+            width_px: f64::NAN,
+            middle_mm: f64::NAN,
+            u_middle_common_mm: f64::NAN,
+        }
+    }
 }
 
 impl ColumnDiameters {
     /// Machine z of a column of the frame with this metadata, mm.
     pub fn z_mm(&self, meta: &FrameMeta, column: usize) -> f64 {
-        meta.z_mm + (column as f64 - (self.readings.len() as f64 - 1.0) / 2.0) * self.pitch_mm
+        meta.z_mm + (column as f64 - (self.columns.len() as f64 - 1.0) / 2.0) * self.pitch_mm
     }
 
     /// Means over intervals of about `step_mm` along z, for the record: (z of the interval's
     /// middle, reading). An interval without a good column is a gap with its most frequent reason.
     pub fn record(&self, meta: &FrameMeta, step_mm: f64) -> Vec<(f64, Reading)> {
-        let size = ((step_mm / self.pitch_mm).round() as usize).clamp(1, self.readings.len().max(1));
-        (0..self.readings.len())
+        let size = ((step_mm / self.pitch_mm).round() as usize).clamp(1, self.columns.len().max(1));
+        (0..self.columns.len())
             .step_by(size)
             .map(|from| {
-                let to = (from + size).min(self.readings.len());
+                let to = (from + size).min(self.columns.len());
                 let z_mm = 0.5 * (self.z_mm(meta, from) + self.z_mm(meta, to - 1));
                 (z_mm, self.mean(from..to))
             })
@@ -61,9 +81,9 @@ impl ColumnDiameters {
     /// spans up to `shared_length` and cautious beyond.
     pub fn mean(&self, columns: std::ops::Range<usize>) -> Reading {
         let (mut n, mut d, mut own, mut shared, mut common) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for column in columns.clone() {
-            if let Some(Reading::Value(value)) = self.readings.get(column) {
-                let own_share = self.shared_mm[column].powi(2);
+        for column in self.within(columns.clone()) {
+            if let Reading::Value(value) = column.reading {
+                let own_share = column.shared_mm.powi(2);
                 n += 1.0;
                 d += value.d_mm;
                 own += (value.u_random_mm.powi(2) - own_share).max(0.0);
@@ -81,11 +101,17 @@ impl ColumnDiameters {
         })
     }
 
+    /// The columns of a range, as far as there are.
+    fn within(&self, columns: std::ops::Range<usize>) -> &[ColumnDiameter] {
+        let to = columns.end.min(self.columns.len());
+        &self.columns[columns.start.min(to)..to]
+    }
+
     fn frequent_reason(&self, columns: std::ops::Range<usize>) -> Reason {
         let mut counts = std::collections::BTreeMap::<Reason, usize>::new();
-        for column in columns {
-            if let Some(Reading::Gap(reason)) = self.readings.get(column) {
-                *counts.entry(*reason).or_default() += 1;
+        for column in self.within(columns) {
+            if let Reading::Gap(reason) = column.reading {
+                *counts.entry(reason).or_default() += 1;
             }
         }
         counts.into_iter().max_by_key(|(_, n)| *n).map_or(Reason::NoEdge, |(reason, _)| reason)
@@ -210,11 +236,7 @@ pub(crate) fn column_diameters(
     };
     for (column, (top, bottom)) in edges.top.iter().zip(&edges.bottom).enumerate() {
         if let Some(reason) = gap(top, bottom) {
-            out.readings.push(Reading::Gap(reason));
-            out.shared_mm.push(f64::NAN);
-            out.width_px.push(f64::NAN);
-            out.middle_mm.push(f64::NAN);
-            out.u_middle_common_mm.push(f64::NAN);
+            out.columns.push(ColumnDiameter::gap(reason));
             continue;
         }
         let rows_px = (top.row_px - bias_top[column], bottom.row_px - bias_bottom[column]);
@@ -225,19 +247,22 @@ pub(crate) fn column_diameters(
         let blur = (u_blur_px * trend_factor(column as f64, edges.columns())).powi(2);
         let random =
             |top: f64, bottom: f64| scale * ((top * top + bottom * bottom - repeated).max(0.0) + blur).sqrt();
-        out.readings.push(Reading::Value(Diameter {
+        let reading = Reading::Value(Diameter {
             d_mm: reader.diameter_mm(width_px),
             u_random_mm: random(top.u_px(), bottom.u_px()),
             u_common_mm: reader
                 .u_common_mm(column, rows_px, width_px)
                 .hypot(scale * repeated.sqrt().hypot(u_position_px)),
-        }));
-        out.shared_mm.push(random(f64::from(top.u_shared_px), f64::from(bottom.u_shared_px)));
-        out.width_px.push(width_px);
-        out.middle_mm.push(reader.middle_mm(column, rows_px));
-        // The mean of two edges that are off by themselves is off by half of what their distance
-        // is.
-        out.u_middle_common_mm.push(0.5 * scale * repeated.sqrt().hypot(u_blur_px));
+        });
+        out.columns.push(ColumnDiameter {
+            reading,
+            shared_mm: random(f64::from(top.u_shared_px), f64::from(bottom.u_shared_px)),
+            width_px,
+            middle_mm: reader.middle_mm(column, rows_px),
+            // The mean of two edges that are off by themselves is off by half of what their
+            // distance is.
+            u_middle_common_mm: 0.5 * scale * repeated.sqrt().hypot(u_blur_px),
+        });
     }
     out
 }

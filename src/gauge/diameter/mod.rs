@@ -20,5 +20,5 @@ pub(crate) mod station_mean;
 pub(crate) mod stations;
 pub(crate) mod turn_scatter;
 
-pub use column_diameters::ColumnDiameters;
+pub use column_diameters::{ColumnDiameter, ColumnDiameters};
 pub use stations::StationAverager;

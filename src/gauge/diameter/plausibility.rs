@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::column_diameters::ColumnDiameters;
+use super::column_diameters::{ColumnDiameter, ColumnDiameters};
 use crate::frame::FrameMeta;
 use crate::gauge::limit::limits;
 pub use crate::gauge::settings::PlausibilitySettings;
@@ -85,10 +85,10 @@ impl TurnHistory {
         let mut jumps = Vec::new();
         let angle = (meta.angle_deg.rem_euclid(180.0) * 1e6).round() as i64 % 180_000_000;
         let mut from = 0;
-        while from < diameters.readings.len() {
+        while from < diameters.columns.len() {
             let stretch = self.stretch(diameters.z_mm(meta, from));
             let mut to = from + 1;
-            while to < diameters.readings.len() && self.stretch(diameters.z_mm(meta, to)) == stretch {
+            while to < diameters.columns.len() && self.stretch(diameters.z_mm(meta, to)) == stretch {
                 to += 1;
             }
             if let Some(now) = diameters.mean(from..to).value() {
@@ -127,11 +127,9 @@ impl TurnHistory {
 }
 
 fn refuse(diameters: &mut ColumnDiameters, columns: std::ops::Range<usize>) {
-    for column in columns {
-        if diameters.readings[column].value().is_some() {
-            diameters.readings[column] = Reading::Gap(Reason::Implausible);
-            diameters.width_px[column] = f64::NAN;
-            diameters.middle_mm[column] = f64::NAN;
+    for column in &mut diameters.columns[columns] {
+        if column.reading.value().is_some() {
+            *column = ColumnDiameter::gap(Reason::Implausible);
         }
     }
 }
@@ -171,15 +169,14 @@ mod tests {
 
     fn columns(d: impl Fn(usize) -> f64) -> ColumnDiameters {
         let value = |d_mm| Reading::Value(Diameter { d_mm, u_random_mm: 1e-4, u_common_mm: 1e-3 });
-        ColumnDiameters {
-            readings: (0..100).map(|c| value(d(c))).collect(),
-            shared_mm: vec![0.0; 100],
-            shared_length: 1.0,
-            pitch_mm: 0.1,
-            width_px: vec![1000.0; 100],
-            middle_mm: vec![0.0; 100],
-            u_middle_common_mm: vec![0.0; 100],
-        }
+        let column = |c| ColumnDiameter {
+            reading: value(d(c)),
+            shared_mm: 0.0,
+            width_px: 1000.0,
+            middle_mm: 0.0,
+            u_middle_common_mm: 0.0,
+        };
+        ColumnDiameters { columns: (0..100).map(column).collect(), shared_length: 1.0, pitch_mm: 0.1 }
     }
 
     fn meta(angle_deg: f64) -> FrameMeta {
@@ -206,7 +203,7 @@ mod tests {
             assert!((jumps[0].z_mm - 3.45).abs() < 1e-9 && (jumps[0].jump_mm - 0.0135).abs() < 1.6e-3);
             assert_eq!(jumps[0].limit_mm, 0.005);
             assert_eq!(seen.mean(30..40), Reading::Gap(Reason::Implausible));
-            assert!(seen.width_px[35].is_nan() && seen.readings[29].value().is_some());
+            assert!(seen.columns[35].width_px.is_nan() && seen.columns[29].reading.value().is_some());
         }
         // Noise alone is no jump, however small the limit.
         let small = PlausibilitySettings { turn_limit_mm: 1e-6, ..PlausibilitySettings::default() };

@@ -156,9 +156,9 @@ impl TurnAverager {
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64 % 360_000_000;
         let half = 0.5 * self.station_mm;
-        for (column, reading) in diameters.readings.iter().enumerate() {
-            let Reading::Value(d) = reading else { continue };
-            let z_mm = diameters.z_mm(meta, column);
+        for (index, column) in diameters.columns.iter().enumerate() {
+            let Reading::Value(d) = column.reading else { continue };
+            let z_mm = diameters.z_mm(meta, index);
             let after = self.z_mm.partition_point(|middle| *middle + half <= z_mm);
             if after >= self.z_mm.len() || z_mm < self.z_mm[after] - half {
                 continue;
@@ -167,8 +167,8 @@ impl TurnAverager {
             sums.n += 1.0;
             let t = (z_mm - self.z_mm[after]) / half;
             sums.d_mm.add(t, d.d_mm);
-            sums.middle_mm.add(t, diameters.middle_mm[column]);
-            let shared = diameters.shared_mm[column].powi(2);
+            sums.middle_mm.add(t, column.middle_mm);
+            let shared = column.shared_mm.powi(2);
             sums.own += (d.u_random_mm * d.u_random_mm - shared).max(0.0);
             sums.shared += shared;
             sums.length = diameters.shared_length;
@@ -389,6 +389,7 @@ fn over_all(part: &mut PartForm, sections: &[Section], cutoff: Cutoff) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gauge::diameter::column_diameters::ColumnDiameter;
     use crate::profile::Diameter;
 
     /// A section with two and three lobes and eccentricity, at n angles over a span.
@@ -407,15 +408,15 @@ mod tests {
                 let (top, bottom) = (3.0 + h(phi), 3.0 - h(phi + std::f64::consts::PI));
                 let value =
                     Reading::Value(Diameter { d_mm: top - bottom, u_random_mm: 1e-5, u_common_mm: 0.0 });
-                let diameters = ColumnDiameters {
-                    readings: vec![value; 11],
-                    shared_mm: vec![0.0; 11],
-                    shared_length: 1.0,
-                    pitch_mm: 0.05,
-                    width_px: vec![1.0; 11],
-                    middle_mm: vec![0.5 * (top + bottom); 11],
-                    u_middle_common_mm: vec![0.0; 11],
+                let column = ColumnDiameter {
+                    reading: value,
+                    shared_mm: 0.0,
+                    width_px: 1.0,
+                    middle_mm: 0.5 * (top + bottom),
+                    u_middle_common_mm: 0.0,
                 };
+                let diameters =
+                    ColumnDiameters { columns: vec![column; 11], shared_length: 1.0, pitch_mm: 0.05 };
                 averager.add(&FrameMeta { angle_deg, z_mm: *z_mm, ..FrameMeta::default() }, &diameters);
             }
         }

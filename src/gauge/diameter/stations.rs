@@ -141,16 +141,16 @@ impl StationAverager {
     /// Adds a frame's diameters.
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         self.pitch_mm = diameters.pitch_mm;
-        self.readings = diameters.readings.len() < StreamLimits::get().least_columns;
+        self.readings = diameters.columns.len() < StreamLimits::get().least_columns;
         let angle = (meta.angle_deg * 1e6).round() as i64;
-        for (column, reading) in diameters.readings.iter().enumerate() {
-            let z_mm = diameters.z_mm(meta, column);
+        for (index, column) in diameters.columns.iter().enumerate() {
+            let z_mm = diameters.z_mm(meta, index);
             let Some(station) = self.station_at(z_mm) else { continue };
             let sums = self.sums[station].entry(angle).or_default();
-            match reading {
+            match column.reading {
                 Reading::Gap(_) => sums.gaps += 1,
                 Reading::Value(d) => {
-                    let shared = diameters.shared_mm[column].powi(2);
+                    let shared = column.shared_mm.powi(2);
                     sums.columns += 1;
                     sums.seen.add((z_mm - self.z_mm[station]) / (0.5 * self.station_mm), d.d_mm);
                     sums.common_mm += d.u_common_mm;
@@ -320,28 +320,28 @@ fn station(z_mm: f64, fit: &Result<AngleFit, Reason>, pooled: Option<(f64, f64)>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gauge::diameter::column_diameters::ColumnDiameter;
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
     use rand_pcg::Pcg64;
 
     fn frame(angle_deg: f64, z_mm: f64, d: impl Fn(f64) -> f64) -> (FrameMeta, ColumnDiameters) {
         let (columns, pitch_mm) = (400, 0.05);
-        let readings = (0..columns)
+        let columns = (0..columns)
             .map(|c| {
                 let z = z_mm + (f64::from(c) - 199.5) * pitch_mm;
-                Reading::Value(Diameter { d_mm: d(z), u_random_mm: 1e-4, u_common_mm: 2e-4 })
+                let value = Diameter { d_mm: d(z), u_random_mm: 1e-4, u_common_mm: 2e-4 };
+                ColumnDiameter {
+                    reading: Reading::Value(value),
+                    shared_mm: 0.0,
+                    width_px: 500.0,
+                    middle_mm: 0.0,
+                    u_middle_common_mm: 0.0,
+                }
             })
             .collect();
         let meta = FrameMeta { angle_deg, z_mm, ..FrameMeta::default() };
-        let diameters = ColumnDiameters {
-            readings,
-            shared_mm: vec![0.0; 400],
-            shared_length: 400.0,
-            pitch_mm,
-            width_px: vec![500.0; 400],
-            middle_mm: vec![0.0; 400],
-            u_middle_common_mm: vec![0.0; 400],
-        };
+        let diameters = ColumnDiameters { columns, shared_length: 400.0, pitch_mm };
         (meta, diameters)
     }
 
@@ -450,7 +450,7 @@ mod tests {
     fn stations_without_frames_or_columns_are_gaps() {
         let mut averager = StationAverager::new(&StationSettings::default(), vec![5.0, 500.0], 5.0);
         let (meta, mut diameters) = frame(0.0, 5.0, |_| 25.0);
-        diameters.readings.iter_mut().for_each(|r| *r = Reading::Gap(Reason::Outlier));
+        diameters.columns.iter_mut().for_each(|c| c.reading = Reading::Gap(Reason::Outlier));
         averager.add(&meta, &diameters);
         let profile = averager.finish(1);
         assert_eq!(profile.stations[0].reading, Reading::Gap(Reason::TooFewColumns));

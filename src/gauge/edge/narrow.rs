@@ -13,6 +13,7 @@
 
 use super::refusals::explain::refused;
 use super::stream::{AreaStream, StreamLimits};
+use super::stream_settings::ColumnKind;
 use crate::frame::{FrameView, PixelFormat, Pixels};
 use crate::gauge::edge::estimation::model_bias::ResidualAccumulator;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
@@ -155,7 +156,7 @@ impl Narrow {
 
     pub(crate) fn new(stream: &AreaStream, view: &FrameView<'_>) -> Self {
         let settings = stream.settings().clone();
-        let pooled = stream.of_readings(Self::pooled_settings(&settings));
+        let pooled = of_readings(stream, Self::pooled_settings(&settings));
         Self {
             settings,
             pooled: Box::new(pooled),
@@ -202,7 +203,7 @@ impl Narrow {
             self.count -= gone;
         }
         if !self.lines.push(view) {
-            *self = Self::new(&self.pooled.of_readings(self.settings.clone()), view);
+            *self = Self::new(&of_readings(&self.pooled, self.settings.clone()), view);
             self.lines.push(view);
         }
         self.count += columns;
@@ -218,8 +219,13 @@ impl Narrow {
         Ok(())
     }
 
+    /// Takes the noise as given; whether the picture holds copies of readings.
+    fn set_noise(&mut self, noise: Noise, copies: bool) {
+        self.pooled.set_noise(noise, ColumnKind { level_lines: true, copies });
+    }
+
     fn many(&mut self) -> Result<(), FrameRefused> {
-        self.pooled.set_noise(self.settings.noise, false);
+        self.set_noise(self.settings.noise, false);
         self.measure_lines(self.count)
     }
 
@@ -239,7 +245,7 @@ impl Narrow {
             Noise::Estimated {} => self.noise_of_pixels(&values),
             given => given,
         };
-        self.pooled.set_noise(noise, true);
+        self.set_noise(noise, true);
         for copy in self.count..least {
             self.lines.repeat((copy - self.count) * self.rows, self.rows);
         }
@@ -319,19 +325,7 @@ impl Narrow {
     }
 }
 
-impl AreaStream {
-    /// A stream of pictures made of readings, whose columns are neighbours in time.
-    fn of_readings(&self, settings: GaugeSettings) -> Self {
-        let mut stream = self.clone();
-        stream.settings = settings;
-        stream.restart();
-        stream.sides.iter_mut().for_each(|side| side.kind.level_lines = true);
-        stream
-    }
-
-    /// Takes the noise as given; whether the picture holds copies of readings.
-    fn set_noise(&mut self, noise: Noise, copies: bool) {
-        self.settings.noise = noise;
-        self.sides.iter_mut().for_each(|side| side.kind.copies = copies);
-    }
+/// A stream of pictures made of readings, whose columns are neighbours in time.
+fn of_readings(stream: &AreaStream, settings: GaugeSettings) -> AreaStream {
+    stream.with_settings(settings, ColumnKind { level_lines: true, copies: false })
 }

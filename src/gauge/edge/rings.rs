@@ -10,7 +10,6 @@
 
 use super::image::window_layout::half;
 use super::refusals::explain::refused;
-use super::side::SideState;
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{Side, Windows};
@@ -62,18 +61,25 @@ pub(crate) fn stuck_contrast(shape: &EdgeSpreadFunction, contrast: f32) -> f32 {
     if shape.is_ringed() { RingLimits::get().ring_to_ring * contrast } else { contrast }
 }
 
+/// A side whose rings are checked.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RingedSide<'a> {
+    pub(crate) windows: &'a Windows,
+    /// Whether the edge-spread function fitted has rings.
+    pub(crate) is_ringed: bool,
+    pub(crate) ends: Option<Ends>,
+}
+
 /// Checks that no ring is clipped: without the crests the position of the edge is not determined.
 ///
 /// # Errors
 /// Refuses a frame whose crests are cut, known pattern or not.
-pub(crate) fn check<T: Sample>(plane: &Plane<'_, T>, sides: &[SideState; 2]) -> Result<(), FrameRefused> {
-    for side in sides {
-        let ends = side.figures.survey.ends;
-        let level = if side.shape.is_ringed() {
-            clipped_crest(&side.windows)
-                .or(ends.map(|e| if e.high.is_finite() { e.high } else { e.low } as f32))
+pub(crate) fn check<T: Sample>(plane: &Plane<'_, T>, sides: [RingedSide<'_>; 2]) -> Result<(), FrameRefused> {
+    for RingedSide { windows, is_ringed, ends } in sides {
+        let level = if is_ringed {
+            clipped_crest(windows).or(ends.map(|e| if e.high.is_finite() { e.high } else { e.low } as f32))
         } else {
-            rings_beyond(plane, &side.windows, ends)
+            rings_beyond(plane, windows, ends)
         };
         if let Some(level) = level {
             return Err(refused(

@@ -1,9 +1,12 @@
 //! Rounding that repeats in the edges of both sides of a frame.
 
-use super::side::SideState;
+use super::side::levels::SideLevels;
+use super::side::model::EdgeModel;
 use crate::gauge::edge::estimation::levels::LevelCurve;
 use crate::gauge::edge::estimation::noise::NoiseModel;
 use crate::gauge::edge::estimation::rounding::{RoundedSide, noise_in_steps};
+use crate::gauge::edge::estimation::side_survey::SideSurvey;
+use crate::gauge::edge::image::scan_windows::Side;
 use crate::gauge::edges::FrameEdges;
 
 /// Step of a frame's grey scale and the noise behind its rounded grey values.
@@ -15,11 +18,21 @@ pub(crate) struct Rounding {
     behind: [f64; 2],
 }
 
+/// A side after its fit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FittedSide<'a> {
+    pub(crate) side: Side,
+    pub(crate) levels: &'a SideLevels,
+    pub(crate) model: &'a EdgeModel,
+    /// Whether its light is clipped, so that its fit contains its own rounding.
+    pub(crate) clipped: bool,
+}
+
 impl Rounding {
     /// From the photon transfer given, else from the scatter of the grey values of both sides;
     /// `levels` are those of shadow and light.
     pub(crate) fn of(
-        sides: &[SideState; 2],
+        sides: &[SideSurvey; 2],
         given: Option<NoiseModel>,
         levels: (f64, f64),
         step: f64,
@@ -31,7 +44,7 @@ impl Rounding {
             let sd = |level| given.variance(level).max(0.0).sqrt();
             return Self { step, behind: [sd(levels.0), sd(levels.1)] };
         }
-        let [top, bottom] = [&sides[0].figures.survey.spread, &sides[1].figures.survey.spread];
+        let [top, bottom] = [&sides[0].spread, &sides[1].spread];
         let behind = [0, 1].map(|k| {
             // Clipped light shows no noise of its own; rounding is not what limits it.
             step * noise_in_steps(top[k].with(bottom[k]), step)
@@ -41,24 +54,24 @@ impl Rounding {
         Self { step, behind: [in_dark, behind[1]] }
     }
 
-    /// Adds it to the uncertainty of either edge, except where the light is clipped, whose fit
-    /// contains its own.
-    pub(crate) fn state(&self, sides: &[SideState; 2], clipped: [bool; 2], out: &mut FrameEdges) {
+    /// Adds it to the uncertainty of either edge, except where the light is clipped.
+    pub(crate) fn state(&self, sides: &[FittedSide<'_>; 2], out: &mut FrameEdges) {
         if self.step <= 0.0 || !RoundedSide::repeats(self.behind.map(|sd| sd / self.step)) {
             return;
         }
-        let [top, bottom] = sides;
+        let [top, bottom] = [sides[0].levels, sides[1].levels];
         let near = |a: f64, b: f64| (a - b).abs() < 0.5 * self.step;
         let alike = near(top.dark.mean, bottom.dark.mean) && near(top.light.mean, bottom.light.mean);
         let lines = [&mut out.top, &mut out.bottom].into_iter().zip(&mut out.figures.rounding_px);
-        for ((side, (line, stated)), clipped) in sides.iter().zip(lines).zip(clipped) {
-            if !clipped {
+        for (side, (line, stated)) in sides.iter().zip(lines) {
+            if !side.clipped {
                 *stated = self.of_side(side, alike).state(line);
             }
         }
     }
 
-    fn of_side<'a>(&self, side: &'a SideState, alike: bool) -> RoundedSide<'a> {
+    fn of_side<'a>(&self, fitted: &FittedSide<'a>, alike: bool) -> RoundedSide<'a> {
+        let FittedSide { side, levels, model, .. } = *fitted;
         let run = |curve: &LevelCurve| {
             let start = (f32::INFINITY, f32::NEG_INFINITY);
             let ends = curve.level.iter().fold(start, |(l, h), v| (l.min(*v), h.max(*v)));
@@ -66,12 +79,12 @@ impl Rounding {
             f64::from(ends.1 - ends.0) * share.min(1.0) / self.step
         };
         RoundedSide {
-            shape: &side.shape,
-            sigma: side.blur.mean(),
-            sign: f64::from(side.windows.side.sign()),
-            contrast: (side.light.mean - side.dark.mean) / self.step,
+            shape: &model.shape,
+            sigma: model.blur.mean(),
+            sign: f64::from(side.sign()),
+            contrast: (levels.light.mean - levels.dark.mean) / self.step,
             noise: self.behind.map(|sd| sd / self.step),
-            level_runs: [run(&side.dark), run(&side.light)],
+            level_runs: [run(&levels.dark), run(&levels.light)],
             alike,
         }
     }

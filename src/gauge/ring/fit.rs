@@ -130,9 +130,7 @@ struct Sums<const P: usize> {
 
 struct State<const P: usize> {
     pooled: Vector<P>,
-    shifts: Vec<f64>,
-    steps: Vec<f64>,
-    good: Vec<bool>,
+    sectors: Vec<SectorFit>,
     variance: Variance,
     least_variance: f64,
     /// Where grey values are clipped, the contrast seen between the ends, and the shape terms; none
@@ -140,6 +138,16 @@ struct State<const P: usize> {
     clipped: Option<Clipped>,
     /// Relative standard uncertainty of the noise in the light where it is clipped.
     noise_known_to: f64,
+}
+
+/// Where the edge of one caliper stands in its sector.
+#[derive(Clone, Copy, Debug)]
+struct SectorFit {
+    /// From the circle, px.
+    shift: f64,
+    /// Last change of it, px.
+    step: f64,
+    good: bool,
 }
 
 /// Prior data of a clipped edge.
@@ -197,9 +205,11 @@ impl<const P: usize> State<P> {
         (pooled[0], pooled[3], pooled[SIGMA]) = (dark, light - dark, 1.0);
         Some(Self {
             pooled,
-            shifts: vec![0.0; band.sectors.len()],
-            steps: vec![f64::INFINITY; band.sectors.len()],
-            good: band.sectors.iter().map(|s| s.len() >= 6).collect(),
+            sectors: band
+                .sectors
+                .iter()
+                .map(|s| SectorFit { shift: 0.0, step: f64::INFINITY, good: s.len() >= 6 })
+                .collect(),
             variance: Variance([1e-4 * (light - dark).powi(2) + least_variance; 3]),
             least_variance,
             clipped: ends.map(|ends| Clipped { ends, seen: light - dark, separated: ShapeTerms::default() }),
@@ -283,9 +293,9 @@ impl<const P: usize> State<P> {
     fn step(&mut self, band: &Band) -> Option<f64> {
         let limits = RingFitLimits::get();
         let sums: Vec<Sums<P>> =
-            band.sectors.iter().zip(&self.shifts).map(|(pixels, shift)| self.sums(pixels, *shift)).collect();
+            band.sectors.iter().zip(&self.sectors).map(|(pixels, at)| self.sums(pixels, at.shift)).collect();
         let (mut normal, mut right) = (Matrix::<P>::zeros(), Vector::<P>::zeros());
-        for (s, _) in sums.iter().zip(&self.good).filter(|(s, good)| **good && s.own > 0.0) {
+        for (s, _) in sums.iter().zip(&self.sectors).filter(|(s, at)| at.good && s.own > 0.0) {
             normal += s.normal - s.cross * s.cross.transpose() / s.own;
             right += s.right - s.cross * (s.own_right / s.own);
         }
@@ -305,10 +315,11 @@ impl<const P: usize> State<P> {
         self.pooled[SIGMA] = self.pooled[SIGMA].clamp(0.25, 5.0);
         let (mut moved, mut count) = (0.0, 0.0);
         for (k, s) in sums.iter().enumerate().filter(|(_, s)| s.own > 0.0) {
-            self.steps[k] = ((s.own_right - s.cross.dot(&change)) / s.own).clamp(-0.7, 0.7);
-            self.shifts[k] += self.steps[k];
-            if self.good[k] {
-                moved += self.steps[k].abs();
+            let sector = &mut self.sectors[k];
+            sector.step = ((s.own_right - s.cross.dot(&change)) / s.own).clamp(-0.7, 0.7);
+            sector.shift += sector.step;
+            if sector.good {
+                moved += sector.step.abs();
                 count += 1.0;
             }
         }
@@ -323,18 +334,18 @@ impl<const P: usize> State<P> {
         let mut zones = [Vec::new(), Vec::new(), Vec::new()];
         let ends = self.clipped.map_or(Ends::NONE, |c| c.ends);
         let separated = self.clipped.as_ref().map(|c| &c.separated);
-        for ((pixels, shift), _) in band.sectors.iter().zip(&self.shifts).zip(&self.good).filter(|(_, g)| **g)
-        {
+        for (pixels, at) in band.sectors.iter().zip(&self.sectors).filter(|(_, at)| at.good) {
+            let shift = at.shift;
             let inside = || pixels.iter().filter(|p| p.value > ends.low && p.value < ends.high);
             let informed = |light: f64, by_shift: f64| by_shift * by_shift / self.variance.at(light);
             let own: f64 = inside()
                 .map(|pixel| {
-                    let (_, _, by_shift, light) = model(pixel, &self.pooled, *shift, separated);
+                    let (_, _, by_shift, light) = model(pixel, &self.pooled, shift, separated);
                     informed(light, by_shift)
                 })
                 .sum();
             for pixel in inside() {
-                let (value, _, by_shift, light) = model(pixel, &self.pooled, *shift, separated);
+                let (value, _, by_shift, light) = model(pixel, &self.pooled, shift, separated);
                 let zone = match light {
                     l if l < 0.1 => 0,
                     l if l > 0.9 => 2,
@@ -383,9 +394,9 @@ impl<const P: usize> State<P> {
         let judged: Vec<(f64, f64)> = band
             .sectors
             .iter()
-            .zip(&self.shifts)
-            .map(|(pixels, shift)| {
-                let s = self.sums(pixels, *shift);
+            .zip(&self.sectors)
+            .map(|(pixels, at)| {
+                let s = self.sums(pixels, at.shift);
                 if s.pixels < 5.0 || s.own <= 0.0 || s.stray > limits.most_stray {
                     return (f64::INFINITY, f64::INFINITY);
                 }
@@ -394,14 +405,14 @@ impl<const P: usize> State<P> {
             .collect();
         let usual =
             |f: fn(&(f64, f64)) -> f64| median(judged.iter().map(f).filter(|c| c.is_finite()).collect());
-        let departure = departures(&self.shifts);
+        let departure = departures(&self.sectors);
         // Along a slope most calipers are their own neighbourhood's median: the departures' scatter
         // alone would be 0.
         let scale = (MEDIAN_TO_SD * median(departure.iter().map(|d| d.abs()).collect())).max(usual(|j| j.1));
         let level = usual(|j| j.0).max(1e-3) * limits.chi2;
-        for k in 0..judged.len() {
-            let settled = self.steps[k].abs() < 1e-2;
-            self.good[k] = settled && judged[k].0 <= level && departure[k].abs() <= outlier_sigmas * scale;
+        for ((sector, (chi2, _)), departure) in self.sectors.iter_mut().zip(judged).zip(departure) {
+            let settled = sector.step.abs() < 1e-2;
+            sector.good = settled && chi2 <= level && departure.abs() <= outlier_sigmas * scale;
         }
     }
 }
@@ -429,12 +440,11 @@ impl<const P: usize> State<P> {
 }
 
 /// Each shift less the median of its neighbourhood of a fortieth of the circle.
-fn departures(shifts: &[f64]) -> Vec<f64> {
-    let n = shifts.len();
+fn departures(sectors: &[SectorFit]) -> Vec<f64> {
+    let n = sectors.len();
+    let shift = |k: usize| sectors[k % n].shift;
     let half = (n / 80).max(2);
-    (0..n)
-        .map(|k| shifts[k] - median((0..=2 * half).map(|j| shifts[(k + n + j - half) % n]).collect()))
-        .collect()
+    (0..n).map(|k| shift(k) - median((0..=2 * half).map(|j| shift(k + n + j - half)).collect())).collect()
 }
 
 /// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0; `ends`
@@ -503,10 +513,10 @@ fn known_shape<const P: usize>(normal: &Matrix<P>, lever: &Vector<P>) -> Option<
 /// Uncertainties from the inverse of the normal equations, pooled parameters and shifts together.
 fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
     let sums: Vec<Sums<P>> =
-        band.sectors.iter().zip(&state.shifts).map(|(p, shift)| state.sums(p, *shift)).collect();
+        band.sectors.iter().zip(&state.sectors).map(|(p, at)| state.sums(p, at.shift)).collect();
     let (mut normal, mut lever, mut own, mut count) = (Matrix::<P>::zeros(), Vector::<P>::zeros(), 0.0, 0.0);
     let mut by_noise = (Vector::<P>::zeros(), 0.0);
-    for (s, _) in sums.iter().zip(&state.good).filter(|(_, good)| **good) {
+    for (s, _) in sums.iter().zip(&state.sectors).filter(|(_, at)| at.good) {
         normal += s.normal - s.cross * s.cross.transpose() / s.own;
         lever += s.cross / s.own;
         own += s.own.recip();
@@ -518,16 +528,16 @@ fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
     let covariance: Matrix<P> = normal.try_inverse()?;
     let calipers = sums
         .iter()
-        .zip(state.shifts.iter().zip(&state.good))
+        .zip(&state.sectors)
         .zip(&band.sectors)
-        .map(|((s, (shift, good)), pixels)| {
+        .map(|((s, at), pixels)| {
             let pooled = s.cross / s.own.max(f64::MIN_POSITIVE);
             Caliper {
-                shift: *shift,
+                shift: at.shift,
                 u_shift: (s.own.recip() + pooled.dot(&(covariance * pooled))).sqrt(),
                 reduced_chi2: s.chi2 / (s.pixels - 1.0).max(1.0),
-                good: *good,
-                crossing: if *good { None } else { state.crossing(pixels) },
+                good: at.good,
+                crossing: if at.good { None } else { state.crossing(pixels) },
             }
         })
         .collect();

@@ -1,14 +1,17 @@
-//! Prepares a frame of a scene for the kernel, step by step: instants, films, columns, profiles,
-//! contamination, parameters.
+//! A frame of a scene made ready for the kernel, each step a value from those before it: the
+//! request's windows ([`RequestedFrame`]) → the instants of its exposure, raised by films
+//! ([`ExposedEdges`]) → columns and profiles ([`ColumnTables`]) → contamination ([`LightMap`]) →
+//! parameters ([`Params`]) → the kernel's [`Job`].
 
 use super::column_profiles::Profiles;
 use super::contamination_layer::{self, WindowView};
 use super::exposure::{self, Instant};
 use super::request::FrameRequest;
 use super::scene::Scene;
+use crate::frame::PixelFormat;
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::{
-    Bands, ColumnEdges, Depth, bands, fold_pixel, kernel_columns, steepest,
+    Bands, Column, ColumnEdges, Depth, bands, fold_pixel, kernel_columns, steepest,
 };
 use crate::render::kernel::job::Job;
 use crate::render::kernel::light_map::LightMap;
@@ -17,6 +20,45 @@ use crate::render::kernel::params::{
 };
 use crate::render::kernel::shadowgraph::noise_polynomial;
 use crate::render::optics::esf_table::{EsfTable, Node, pixel_quadrature};
+
+/// What a request reads of the sensor.
+#[derive(Clone, Copy, Debug)]
+struct RequestedFrame {
+    windows: Windows,
+    /// From the upper window's first row to the lower one's last.
+    window: Window,
+    format: PixelFormat,
+    /// Columns computed beyond the frame's own at either side.
+    halo: usize,
+}
+
+/// Where the edges of a frame stand while it is exposed, with the halo, in rows of its window.
+struct ExposedEdges<'a> {
+    instants: Vec<Instant<'a>>,
+    /// Mean over the instants.
+    mean: Vec<ColumnEdges>,
+    /// The mean with the lower edges in the rows that a second window has in the frame.
+    stacked: Vec<ColumnEdges>,
+}
+
+/// What the kernel reads of the columns of a frame.
+struct ColumnTables<'a> {
+    columns: Vec<Column>,
+    bands: Bands,
+    /// The edge-spread table, with the pixel's square folded in where that suits all edges.
+    esf: &'a EsfTable,
+    quadrature: Vec<Node>,
+    profiles: Vec<[f32; 4]>,
+}
+
+impl ExposedEdges<'_> {
+    /// The frame's own columns as contamination meets them.
+    fn view(&self, frame: &RequestedFrame, blur_px: f64, bands: &Bands) -> WindowView<'_> {
+        let rises = self.instants.last().map_or(&[][..], |i| &i.rises);
+        let (edges, rises) = (within_halo(&self.stacked, frame.halo), within_halo(rises, frame.halo));
+        WindowView { edges, rises, blur_px, dark: bands.dark.clone() }
+    }
+}
 
 impl Scene {
     /// Exact edges of the silhouette at every column, in rows of the requested frame: the mean over
@@ -44,16 +86,52 @@ impl Scene {
     /// # Errors
     /// As [`Self::job`].
     pub fn job_with(&self, request: &FrameRequest, with_mask: bool) -> Result<Job<'_>, RenderError> {
+        let frame = self.requested(request)?;
+        let exposed = self.exposed(request, &frame)?;
+        let tables = self.column_tables(&frame, &exposed);
+        let seen = exposed.view(&frame, self.esf.blur_px, &tables.bands);
+        let contamination =
+            contamination_layer::contamination(&self.setup, request, frame.windows, &seen, with_mask)?;
+        let params = self.params(request, &frame, &tables, contamination.as_ref());
+        let ColumnTables { columns, bands, esf, quadrature, profiles } = tables;
+        Ok(Job {
+            params,
+            format: frame.format,
+            columns,
+            bands,
+            contamination,
+            esf,
+            quadrature,
+            stacked: self.esf.is_stacked(),
+            profiles,
+        })
+    }
+
+    /// The windows and the format of a request.
+    fn requested(&self, request: &FrameRequest) -> Result<RequestedFrame, RenderError> {
         let windows = self.windows(request)?;
-        let window = windows.span();
-        let format = self.format(request);
-        let halo = self.blur.reach();
-        let instants = self.filmed_instants(request, window, halo)?;
-        let edges = exposure::mean(&instants);
-        let mut stacked = edges.clone();
-        stack(&mut stacked, windows)?;
-        let depth = self.depth(&instants[0], window);
-        let mut columns = kernel_columns(&edges, &depth, &self.blur, &self.esf);
+        let (format, halo) = (self.format(request), self.blur.reach());
+        Ok(RequestedFrame { windows, window: windows.span(), format, halo })
+    }
+
+    /// The edges of a frame over its exposure.
+    fn exposed(
+        &self,
+        request: &FrameRequest,
+        frame: &RequestedFrame,
+    ) -> Result<ExposedEdges<'_>, RenderError> {
+        let instants = self.filmed_instants(request, frame.window, frame.halo)?;
+        let mean = exposure::mean(&instants);
+        let mut stacked = mean.clone();
+        stack(&mut stacked, frame.windows)?;
+        Ok(ExposedEdges { instants, mean, stacked })
+    }
+
+    /// What the kernel reads of a frame's columns.
+    fn column_tables(&self, frame: &RequestedFrame, exposed: &ExposedEdges<'_>) -> ColumnTables<'_> {
+        let instants = &exposed.instants;
+        let depth = self.depth(&instants[0], frame.window);
+        let mut columns = kernel_columns(&exposed.mean, &depth, &self.blur, &self.esf);
         let mut quadrature = pixel_quadrature(self.esf.sharp_px, steepest(&columns));
         let folded = fold_pixel(&self.esf, &mut columns);
         let esf = folded.unwrap_or(&self.esf);
@@ -61,9 +139,9 @@ impl Scene {
             let frame = Profiles {
                 scene: self,
                 esf: &self.esf,
-                window,
-                halo,
-                instants: &instants,
+                window: frame.window,
+                halo: frame.halo,
+                instants,
                 depth: &depth,
                 quadrature: &quadrature,
                 kernel_segments: esf.segments.len(),
@@ -75,33 +153,29 @@ impl Scene {
         if folded.is_some() {
             quadrature = vec![Node { along: 0.0, down: 0.0, weight: 1.0, padding: 0.0 }];
         }
-        // Whole rows, so that the lower edges' fractions do not change by a bit.
-        columns.iter_mut().for_each(|c| c.bottom.whole -= windows.skip() as i32);
-        let bands = bands(&columns, pixels_per_word(format) as usize, esf);
-        let rises = instants.last().map_or(&[][..], |i| &i.rises);
-        let (edges, rises) = (within_halo(&stacked, halo), within_halo(rises, halo));
-        let seen = WindowView { edges, rises, blur_px: self.esf.blur_px, dark: bands.dark.clone() };
-        let contamination =
-            contamination_layer::contamination(&self.setup, request, windows, &seen, with_mask)?;
-        let levels = self.levels(format);
-        let mut params = Params::new(windows, format, &levels, request.noise, self.keys(request));
+        // Whole rows: the lower edges keep their places to the last bit.
+        columns.iter_mut().for_each(|c| c.bottom.whole -= frame.windows.skip() as i32);
+        let bands = bands(&columns, pixels_per_word(frame.format) as usize, esf);
+        ColumnTables { columns, bands, esf, quadrature, profiles }
+    }
+
+    /// The kernel's parameters of a frame.
+    fn params(
+        &self,
+        request: &FrameRequest,
+        frame: &RequestedFrame,
+        tables: &ColumnTables<'_>,
+        contamination: Option<&LightMap>,
+    ) -> Params {
+        let levels = self.levels(frame.format);
+        let mut params = Params::new(frame.windows, frame.format, &levels, request.noise, self.keys(request));
         params.flat = flat_noise(&params);
-        params.edge = edge_params(esf, &bands);
-        params.size.nodes = quadrature.len() as u32;
-        params.pixels.overlap = u32::from(bands.overlap);
-        self.light_params(&mut params, contamination.as_ref());
-        params.set_dark(&bands.dark);
-        Ok(Job {
-            params,
-            format,
-            columns,
-            bands,
-            contamination,
-            esf,
-            quadrature,
-            stacked: self.esf.is_stacked(),
-            profiles,
-        })
+        params.edge = edge_params(tables.esf, &tables.bands);
+        params.size.nodes = tables.quadrature.len() as u32;
+        params.pixels.overlap = u32::from(tables.bands.overlap);
+        self.light_params(&mut params, contamination);
+        params.set_dark(&tables.bands.dark);
+        params
     }
 
     /// Instants of the exposure, their edges raised by the films that adhere to the part.

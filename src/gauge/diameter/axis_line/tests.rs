@@ -5,20 +5,19 @@ use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
 
 use super::*;
+use crate::gauge::diameter::column_diameters::ColumnDiameter;
 use crate::profile::Diameter;
 
 /// A frame of 2.55 mm whose middles lie at one height.
 fn flat(middle: f64) -> ColumnDiameters {
-    let value = Reading::Value(Diameter { d_mm: 20.0, u_random_mm: 2e-5, u_common_mm: 0.0 });
-    ColumnDiameters {
-        readings: vec![value; 51],
-        shared_mm: vec![0.0; 51],
-        shared_length: 1.0,
-        pitch_mm: 0.05,
-        width_px: vec![1.0; 51],
-        middle_mm: vec![middle; 51],
-        u_middle_common_mm: vec![1e-6; 51],
-    }
+    let column = ColumnDiameter {
+        reading: Reading::Value(Diameter { d_mm: 20.0, u_random_mm: 2e-5, u_common_mm: 0.0 }),
+        shared_mm: 0.0,
+        width_px: 1.0,
+        middle_mm: middle,
+        u_middle_common_mm: 1e-6,
+    };
+    ColumnDiameters { columns: vec![column; 51], shared_length: 1.0, pitch_mm: 0.05 }
 }
 
 /// A scan whose axis stands at x(z) and turns about it by (a, b), with noise of one station and

@@ -55,12 +55,12 @@ pub(crate) enum Change {
     Lost,
 }
 
-/// What a stream carries of a side's blur from frame to frame.
-#[derive(Clone, Copy, Debug, Default)]
+/// What the edges of a followed frame, once fitted, show of its blur.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct BlurTrack {
     /// Whether the frame's blur is to be followed.
     follows: bool,
-    /// Sums of the frame just fitted, over the blur of its tables.
+    /// Sums over the blur of the tables that the edges were fitted by.
     sums: [BlurSums; BLOCKS],
 }
 
@@ -78,14 +78,9 @@ fn basis(block: usize) -> Vector3<f64> {
 }
 
 impl BlurTrack {
-    /// Begins a frame of a stream; `follows`: its blur is not given.
-    pub(crate) fn begin(&mut self, follows: bool) {
-        self.follows = follows;
-    }
-
-    /// Begins a fit.
-    pub(crate) fn start(&mut self) {
-        self.sums = [BlurSums::default(); BLOCKS];
+    /// Begins a fit; `follows`: the frame is followed, and its blur is not given.
+    pub(crate) fn begin(follows: bool) -> Self {
+        Self { follows, sums: [BlurSums::default(); BLOCKS] }
     }
 
     /// Adds the edges of columns that share a table.

@@ -33,7 +33,8 @@ limits! {
 /// Columns of a bin.
 const BIN: usize = 16;
 
-/// A level along the columns, with the uncertainty that neighbouring columns share.
+/// A level along the columns, with the uncertainty that neighbouring columns share. Level and
+/// uncertainty are columns of equal length: the fit of an edge reads the former alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct LevelCurve {
     /// Level of each column, counts.

@@ -157,6 +157,12 @@ pub(crate) struct Expected {
     values: Vec<f32>,
     /// Their number per px.
     per_px: u32,
+}
+
+/// What the edges of one frame leave of an expected residual.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ExpectedTest<'a> {
+    expected: &'a Expected,
     /// Sums over the edges tested so far: squares of the shifts by weights and phase, px², and
     /// number of edges.
     left: (f64, f64),
@@ -175,13 +181,23 @@ impl Expected {
             let value = |k: usize| kept.get(k).copied().unwrap_or(0.0);
             (value(low) + share * (value(low + 1) - value(low))) as f32
         };
-        Self { values: (-reach..=reach).map(at).collect(), per_px, left: (0.0, 0.0) }
+        Self { values: (-reach..=reach).map(at).collect(), per_px }
     }
 
-    pub(crate) fn start(&mut self) {
-        self.left = (0.0, 0.0);
+    /// Begins the test of a frame's edges.
+    pub(crate) fn test(&self) -> ExpectedTest<'_> {
+        ExpectedTest { expected: self, left: (0.0, 0.0) }
     }
 
+    /// Value at a pixel from the central one, for an edge at a phase.
+    fn at(&self, pixel: i32, phase: f32) -> f32 {
+        let middle = (self.values.len() / 2) as i32;
+        let index = middle + pixel * self.per_px as i32 - (phase * self.per_px as f32).round() as i32;
+        usize::try_from(index).ok().and_then(|k| self.values.get(k)).copied().unwrap_or(0.0)
+    }
+}
+
+impl ExpectedTest<'_> {
     /// Standard uncertainty of an edge by other weights and phases than the masters', px.
     pub(crate) fn left_px(&self) -> f64 {
         (self.left.0 / f64::max(self.left.1, 1.0)).sqrt()
@@ -210,7 +226,8 @@ impl Expected {
             normalise(job.windows.of(column), dark, contrast, normalised);
             let mut sums = Sums::default();
             for (k, n) in normalised.iter().enumerate() {
-                let expected = self.at(k as i32 - half(job.windows.width) as i32, phase.scalars.phase);
+                let expected =
+                    self.expected.at(k as i32 - half(job.windows.width) as i32, phase.scalars.phase);
                 sums.add(n - phase.values[k], expected, phase.inverse_variances[k], phase.weights[k]);
             }
             let information = phase.scalars.information;
@@ -224,13 +241,6 @@ impl Expected {
             self.left.0 += f64::from(sums.moved).powi(2) + by_phase;
             self.left.1 += 1.0;
         }
-    }
-
-    /// Value at a pixel from the central one, for an edge at a phase.
-    fn at(&self, pixel: i32, phase: f32) -> f32 {
-        let middle = (self.values.len() / 2) as i32;
-        let index = middle + pixel * self.per_px as i32 - (phase * self.per_px as f32).round() as i32;
-        usize::try_from(index).ok().and_then(|k| self.values.get(k)).copied().unwrap_or(0.0)
     }
 }
 

@@ -15,7 +15,7 @@ limits! {
 }
 
 /// Properties of the sensor known before a frame is evaluated.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct GreyScaleLimits {
     /// Variance of quantisation, counts²; 0 for frames that are not quantised.
     pub(crate) floor: f64,

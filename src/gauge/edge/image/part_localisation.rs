@@ -59,9 +59,9 @@ limits! {
 /// A whole-pixel edge: the shadow's outermost pixel, or why there is none.
 pub(crate) type CoarseEdge = Result<i32, Reason>;
 
-/// Whole-pixel edges of the part, and what the search for them keeps from frame to frame.
+/// The search for the part: the whole-pixel edges that it found last, and its buffers.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Coarse {
+pub(crate) struct PartSearch {
     /// First shadow row of each column.
     pub(crate) top: Vec<CoarseEdge>,
     /// Last shadow row of each column.
@@ -100,26 +100,23 @@ pub(crate) struct Found {
     pub(crate) share: f64,
 }
 
-impl Coarse {
+impl PartSearch {
     /// Result of an independent search in a frame; `None` without a part.
     pub(crate) fn found<T: Sample>(plane: &Plane<'_, T>, settings: &GaugeSettings) -> Option<Found> {
-        let mut coarse = Self::default();
-        coarse.find_part(plane, settings).ok()?;
-        let width_px = coarse.median_width()?;
-        Some(Found { width_px, share: coarse.pairs() as f64 / plane.columns as f64 })
+        let mut search = Self::default();
+        search.find_part(plane, settings).ok()?;
+        let width_px = search.median_width()?;
+        Some(Found { width_px, share: search.pairs() as f64 / plane.columns as f64 })
     }
 
-    /// Median distance of the edges from the border of a field of so many rows, px, at the side
-    /// where it is smaller.
-    pub(crate) fn nearest_to_border(&self, rows: usize) -> Option<f64> {
-        let median = |line: &[CoarseEdge], distance: &dyn Fn(i32) -> i32| {
-            let mut all: Vec<i32> = line.iter().flatten().map(|row| distance(*row)).collect();
-            all.sort_unstable();
-            all.get(all.len() / 2).map(|px| f64::from(*px))
-        };
-        let above = median(&self.top, &|row| row)?;
-        let below = median(&self.bottom, &|row| rows as i32 - 1 - row)?;
-        Some(above.min(below))
+    /// The edges found, top and bottom; the search keeps none.
+    pub(crate) fn take_lines(&mut self) -> (Vec<CoarseEdge>, Vec<CoarseEdge>) {
+        (std::mem::take(&mut self.top), std::mem::take(&mut self.bottom))
+    }
+
+    /// Takes lines over as buffers.
+    pub(crate) fn reuse(&mut self, top: Vec<CoarseEdge>, bottom: Vec<CoarseEdge>) {
+        (self.top, self.bottom) = (top, bottom);
     }
 
     /// Median width of the columns with both edges, px.

@@ -56,7 +56,8 @@ pub(crate) struct LevelSums {
     pub(crate) count: f64,
 }
 
-/// The windows of one side of a frame; slots without a window carry a reason.
+/// The windows of one side of a frame; slots without a window carry a reason. Columns of equal
+/// length, not a vector of windows: levels and pixels are summed over neighbours, several at once.
 #[derive(Clone, Debug)]
 pub(crate) struct Windows {
     pub(crate) side: Side,

@@ -1,7 +1,7 @@
 //! What other options would show in a frame that shows no part: upright, light and shadow
 //! exchanged, a smaller part, or these together.
 
-use crate::gauge::edge::image::part_localisation::Coarse;
+use crate::gauge::edge::image::part_localisation::PartSearch;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::limit::limits;
 use crate::gauge::settings::GaugeSettings;
@@ -56,7 +56,7 @@ impl View {
             return None;
         }
         let settings = GaugeSettings { min_diameter_px, ..settings.clone() };
-        let width = Coarse::found(&plane, &settings).filter(|f| f.share >= limits.recommended)?.width_px;
+        let width = PartSearch::found(&plane, &settings).filter(|f| f.share >= limits.recommended)?.width_px;
         if self.smaller && width >= least {
             return None;
         }

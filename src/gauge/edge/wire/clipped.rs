@@ -2,9 +2,8 @@
 //! as for the flat ends of wider shadows.
 
 use crate::gauge::edge::estimation::grey_ends;
-use crate::gauge::edge::estimation::side_survey::GreyScaleLimits;
-use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample};
+use crate::gauge::edge::locate::PartLocation;
 use crate::gauge::limit::limits;
 
 limits! {
@@ -25,19 +24,15 @@ type Pairs = Vec<[f32; 2]>;
 
 /// Share of the light's pixels at their largest grey value, where light is clipped there. A frame
 /// without noise on the other side is not clipped but drawn.
-pub(super) fn clipped_share<T: Sample>(
-    plane: &Plane<'_, T>,
-    coarse: &Coarse,
-    scale: GreyScaleLimits,
-) -> Option<f64> {
-    if !(scale.floor > 0.0) {
+pub(super) fn clipped_share<T: Sample>(plane: &Plane<'_, T>, part: &PartLocation) -> Option<f64> {
+    if !(part.scale.floor > 0.0) {
         return None;
     }
-    let (dark, light) = pairs_beside(plane, coarse);
+    let (dark, light) = pairs_beside(plane, part);
     let mean = |pairs: &Pairs| {
         pairs.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / (2 * pairs.len().max(1)) as f64
     };
-    let step = scale.step();
+    let step = part.scale.step();
     let mut pool: Vec<f32> = light.iter().flatten().copied().collect();
     let all = pool.len() as f64;
     let (end, _) = grey_ends::judge(&mut pool, step, mean(&light) - mean(&dark), |end, least, step| {
@@ -51,12 +46,12 @@ pub(super) fn clipped_share<T: Sample>(
 }
 
 /// Pairs in the shadow and in the light.
-fn pairs_beside<T: Sample>(plane: &Plane<'_, T>, coarse: &Coarse) -> (Pairs, Pairs) {
+fn pairs_beside<T: Sample>(plane: &Plane<'_, T>, part: &PartLocation) -> (Pairs, Pairs) {
     let limits = WireClipLimits::get();
     let strides = [plane.rows, plane.columns].map(|n| (n / limits.samples).max(1));
     let (mut dark, mut light) = (Pairs::new(), Pairs::new());
     for column in (0..plane.columns.saturating_sub(1)).step_by(strides[1]) {
-        let (Ok(top), Ok(bottom)) = (coarse.top[column], coarse.bottom[column]) else { continue };
+        let (Ok(top), Ok(bottom)) = (part.top[column], part.bottom[column]) else { continue };
         let pair = |row: usize| [plane.at(row, column), plane.at(row, column + 1)];
         let is_light = |row: i32| row < top - limits.beside_px || row > bottom + limits.beside_px;
         light.extend((0..plane.rows).step_by(strides[0]).filter(|row| is_light(*row as i32)).map(pair));

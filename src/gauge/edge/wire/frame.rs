@@ -3,9 +3,8 @@
 
 use super::clipped::clipped_share;
 use super::joint_fit::Wire;
-use crate::gauge::edge::estimation::side_survey::GreyScaleLimits;
-use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample};
+use crate::gauge::edge::locate::PartLocation;
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::refusals::explain;
 use crate::gauge::edge::rejection::neighbour_test::{self, OutlierScratch};
@@ -35,15 +34,16 @@ limits! {
 /// edge model does not fit.
 pub(crate) fn measure<T: Sample>(
     plane: &Plane<'_, T>,
-    coarse: &Coarse,
-    (shape, settings, scale): (&EdgeSpreadFunction, &GaugeSettings, GreyScaleLimits),
+    part: &PartLocation,
+    (shape, settings): (&EdgeSpreadFunction, &GaugeSettings),
     out: &mut FrameEdges,
 ) -> Result<(), FrameRefused> {
     let limits = WireFrameLimits::get();
-    if let Some(share) = clipped_share(plane, coarse, scale) {
+    let scale = part.scale;
+    if let Some(share) = clipped_share(plane, part) {
         return Err(explain::clipped_wire(share));
     }
-    let fitted = Wire::fit(plane, (&coarse.top, &coarse.bottom), shape, scale.floor(1.0));
+    let fitted = Wire::fit(plane, (&part.top, &part.bottom), shape, scale.floor(1.0));
     let wire = fitted.map_err(explain::no_wire)?;
     let (dark, [above, below]) = wire.levels();
     let light = 0.5 * (above + below);
@@ -57,7 +57,7 @@ pub(crate) fn measure<T: Sample>(
     if !(width >= limits.least_in_blurs * sigma) {
         return Err(explain::blurred_wire(width, sigma, limits.least_in_blurs));
     }
-    lay_out(coarse, out);
+    lay_out(part, out);
     wire.write(&mut out.top, &mut out.bottom);
     let reduced_chi2 = judge(settings, wire.freedom(), out);
     let step = scale.step();
@@ -77,7 +77,7 @@ pub(crate) fn measure<T: Sample>(
         reduced_chi2,
         quantised: scale.floor > 0.0,
         rounding_px: [rounding_px; 2],
-        shadows: coarse.shadows.seen,
+        shadows: part.shadows,
     };
     let valid = out.valid();
     if valid < limits.least_columns {
@@ -92,10 +92,10 @@ pub(crate) fn measure<T: Sample>(
 
 /// Gaps with the coarse search's reasons; columns with both edges that are not fitted lie too near
 /// the border.
-fn lay_out(coarse: &Coarse, out: &mut FrameEdges) {
+fn lay_out(part: &PartLocation, out: &mut FrameEdges) {
     out.top.clear();
     out.bottom.clear();
-    for (top, bottom) in coarse.top.iter().zip(&coarse.bottom) {
+    for (top, bottom) in part.top.iter().zip(&part.bottom) {
         let reason = top.err().or(bottom.err()).unwrap_or(Reason::Border);
         out.top.push(Edge::gap(reason));
         out.bottom.push(Edge::gap(reason));

@@ -61,7 +61,8 @@ pub const LEAST_STRETCH: usize = 5;
 /// over the next narrower one has a u that is larger by less than a third.
 const WIDTHS: [usize; 12] = [5, 7, 9, 13, 17, 25, 33, 45, 65, 105, 165, 257];
 
-/// A line of columns.
+/// A line of columns. Its values are vectors of equal length: a fit reads size or value shown, each
+/// as a slice.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
     /// Columns, px.

@@ -1,0 +1,102 @@
+//! What a finished run prints: passes as a table or as JSON, and its exit code.
+
+use crate::cli::failure::Outcome;
+use crate::conformity::part_verdict::{PartConformity, Verdict};
+use crate::job::Job;
+use crate::run_folder::{AxisRow, PassRow, axis_json};
+
+/// Result of a finished run.
+pub struct Finished {
+    pub(super) job: Job,
+    pub(super) backend: String,
+    pub(super) adapter: String,
+    pub(super) passes: Vec<PassRow>,
+    pub(super) axis: Vec<AxisRow>,
+    pub(super) reference: Option<Vec<PassRow>>,
+    pub(super) seconds: Vec<(f64, f64)>,
+    pub(super) verdict: Option<Verdict>,
+    pub(super) stopped: Option<String>,
+}
+
+impl Finished {
+    pub(super) fn outcome(&self) -> Outcome {
+        let proven = self.verdict.as_ref().is_none_or(|v| v.part() == PartConformity::Conforms);
+        if !proven || self.stopped.is_some() { Outcome::OutOfTolerance } else { Outcome::Done }
+    }
+
+    pub(super) fn to_json(&self) -> serde_json::Value {
+        let rows = |rows: &[PassRow], seconds: &[(f64, f64)]| -> Vec<serde_json::Value> {
+            rows.iter()
+                .enumerate()
+                .map(|(i, p)| {
+                    let (render_s, gauge_s) = seconds.get(i).copied().unwrap_or((0.0, 0.0));
+                    serde_json::json!({
+                        "pass": p.pass, "nominal_mm": p.nominal_mm, "max_abs_error_mm": p.max_abs_error_mm,
+                        "rms_error_mm": p.rms_error_mm, "true_max_abs_error_mm": p.true_max_abs_error_mm,
+                        "worst_measured_minus_true_mm": p.worst_measured_minus_true_mm,
+                        "rms_error_over_u": p.rms_error_over_u, "frames": p.frames, "decision": p.decision,
+                        "radial_force_n": p.radial_force_n, "tangential_force_n": p.tangential_force_n,
+                        "feed_force_n": p.feed_force_n, "deflection_um": p.deflection_um,
+                        "tangential_error_um": p.tangential_error_um, "feed_mark_um": p.feed_mark_um,
+                        "render_s": render_s, "gauge_s": gauge_s,
+                    })
+                })
+                .collect()
+        };
+        let mut passes = rows(&self.passes, &self.seconds);
+        for (json, row) in passes.iter_mut().zip(&self.passes) {
+            json["axis"] = axis_json(&self.axis, row.pass);
+        }
+        let mut json = serde_json::json!({
+            "controller": self.job.control.controller.as_str(),
+            "backend": self.backend,
+            "adapter": self.adapter,
+            "passes": passes,
+            "in_tolerance": self.verdict.as_ref().map(|v| v.part() == PartConformity::Conforms),
+            "conformity": self.verdict.as_ref().map(Verdict::part),
+            // For one version also under the name that `measure` has for GO, HI, …
+            "judgement": self.verdict.as_ref().map(Verdict::part),
+            "alarm": self.verdict.as_ref().and_then(|v| v.alarm.clone()),
+            "stopped": self.stopped,
+        });
+        if let Some(reference) = &self.reference {
+            json["without_control"] = serde_json::json!({ "passes": rows(reference, &[]) });
+        }
+        json
+    }
+
+    /// The passes as a table for a terminal.
+    pub fn to_table(&self) -> String {
+        let um = |mm: f64| format!("{:.2}", mm * 1e3);
+        let mut text = format!(
+            "{}: controller {}, {} ({})\n\n pass  nominal/mm  max |e|/µm  true max |e|/µm  measured-true/µm  rms(error/u)  none: true max |e|/µm\n",
+            self.job.name,
+            self.job.control.controller.as_str(),
+            self.backend,
+            self.adapter
+        );
+        for (i, p) in self.passes.iter().enumerate() {
+            let beside = self
+                .reference
+                .as_ref()
+                .and_then(|r| r.get(i))
+                .map_or("-".to_owned(), |r| um(r.true_max_abs_error_mm));
+            text += &format!(
+                " {:>4}  {:>10.4}  {:>10}  {:>15}  {:>16}  {:>12.2}  {beside:>21}\n",
+                p.pass,
+                p.nominal_mm,
+                um(p.max_abs_error_mm),
+                um(p.true_max_abs_error_mm),
+                um(p.worst_measured_minus_true_mm),
+                p.rms_error_over_u
+            );
+        }
+        if let Some(stopped) = &self.stopped {
+            text += &format!("\nALARM, {stopped}\n");
+        }
+        if let Some(verdict) = &self.verdict {
+            text += &format!("\n{}\n", verdict.words());
+        }
+        text
+    }
+}
