@@ -3,7 +3,7 @@
 
 use nalgebra::SMatrix;
 
-use super::adjustment::CovariancePart;
+use super::adjusted::CovariancePart;
 use super::imaging_model::{LensModel, PARAMETERS};
 use super::optical_setup::SetupCalibration;
 use crate::gauge::limit::limits;

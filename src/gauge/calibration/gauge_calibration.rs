@@ -13,7 +13,7 @@ use std::io::Read;
 
 use serde::{Deserialize, Serialize};
 
-use super::adjustment::Adjusted;
+use super::adjusted::Adjusted;
 use super::axis_zero::AxisZero;
 use super::conditions::Conditions;
 use super::error::{CALIBRATION_VERSION, CalibrationError, CalibrationLimits};

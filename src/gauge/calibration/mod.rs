@@ -11,6 +11,7 @@
 //! more parameter of the lens goes into `imaging_model` (its derivative with it); one more source
 //! of uncertainty is a part of `adjustment`'s covariance and a row of the budget.
 
+pub(crate) mod adjusted;
 pub(crate) mod adjustment;
 pub(crate) mod axis_zero;
 mod conditions;
@@ -27,7 +28,8 @@ mod thermometer;
 pub(crate) mod unstated;
 mod verification;
 
-pub use adjustment::{Adjusted, Adjustment, CovariancePart, Residual, Solver};
+pub use adjusted::{Adjusted, CovariancePart, Residual};
+pub use adjustment::{Adjustment, Solver};
 pub use axis_zero::AxisZero;
 pub use conditions::{Conditions, GivenConditions};
 pub use date::Date;

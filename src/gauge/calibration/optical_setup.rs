@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::adjustment::{Adjusted, CovariancePart, Residual};
+use super::adjusted::{Adjusted, CovariancePart, Residual};
 use super::conditions::Conditions;
 use super::date::Date;
 use super::imaging_model::{ColumnSpread, LensModel, PARAMETERS};
