@@ -1,6 +1,7 @@
 //! Measures the scenes with the thresholds of this process: figures, and a digest of every result.
 
 use std::fmt::Debug;
+use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -278,17 +279,19 @@ impl Tally {
         let darks: Vec<FramePair<'_>> = dark.chunks_exact(2).filter_map(|f| pair(0.0, f)).collect();
         self.note(&photon_transfer(&pairs, &darks));
         let response = response.unwrap_or_default();
-        let linear = |range: std::ops::Range<usize>| -> Vec<Frame> {
-            let frames = scene.frames[range].iter().cloned();
-            frames.map(|f| response.as_ref().map_or_else(|| f.clone(), |r| r.linearised(f.clone()))).collect()
+        let of_frame = |frame: &Frame| match &response {
+            Some(response) => response.linearised(frame.clone()),
+            None => frame.clone(),
         };
-        let (dark, flat) =
-            (linear(0..DARKS), linear(DARKS + 2 * EXPOSURES.len() - 2..DARKS + 2 * EXPOSURES.len()));
-        let field =
-            FlatField::new(&views(&dark), &views(&flat)).map(|field| field.with_response(response.clone()));
+        let linear =
+            |range: Range<usize>| -> Vec<Frame> { scene.frames[range].iter().map(of_frame).collect() };
+        let shafts = DARKS + 2 * EXPOSURES.len();
+        // The brightest one shows defects and light best.
+        let (dark, flat) = (linear(0..DARKS), linear(shafts - 2..shafts));
+        let field = FlatField::new(&views(&dark), &views(&flat)).map(|field| field.with_response(response));
         self.note(&field);
         let mut stream = Gauge::new(GaugeSettings::default())?.stream();
-        for (frame, truth) in scene.frames.iter().zip(&scene.truth).skip(DARKS + 2 * EXPOSURES.len()) {
+        for (frame, truth) in scene.frames.iter().zip(&scene.truth).skip(shafts) {
             let corrected =
                 field.as_ref().map_or_else(|_| frame.clone(), |field| field.corrected(frame.clone()));
             self.shaft(&mut stream, &corrected.view(), truth, look::STATION);

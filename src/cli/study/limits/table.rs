@@ -81,6 +81,13 @@ pub(super) struct Study {
     pub(super) variants: Vec<Row>,
 }
 
+impl Study {
+    /// Both variants of a threshold.
+    fn rows_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Row> {
+        self.variants.iter().filter(move |row| row.variant.name == name)
+    }
+}
+
 /// A row of `--csv`.
 #[derive(Debug, Serialize)]
 pub(super) struct CsvRow<'a> {
@@ -138,16 +145,15 @@ pub(super) fn print(study: &Study) {
     print_default(study);
     let mut names: Vec<&str> = study.variants.iter().map(|row| row.variant.name.as_str()).collect();
     names.dedup();
-    let rows_of = |name: &str| study.variants.iter().filter(move |row| row.variant.name == name);
-    let changed = |name: &&str| rows_of(name).any(|row| row.status != "same");
+    let changed = |name: &&str| study.rows_of(name).any(|row| row.status != "same");
     let (mut changing, without): (Vec<&str>, Vec<&str>) = names.into_iter().partition(changed);
-    let size = |name: &str| rows_of(name).map(Row::size).fold(0.0, f64::max);
+    let size = |name: &str| study.rows_of(name).map(Row::size).fold(0.0, f64::max);
     // Equal sizes keep the order of the thresholds.
     changing.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let (shown, below): (Vec<&str>, Vec<&str>) =
-        changing.into_iter().partition(|name| rows_of(name).any(Row::shows));
+        changing.into_iter().partition(|name| study.rows_of(name).any(Row::shows));
     print_head();
-    shown.iter().flat_map(|name| rows_of(name)).for_each(print_row);
+    shown.iter().flat_map(|name| study.rows_of(name)).for_each(print_row);
     list("results change, by less than any figure shows", &below);
     list("not reached or without effect in these scenes: not one bit of any result differs", &without);
     let zero: Vec<&str> = study.zero.iter().map(String::as_str).collect();
