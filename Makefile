@@ -2,12 +2,13 @@
 #   make demo    the main job: cut, render, measure, correct, cut again -> out/demo/report.html
 #   make test    formatting, lints, all tests, doc tests
 # Others:  make studies (long measurements -> out/studies; ONLY="coverage edges" for some)   make studies-short (ten minutes)
+#          make study-limits (half and double of every threshold of the instrument on the same scenes)
 #          make gpu-check (a hardware adapter against the CPU path; needs the built program alone)   make bench   make bless CASE=all
 
 CARGO ?= cargo
 BIN := target/release/shadowgauge
 
-.PHONY: demo test studies studies-short gpu-check bench build vulkan bless
+.PHONY: demo test studies studies-short study-limits gpu-check bench build vulkan bless
 
 # With wgpu at work where a Vulkan driver is (software drivers are taken by name only), else on the CPU path.
 demo: vulkan build
@@ -37,6 +38,12 @@ studies: vulkan build
 
 studies-short: build
 	sh scripts/studies_short.sh
+
+# Half and double of every threshold of the instrument on the same scenes -> out/study_limits.
+study-limits: build
+	mkdir -p out/study_limits
+	$(BIN) study limits --csv out/study_limits/limits.csv > out/study_limits/limits.txt
+	cat out/study_limits/limits.txt
 
 # Goldens and benches on a hardware adapter, beside the CPU path: needs the built program alone (BIN=PATH), no Rust and no network.
 gpu-check:

@@ -26,6 +26,8 @@ pub struct Limit {
     pub name: String,
     /// The default value, in the unit that its documentation states.
     pub value: f64,
+    /// Whether it is a whole number.
+    pub whole: bool,
 }
 
 /// Gives one threshold of this process another value. It must be called before anything is
@@ -40,13 +42,15 @@ pub fn replace(name: &str, value: f64) -> Result<(), SettingError> {
 
 /// A number that a threshold may be.
 pub(crate) trait Number: Copy {
+    const WHOLE: bool;
     fn to_f64(self) -> f64;
     fn from_f64(value: f64) -> Self;
 }
 
 macro_rules! number {
-    ($($kind:ty: $from:expr),*) => { $(
+    ($($kind:ty: $whole:expr, $from:expr);*) => { $(
         impl Number for $kind {
+            const WHOLE: bool = $whole;
             #[allow(clippy::cast_lossless, clippy::cast_precision_loss, reason = "thresholds are small")]
             fn to_f64(self) -> f64 { self as f64 }
             fn from_f64(value: f64) -> Self { $from(value) as $kind }
@@ -54,7 +58,13 @@ macro_rules! number {
     )* };
 }
 
-number!(f32: std::convert::identity, f64: std::convert::identity, usize: f64::round, u32: f64::round, i32: f64::round);
+number!(
+    f32: false, std::convert::identity;
+    f64: false, std::convert::identity;
+    usize: true, f64::round;
+    u32: true, f64::round;
+    i32: true, f64::round
+);
 
 /// A group of thresholds.
 pub(crate) trait Limits: Sized {
@@ -100,6 +110,7 @@ macro_rules! limits {
                 vec![$( $crate::gauge::limit::Limit {
                     name: format!("{}.{}", $name, stringify!($field)),
                     value: $crate::gauge::limit::Number::to_f64({ let value: $kind = $value; value }),
+                    whole: <$kind as $crate::gauge::limit::Number>::WHOLE,
                 }, )*]
             }
 

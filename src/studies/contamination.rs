@@ -16,7 +16,7 @@ use crate::gauge::{FrameEdges, Gauge, GaugeSettings, Rejection, StationColumns};
 /// Error from which a station counts as harmed, µm.
 const HARMED_UM: f64 = 5.0;
 /// Error allowed in addition to U, µm.
-const ALLOWED_UM: f64 = 1.0;
+pub(super) const ALLOWED_UM: f64 = 1.0;
 
 /// Result for one kind of contamination.
 #[derive(Clone, Debug, Serialize)]
@@ -122,6 +122,15 @@ impl Pair {
 
 /// Mean width over a station by its columns with both edges, and U, µm.
 fn station(edges: &FrameEdges, columns: std::ops::Range<usize>, min_fill: f64) -> Option<(f64, f64)> {
+    station_px(edges, columns, min_fill).map(|(mean, u)| (mean * PIXEL_UM, 2.0 * u * PIXEL_UM))
+}
+
+/// Mean width over a station by its columns with both edges, and its standard uncertainty, px.
+pub(super) fn station_px(
+    edges: &FrameEdges,
+    columns: std::ops::Range<usize>,
+    min_fill: f64,
+) -> Option<(f64, f64)> {
     let length = columns.len() as f64;
     let middle = 0.5 * (columns.start + columns.end - 1) as f64;
     let (mut own, mut shared, mut count) = (0.0, 0.0, 0.0);
@@ -137,7 +146,7 @@ fn station(edges: &FrameEdges, columns: std::ops::Range<usize>, min_fill: f64) -
     }
     let mean = seen.mean();
     let u = (mean.gain * own / (count * count) + shared / count + mean.rest.powi(2)).sqrt();
-    (count >= (min_fill * length).max(1.0)).then_some((mean.mean * PIXEL_UM, 2.0 * u * PIXEL_UM))
+    (count >= (min_fill * length).max(1.0)).then_some((mean.mean, u))
 }
 
 /// Result of one frame.

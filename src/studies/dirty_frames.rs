@@ -190,7 +190,7 @@ impl Piece {
             let shade = map.map(|m| &m.values()[row * COLUMNS..(row + 1) * COLUMNS]);
             for (column, pixel) in line.iter_mut().enumerate() {
                 let y = row as f64;
-                let lit = step(self.top[column] - y) + step(y - self.bottom[column]);
+                let lit = step(self.top[column] - y, SIGMA_PX) + step(y - self.bottom[column], SIGMA_PX);
                 let level = DARK + (LIGHT - DARK) * lit * shade.map_or(1.0, |s| f64::from(s[column]));
                 let noise: f64 = StandardNormal.sample(&mut random);
                 let electrons = ELECTRONS * level + noise * (ELECTRONS * level + READ_E * READ_E).sqrt();
@@ -238,15 +238,15 @@ impl Piece {
     }
 }
 
-/// Light on a pixel whose centre lies `d` px on the light side of a Gaussian edge, integrated over
-/// the pixel.
-fn step(d: f64) -> f64 {
-    if d.abs() > 6.0 * SIGMA_PX {
+/// Light on a pixel whose centre lies `d` px on the light side of a Gaussian edge of blur `sigma`,
+/// integrated over the pixel.
+pub(super) fn step(d: f64, sigma: f64) -> f64 {
+    if d.abs() > 6.0 * sigma.max(SIGMA_PX) {
         return if d > 0.0 { 1.0 } else { 0.0 };
     }
     let g = |u: f64| {
-        let t = u / SIGMA_PX;
-        u * phi_cdf(t) + SIGMA_PX * (-0.5 * t * t).exp() / (2.0 * std::f64::consts::PI).sqrt()
+        let t = u / sigma;
+        u * phi_cdf(t) + sigma * (-0.5 * t * t).exp() / (2.0 * std::f64::consts::PI).sqrt()
     };
     g(d + 0.5) - g(d - 0.5)
 }

@@ -17,6 +17,7 @@ pub mod dirty_frames;
 pub mod factor;
 pub mod golden_cases;
 pub mod in_process;
+pub mod limits;
 pub mod line_camera;
 pub mod optimize;
 pub mod parts;

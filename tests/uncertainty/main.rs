@@ -4,6 +4,7 @@
 mod cli;
 mod coverage;
 mod jcgm_101;
+mod limits;
 #[path = "../support/program.rs"]
 mod program;
 mod setup;

@@ -9,6 +9,7 @@ mod coverage;
 mod deflection;
 mod factor;
 mod in_process;
+mod limits;
 mod line_camera;
 mod parts;
 mod stability;
@@ -23,6 +24,7 @@ use self::coverage::StudyCoverageArgs;
 use self::deflection::StudyDeflectionArgs;
 use self::factor::StudyFactorArgs;
 use self::in_process::StudyInProcessArgs;
+use self::limits::StudyLimitsArgs;
 use self::line_camera::StudyLineCameraArgs;
 use self::parts::StudyPartsArgs;
 use self::stability::StudyStabilityArgs;
@@ -54,6 +56,8 @@ pub enum Study {
     Coverage(StudyCoverageArgs),
     /// Monte Carlo (JCGM 101) beside the law of propagation, through calibration and measurement.
     Uncertainty(StudyUncertaintyArgs),
+    /// Half and double of every threshold of the instrument: what each changes on the same scenes.
+    Limits(StudyLimitsArgs),
     /// Rings of known size, leave-one-out, beside a level crossing.
     Washers(StudyWashersArgs),
 }
@@ -75,5 +79,6 @@ pub fn run(study: &Study) -> CommandResult {
         Study::InProcess(args) => in_process::run(args),
         Study::LineCamera(args) => line_camera::run(args),
         Study::Factor(args) => factor::run(args),
+        Study::Limits(args) => limits::run(args),
     }
 }

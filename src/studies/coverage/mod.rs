@@ -12,6 +12,7 @@ use serde::Serialize;
 
 pub use class::Class;
 pub use scene::Outcome;
+pub(in crate::studies) use scene::{Recorded, measure, record};
 
 use crate::render::Renderer;
 use crate::studies::calibration::CalibrateError;

@@ -15,7 +15,7 @@ use crate::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
 use crate::render::{OpticalSetup, RenderError, Renderer};
 use crate::shaft::{Lobe, ProfileKnot, Shaft, ShaftForm, TextureForm};
 use crate::studies::calibration::{
-    CalibrateError, CalibrationPlan, Draws, Fields, Laid, PinPlan, Position, SimulatedPlan,
+    CalibrateError, CalibrationPlan, Draws, Fields, Laid, PinPlan, Position, Recordings, SimulatedPlan,
     SimulatedRecordings, SimulatedSetup, calibrate,
 };
 use crate::truth;
@@ -236,31 +236,128 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError
     Ok(Drawn { conditions: plan.conditions, plan, class, finish_um })
 }
 
+/// A scene before anything of it is rendered: its setup and its part, by the seed alone.
+struct Planned {
+    drawn: Drawn,
+    /// True diameter of the part at 20 °C, mm.
+    d20_mm: f64,
+    laid: Laid,
+    /// Light on the part over the end of the grey scale, for [`Class::Clipped`].
+    overexposure: Option<f64>,
+    seed: u64,
+}
+
+impl Planned {
+    fn draw(class: Class, seed: u64) -> Result<Self, RenderError> {
+        let mut draws = Draws::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let drawn = draw(class, seed, &mut draws)?;
+        let overexposure = (class == Class::Clipped).then(|| 1.2 + 0.3 * draws.even());
+        let d20_mm = 5.3 + 1.5 * draws.even();
+        let laid = lay(&drawn, d20_mm, seed, &mut draws)?;
+        Ok(Self { drawn, d20_mm, laid, overexposure, seed })
+    }
+
+    /// The setup that looks at the part: the masters' own but for the light.
+    fn setup_of_part<'a>(
+        &self,
+        recordings: SimulatedRecordings<'a>,
+        renderer: &'a Renderer,
+    ) -> Result<SimulatedSetup<'a>, CalibrateError> {
+        if self.drawn.class == Class::OtherLight {
+            return in_other_light(&self.drawn, self.seed, renderer);
+        }
+        let Some(times) = self.overexposure else { return Ok(recordings.into_setup()) };
+        let light = |simulate: &mut SimulatedPlan| simulate.light.bright_counts = 4095.0 * times;
+        changed(&self.drawn, self.seed, renderer, light)
+    }
+}
+
+/// The frames of a scene: of every master at every position, and of the part.
+#[derive(Clone, Debug)]
+pub(in crate::studies) struct Recorded {
+    /// Of the masters, in the order in which a calibration takes them.
+    pub pins: Vec<Frame>,
+    /// Of the part: one, or one an angle.
+    pub part: Vec<Frame>,
+}
+
+/// Renders the frames of a scene.
+///
+/// # Errors
+/// Where they cannot be drawn.
+pub(in crate::studies) fn record(
+    class: Class,
+    seed: u64,
+    renderer: &Renderer,
+) -> Result<Recorded, CalibrateError> {
+    let planned = Planned::draw(class, seed)?;
+    let mut recordings = SimulatedRecordings::new(&planned.drawn.plan, renderer)?;
+    let mut pins = Vec::new();
+    for (index, pin) in planned.drawn.plan.masters.iter().enumerate() {
+        for position in &pin.positions {
+            pins.extend(recordings.pin(index, pin, position)?);
+        }
+    }
+    let mut setup = planned.setup_of_part(recordings, renderer)?;
+    let laid = &planned.laid;
+    let part = if matches!(class, Class::Form | Class::Lobes) {
+        let angle_deg = |k: usize| laid.angle_deg + 180.0 * k as f64 / ANGLES as f64;
+        let frame = |k: usize| setup.frame(&Laid { angle_deg: angle_deg(k), ..laid.clone() });
+        (0..ANGLES).map(frame).collect::<Result<_, _>>()?
+    } else {
+        vec![expose(&planned.drawn, &mut setup, laid)?]
+    };
+    Ok(Recorded { pins, part })
+}
+
+/// Frames of the masters that were rendered before.
+struct Pins<'a>(&'a [Frame]);
+
+impl Recordings for Pins<'_> {
+    fn pin(
+        &mut self,
+        index: usize,
+        pin: &PinPlan,
+        position: &Position,
+    ) -> Result<Vec<Frame>, CalibrateError> {
+        // Every master has the same positions, and one frame at each.
+        let place = pin.positions.iter().position(|p| p == position);
+        let frame = place.and_then(|place| self.0.get(index * pin.positions.len() + place));
+        Ok(frame.cloned().into_iter().collect())
+    }
+
+    fn dark(&mut self, _: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError> {
+        Ok(Vec::new())
+    }
+
+    fn flat(&mut self, _: &CalibrationPlan, _: usize) -> Result<Vec<Frame>, CalibrateError> {
+        Ok(Vec::new())
+    }
+}
+
+/// Calibrates on the masters' frames of a scene and measures its part.
+///
+/// # Errors
+/// Where the masters cannot be measured.
+pub(in crate::studies) fn measure(
+    class: Class,
+    seed: u64,
+    recorded: &Recorded,
+) -> Result<Outcome, CalibrateError> {
+    let Planned { drawn, d20_mm, laid, .. } = Planned::draw(class, seed)?;
+    let calibration = calibrate(&drawn.plan, &mut Pins(&recorded.pins))?.calibration;
+    match recorded.part.as_slice() {
+        [frame] => Ok(judge(&drawn, &calibration, frame, d20_mm)),
+        frames => measure_stations(&drawn, &calibration, frames, (&laid, d20_mm)),
+    }
+}
+
 /// Runs a scene.
 ///
 /// # Errors
 /// Where the masters cannot be drawn or measured.
 pub fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, CalibrateError> {
-    let mut draws = Draws::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    let drawn = draw(class, seed, &mut draws)?;
-    let mut recordings = SimulatedRecordings::new(&drawn.plan, renderer)?;
-    let calibration = calibrate(&drawn.plan, &mut recordings)?.calibration;
-    let mut setup = recordings.into_setup();
-    if class == Class::OtherLight {
-        setup = in_other_light(&drawn, seed, renderer)?;
-    }
-    if class == Class::Clipped {
-        let times = 1.2 + 0.3 * draws.even();
-        let light = |simulate: &mut SimulatedPlan| simulate.light.bright_counts = 4095.0 * times;
-        setup = changed(&drawn, seed, renderer, light)?;
-    }
-    let d20_mm = 5.3 + 1.5 * draws.even();
-    let laid = lay(&drawn, d20_mm, seed, &mut draws)?;
-    if matches!(class, Class::Form | Class::Lobes) {
-        return measure_stations(&drawn, &calibration, &mut setup, (&laid, d20_mm));
-    }
-    let frame = expose(&drawn, &mut setup, &laid)?;
-    Ok(judge(&drawn, &calibration, &frame, d20_mm))
+    measure(class, seed, &record(class, seed, renderer)?)
 }
 
 /// The same optical setup in partially coherent light.
@@ -446,7 +543,7 @@ fn outcome(budget: &Budget, true_mm: f64, flag: String) -> Outcome {
 fn measure_stations(
     drawn: &Drawn,
     calibration: &Calibration,
-    setup: &mut SimulatedSetup<'_>,
+    frames: &[Frame],
     (laid, d20_mm): (&Laid, f64),
 ) -> Result<Outcome, CalibrateError> {
     let gauge =
@@ -454,9 +551,8 @@ fn measure_stations(
     let z_mm: Vec<f64> = (0..STATIONS).map(|i| (i as f64 - (STATIONS / 2) as f64) * STATION_MM).collect();
     let mut averager = StationAverager::new(&drawn.plan.gauge.station, z_mm, STATION_MM);
     let (mut common, mut flags) = (None, Vec::new());
-    for k in 0..ANGLES {
+    for (k, frame) in frames.iter().enumerate() {
         let angle_deg = laid.angle_deg + 180.0 * k as f64 / ANGLES as f64;
-        let frame = setup.frame(&Laid { angle_deg, ..laid.clone() })?;
         let edges = match gauge.edges(&frame.view()) {
             Ok(edges) => edges,
             Err(e) => return Ok(refused(e.reason.to_string())),
