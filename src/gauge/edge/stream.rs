@@ -23,11 +23,11 @@ use crate::gauge::edge::estimation::model_bias::ResidualAccumulator;
 use crate::gauge::edge::estimation::noise::NoiseModel;
 use crate::gauge::edge::image::grey_step::grey_step;
 use crate::gauge::edge::image::part_localisation::Coarse;
-use crate::gauge::edge::image::plane::{Plane, Sample, all_finite, with_plane};
+use crate::gauge::edge::image::plane::{Plane, Sample, with_plane};
 use crate::gauge::edge::image::repeated::repeated_lines;
 use crate::gauge::edge::image::scan_windows::Side;
 use crate::gauge::edge::image::stuck_rows;
-use crate::gauge::edge::image::window_layout::{LayoutLimits, WIDEST_PX};
+use crate::gauge::edge::image::window_layout::WIDEST_PX;
 use crate::gauge::edge::model::edge_spread::{EdgeSpreadFunction, TabulatedEsf};
 use crate::gauge::edge::rejection::departures::AxisScratch;
 use crate::gauge::edge::rejection::one_sided::refuse_one_sided;
@@ -65,21 +65,6 @@ limits! {
 }
 
 /// Fewest rows: the shortest window; and fewest columns.
-
-/// Refuses views too small for any window, or with values that are none.
-///
-/// # Errors
-/// Fewer rows than the shortest window, a grey value that is not finite.
-pub(crate) fn check(view: &FrameView<'_>) -> Result<(), FrameRefused> {
-    let least = LayoutLimits::get().least_width;
-    if view.rows() < least {
-        return Err(explain::too_small((view.rows(), view.columns()), least));
-    }
-    if !all_finite(view) {
-        return Err(refused(Reason::Unreadable, explain::NOT_FINITE.to_owned()));
-    }
-    Ok(())
-}
 
 /// Finds edges in the frames of one area camera, of sixteen columns or more; keeps tables and
 /// buffers between them.
@@ -165,7 +150,7 @@ impl AreaStream {
     /// # Errors
     /// Refuses frames that show no part with two edges: black, white, noise, too small, not finite.
     pub(crate) fn measure(&mut self, view: &FrameView<'_>, out: &mut FrameEdges) -> Result<(), FrameRefused> {
-        check(view)?;
+        acceptance::check(view)?;
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
         let scale =
             GreyScaleLimits { floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 } };

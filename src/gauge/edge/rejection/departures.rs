@@ -37,7 +37,8 @@ limits! {
     bumps: usize = 3;
 }
 
-/// Standard deviation of a block's median over that of a column: √(π/2)/√16.
+/// Standard deviation of a block's median over that of a column: √(π/2)/√16, of sixteen normal
+/// values.
 pub(super) const MEDIAN_OF_BLOCK: f64 = 0.3133;
 
 /// Sixteen columns.
