@@ -20,7 +20,7 @@ limits! {
     /// Departures below this are not tested, px: they change a diameter by twice as much, well
     /// within the scatter of a station.
     floor_px: f64 = 0.04;
-    /// Departure to the same side, in standard deviations of a column, up to which neighbours join
+    /// Departure to the same side, in standard deviations of a column, beyond which neighbours join
     /// a refused stretch: noise gives it in 7 % of the columns.
     grow: f64 = 1.5;
     /// Columns by which a stretch grows at most: four blocks. A longer one is found by its blocks.
