@@ -65,8 +65,6 @@ limits! {
     search_every: u32 = 256;
 }
 
-/// Fewest rows: the shortest window; and fewest columns.
-
 /// Finds edges in the frames of one area camera, of sixteen columns or more; keeps tables and
 /// buffers between them.
 #[derive(Clone, Debug)]
