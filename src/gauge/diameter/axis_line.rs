@@ -50,8 +50,8 @@ limits! {
     /// Share of a station's columns from which one frame carries it: two thirds carry a parabola
     /// (`station_mean.most_gain`); a line is extrapolated over the rest.
     whole: f64 = 2.0 / 3.0;
-    /// Distance of bursts, of a station, up to which they stand at one place: what a carriage's
-    /// position scatters by. Tuned: see study limits.
+    /// Distance of bursts, in lengths of a station, up to which they stand at one place: nearer
+    /// ones see an axis that is bent alike. Tuned: see study limits.
     same_place: f64 = 0.02;
     /// Angles for one more odd harmonic: a harmonic has two terms, and twice as many remain free;
     /// as over half a turn (`turn_scatter`).

@@ -1,10 +1,14 @@
-//! Whether a frame as a whole is accepted, after fitting and rejection.
+//! Whether a frame is fit to be measured, and accepted as a whole after fitting and rejection.
 
-use super::refusals::explain;
+use super::refusals::explain::{self, refused};
 use super::rejection::neighbour_test;
+use crate::frame::FrameView;
+use crate::gauge::edge::image::plane::all_finite;
+use crate::gauge::edge::image::window_layout::LayoutLimits;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
 use crate::gauge::limit::limits;
 use crate::gauge::settings::GaugeSettings;
+use crate::profile::Reason;
 
 limits! {
     /// When a frame as a whole is accepted.
@@ -23,6 +27,21 @@ limits! {
     /// does, and no edge-spread function fits a hard step to noise. The area of a pixel alone has a
     /// standard deviation of 1/√12 = 0.29 px.
     sharp_px: f64 = 0.4;
+}
+
+/// Refuses views too small for any window, or with values that are none.
+///
+/// # Errors
+/// Fewer rows than the shortest window, a grey value that is not finite.
+pub(crate) fn check(view: &FrameView<'_>) -> Result<(), FrameRefused> {
+    let least = LayoutLimits::get().least_width;
+    if view.rows() < least {
+        return Err(explain::too_small((view.rows(), view.columns()), least));
+    }
+    if !all_finite(view) {
+        return Err(refused(Reason::Unreadable, explain::NOT_FINITE.to_owned()));
+    }
+    Ok(())
 }
 
 /// Largest step of a contour from one column to the next, px.

@@ -1,10 +1,11 @@
 //! Frames of one camera, whichever it is: an area camera's by themselves, a line camera's readings
 //! among those before them.
 
+use super::acceptance::check;
 use super::estimation::model_bias::ResidualAccumulator;
 use super::model::systematic_residual::SystematicResidual;
 use super::narrow::Narrow;
-use super::stream::{AreaStream, StreamLimits, check};
+use super::stream::{AreaStream, StreamLimits};
 use crate::frame::FrameView;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
 use crate::gauge::settings::GaugeSettings;

@@ -20,8 +20,8 @@ use crate::gauge::settings::{EsfModel, Rejection};
 limits! {
     /// How often the lines of a frame are fitted.
     FrameLineLimits = "frame_lines";
-    /// Times that the edge-spread function is estimated from the edges found and fitted with: the
-    /// shape then changes places by far less than their u. Tuned: see study limits.
+    /// Times that the edge-spread function is estimated from the edges found, and they are fitted
+    /// with it: each round places the samples of the next one better. Tuned: see study limits.
     estimates_of_shape: usize = 3;
 }
 

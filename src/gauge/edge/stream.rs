@@ -13,7 +13,6 @@ use super::frame_survey::FrameSurvey;
 use super::frame_windows::{LocatedFrame, SuitedWindows};
 use super::locate::{PartLocation, locate};
 use super::model::systematic_residual::SystematicResidual;
-use super::refusals::explain::{self, refused};
 use super::side::buffers::SideBuffers;
 use super::side::model::EdgeModel;
 use super::side::scan::{Centring, Layout};
@@ -22,15 +21,13 @@ use super::stream_settings::{ColumnKind, StreamSettings};
 use crate::frame::FrameView;
 use crate::gauge::edge::estimation::model_bias::{ResidualAccumulator, SideView};
 use crate::gauge::edge::image::part_localisation::PartSearch;
-use crate::gauge::edge::image::plane::{Plane, Sample, all_finite, with_plane};
+use crate::gauge::edge::image::plane::{Plane, Sample, with_plane};
 use crate::gauge::edge::image::scan_windows::Side;
-use crate::gauge::edge::image::window_layout::LayoutLimits;
 use crate::gauge::edge::rejection::departures::AxisScratch;
 use crate::gauge::edge::wire::frame;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
 use crate::gauge::limit::limits;
 use crate::gauge::settings::{Blur, EsfModel, GaugeSettings, Noise};
-use crate::profile::Reason;
 
 limits! {
     /// When a stream follows its last frame.
@@ -42,27 +39,13 @@ limits! {
     /// Share of the columns of the last frame that a followed frame must keep: fewer, and the part
     /// has moved or is another. Tuned: see study limits.
     least_followed: f64 = 0.98;
-    /// χ² ratio over that of the last full search, above which a followed frame's blur is
-    /// doubted. Over a thousand columns noise changes it by less than one in a hundred.
+    /// χ² ratio over that of the last full search, above which a followed frame's blur is doubted:
+    /// five standard deviations, since of 512 columns with twenty degrees of freedom each the best
+    /// fitting fifth is known to 2 %.
     most_chi2: f64 = 1.1;
-    /// Frames after which the part is searched anew, in case another has come in: a few seconds of
-    /// a camera's frames, over which a search costs little.
+    /// Frames after which the part is searched anew, in case another has come in: a search costs
+    /// more than a followed frame, and a 256th of it little. Tuned: see study limits.
     search_every: u32 = 256;
-}
-
-/// Refuses views too small for any window, or with values that are none.
-///
-/// # Errors
-/// Fewer rows than the shortest window, a grey value that is not finite.
-pub(crate) fn check(view: &FrameView<'_>) -> Result<(), FrameRefused> {
-    let least = LayoutLimits::get().least_width;
-    if view.rows() < least {
-        return Err(explain::too_small((view.rows(), view.columns()), least));
-    }
-    if !all_finite(view) {
-        return Err(refused(Reason::Unreadable, explain::NOT_FINITE.to_owned()));
-    }
-    Ok(())
 }
 
 /// Finds edges in the frames of one area camera, of sixteen columns or more.
@@ -201,7 +184,7 @@ impl AreaStream {
     /// # Errors
     /// Refuses frames that show no part with two edges: black, white, noise, too small, not finite.
     pub(crate) fn measure(&mut self, view: &FrameView<'_>, out: &mut FrameEdges) -> Result<(), FrameRefused> {
-        check(view)?;
+        acceptance::check(view)?;
         let quantised = view.format().full_scale().is_some();
         with_plane!(view, self.settings.sign(), plane => self.measure_plane(&plane, quantised, out))
     }

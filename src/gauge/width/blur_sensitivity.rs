@@ -19,7 +19,8 @@ limits! {
     looked_at: usize = 64;
 }
 
-/// Pixels either side of the edge.
+/// Pixels either side of the edge, the length of an array: three standard deviations of the widest
+/// blur, 8 px.
 const REACH: i32 = 24;
 
 /// Uncertainty of the blur at a column over that of its mean along the field: a line through the

@@ -209,9 +209,8 @@ impl PartSearch {
         plane: &Plane<'_, T>,
         level: &impl Fn(usize) -> f32,
         column: usize,
-        min_diameter_px: f64,
+        (limits, min_diameter_px): (&LocalisationLimits, f64),
     ) -> (CoarseEdge, CoarseEdge) {
-        let limits = LocalisationLimits::get();
         let cell = column / self.thinned.column_step;
         let nearest =
             if column % self.thinned.column_step > self.thinned.column_step / 2 { cell + 1 } else { cell };
@@ -223,8 +222,9 @@ impl PartSearch {
         let (first, last) =
             (first * self.thinned.row_step, (last * self.thinned.row_step).min(plane.rows - 1));
         let reach = 4 * self.thinned.row_step.max(self.thinned.column_step) + 8;
-        let top = walk_out(plane, column, &Walk { start: first, down: false, threshold, reach });
-        let bottom = walk_out(plane, column, &Walk { start: last, down: true, threshold, reach });
+        let inwards = limits.inwards.max(reach);
+        let top = walk_out(plane, column, &Walk { start: first, down: false, threshold, reach, inwards });
+        let bottom = walk_out(plane, column, &Walk { start: last, down: true, threshold, reach, inwards });
         match (top, bottom) {
             (Ok(t), Ok(b)) if f64::from(width(t, b)) < limits.neck * min_diameter_px => {
                 (Err(Reason::NoEdge), Err(Reason::NoEdge))
@@ -241,8 +241,9 @@ impl PartSearch {
         min_diameter_px: f64,
         level: impl Fn(usize) -> f32,
     ) {
+        let limits = LocalisationLimits::get();
         for column in 0..plane.columns {
-            let (top, bottom) = self.refine(plane, &level, column, min_diameter_px);
+            let (top, bottom) = self.refine(plane, &level, column, (limits, min_diameter_px));
             self.top.push(top);
             self.bottom.push(bottom);
         }
@@ -332,6 +333,7 @@ struct TwoLevels {
 fn separate(values: &[f32]) -> Option<TwoLevels> {
     let limits = LocalisationLimits::get();
     let valley_limits = ValleyLimits::get();
+    // The length of arrays: a bin is a quarter of a count of 8 bits.
     const BINS: usize = 1024;
     let (low, high) = range(values);
     if !(high > low) {
@@ -413,17 +415,18 @@ struct Walk {
     threshold: f32,
     /// Rows within which the border is expected.
     reach: usize,
+    /// Rows in which the shadow is looked for inwards.
+    inwards: usize,
 }
 
 /// From a shadow pixel (or one near the border of the shadow) outwards to the last shadow pixel.
 fn walk_out<T: Sample>(plane: &Plane<'_, T>, column: usize, walk: &Walk) -> CoarseEdge {
-    let limits = LocalisationLimits::get();
-    let Walk { start, down, threshold, reach } = *walk;
+    let Walk { start, down, threshold, reach, inwards } = *walk;
     let outward: i32 = if down { 1 } else { -1 };
     let inside = |row: i32| row >= 0 && (row as usize) < plane.rows;
     let dark = |row: i32| inside(row) && plane.at(row as usize, column) < threshold;
     let mut row = start as i32;
-    let mut budget = limits.inwards.max(reach);
+    let mut budget = inwards;
     while !(dark(row) && dark(row - outward)) {
         row -= outward;
         budget -= 1;

@@ -26,7 +26,7 @@ limits! {
     longest_run: usize = 3;
 }
 
-/// Pixels of a line that are compared, and the least number that is evidence.
+/// Pixels of a line that are compared, the length of an array: see the chance above.
 const PLACES: usize = 64;
 
 /// Lines that repeat the one before them.

@@ -31,7 +31,7 @@ limits! {
 
 /// Columns of a tile: their pixels in a row fill one or two lines of the cache.
 const TILE: usize = 64;
-/// Columns that are turned into windows together.
+/// Columns that are turned into windows together: two vectors of four lanes.
 const GROUP: usize = 8;
 
 /// Upper or lower edge. Windows always run from shadow to light.

@@ -17,8 +17,8 @@ limits! {
     /// Widening a column, px, above which it is a shoulder of the part: a slope of 17°, steeper
     /// than what adheres ends with. Tuned: see study limits.
     shoulder: f64 = 0.3;
-    /// Share of a local bump's height down to which it is one: the rest is below what is tested,
-    /// but for bumps that are refused by their height alone. Tuned: see study limits.
+    /// Share of a local bump's height down to which it is one: what is lower is its base. Tuned:
+    /// see study limits.
     base: f64 = 0.2;
 }
 

@@ -20,7 +20,7 @@ limits! {
     /// Departures below this are not tested, px: they change a diameter by twice as much, well
     /// within the scatter of a station.
     floor_px: f64 = 0.04;
-    /// Departure to the same side, in standard deviations of a column, up to which neighbours join
+    /// Departure to the same side, in standard deviations of a column, beyond which neighbours join
     /// a refused stretch: noise gives it in 7 % of the columns.
     grow: f64 = 1.5;
     /// Columns by which a stretch grows at most: four blocks. A longer one is found by its blocks.
@@ -37,7 +37,8 @@ limits! {
     bumps: usize = 3;
 }
 
-/// Standard deviation of a block's median over that of a column: √(π/2)/√16.
+/// Standard deviation of a block's median over that of a column: √(π/2)/√16, of sixteen normal
+/// values.
 pub(super) const MEDIAN_OF_BLOCK: f64 = 0.3133;
 
 /// Sixteen columns.

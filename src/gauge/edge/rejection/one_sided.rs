@@ -22,8 +22,8 @@ limits! {
     /// Fewest blocks from which the axis can be separated from a local departure: a parabola leaves
     /// five of eight free, and a departure in two leaves most of these.
     least_blocks: usize = 8;
-    /// Times that the axis is fitted again to the columns not yet refused: what the first pass
-    /// leaves moves the second, seldom the third. Tuned: see study limits.
+    /// Times that the axis is fitted again to the columns not yet refused: what one pass refuses no
+    /// longer pulls the next. Tuned: see study limits.
     passes: usize = 3;
     /// Share of the columns that contamination hides, above which a field counts as contaminated:
     /// more than noise and hot pixels refuse. Tuned: see study limits.

@@ -1,9 +1,11 @@
 //! Whether noise explains the residual of a fitted edge; a residual beyond noise that neighbours
 //! share adds to their uncertainty.
 
+use std::sync::OnceLock;
+
 use crate::gauge::edges::{Edge, EdgeState, RESIDUAL_BLOCK};
 use crate::gauge::limit::limits;
-use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
+use crate::numerics::distributions::{chi2_ratio_limit, inverse_tail};
 use crate::profile::Reason;
 
 limits! {
@@ -35,7 +37,8 @@ limits! {
 impl ResidualLimits {
     /// Normal quantile of `best` to four digits.
     fn best_quantile(&self) -> f64 {
-        -(1e4 * upper_normal_quantile(self.best)).round() / 1e4
+        static QUANTILE: OnceLock<f64> = OnceLock::new();
+        *QUANTILE.get_or_init(|| -(1e4 * inverse_tail(self.best)).round() / 1e4)
     }
 }
 

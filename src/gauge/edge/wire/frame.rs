@@ -3,6 +3,7 @@
 
 use super::clipped::clipped_share;
 use super::joint_fit::Wire;
+use crate::gauge::edge::acceptance::AcceptanceLimits;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::locate::PartLocation;
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
@@ -21,10 +22,6 @@ limits! {
     /// Width of a wire in blurs below which its shadow hardly reaches its own level: at three of
     /// them the middle still has 2Φ(−1.5) = 13 % of the light.
     least_in_blurs: f64 = 3.0;
-    /// Fewest columns with both edges, as for other frames.
-    least_columns: usize = 8;
-    /// Reduced χ² from which the noise does not explain what the model leaves, as for other frames.
-    least_chi2: f64 = 2.0;
 }
 
 /// Measures the wire that the coarse search found into `out`.
@@ -79,12 +76,13 @@ pub(crate) fn measure<T: Sample>(
         rounding_px: [rounding_px; 2],
         shadows: part.shadows,
     };
+    let acceptance = AcceptanceLimits::get();
     let valid = out.valid();
-    if valid < limits.least_columns {
-        return Err(explain::too_few(out, valid, limits.least_columns));
+    if valid < acceptance.least_valid {
+        return Err(explain::too_few(out, valid, acceptance.least_valid));
     }
     let residual = reduced_chi2.sqrt() / snr;
-    if reduced_chi2 > limits.least_chi2 && residual > settings.max_residual_rel {
+    if reduced_chi2 > acceptance.least_chi2 && residual > settings.max_residual_rel {
         return Err(explain::no_fit(residual, snr.recip(), settings.max_residual_rel));
     }
     Ok(())
