@@ -217,7 +217,7 @@ impl Chart {
             .configure_mesh()
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
-            .light_line_style(WHITE)
+            .light_line_style(TRANSPARENT) // not drawn: white ones would be half of all lines
             .bold_line_style(BLACK.mix(0.1))
             .label_style(("sans-serif", 13))
             .axis_desc_style(("sans-serif", 14))
@@ -350,6 +350,7 @@ mod tests {
         };
         let svg = chart.to_svg().unwrap();
         assert!(svg.contains("z / mm") && svg.contains("e / µm") && svg.contains("measured"));
+        assert!(!svg.to_lowercase().contains("stroke=\"#ffffff\""), "invisible lines");
         let log = Chart { log_y: true, ..chart }.to_svg().unwrap();
         assert_ne!(log, svg);
     }

@@ -427,8 +427,8 @@ fn two_hot_pixels_in_a_hundred_leave_a_falling_light_measurable() {
     assert!(beyond <= 1, "{beyond} of 56 beyond 3 u");
 }
 
-/// Largest diameter over 65 columns and more against the width drawn, in u, its u, and the number of
-/// edges flagged as clipped.
+/// Largest diameter over 65 columns and more against the width drawn, in u, its u, and the number
+/// of edges flagged as clipped.
 fn largest_of(frame: &Frame, settings: GaugeSettings, width: f64) -> Result<(f64, f64, usize), String> {
     let found = Gauge::new(settings).unwrap().edges(&frame.view()).map_err(|refused| refused.to_string())?;
     let lines = [&found.top, &found.bottom].into_iter().flatten();
@@ -437,8 +437,8 @@ fn largest_of(frame: &Frame, settings: GaugeSettings, width: f64) -> Result<(f64
     Ok(((largest.diameter_px - width) / largest.u_px, largest.u_px, clipped))
 }
 
-/// Levels quieter than a grey step, with and without hot and dead pixels: what a few defects show is
-/// no scatter, and what rounds to one grey value is no end. Shafts under even and falling light,
+/// Levels quieter than a grey step, with and without hot and dead pixels: what a few defects show
+/// is no scatter, and what rounds to one grey value is no end. Shafts under even and falling light,
 /// wires, lit parts.
 #[test]
 fn quiet_levels_with_defects_are_not_clipped() {
@@ -480,8 +480,8 @@ fn quiet_levels_with_defects_are_not_clipped() {
     assert!(flagged <= 1, "{flagged} flagged");
 }
 
-/// A frame without noise in which a hot or dead pixel opens a row: that row is not a live one beside a
-/// stuck one.
+/// A frame without noise in which a hot or dead pixel opens a row: that row is not a live one
+/// beside a stuck one.
 #[test]
 fn a_defect_in_a_row_without_noise_makes_no_stuck_row_of_its_neighbour() {
     for (hot, dead) in [(0.015, 0.0), (0.0, 0.015)] {

@@ -18,11 +18,9 @@ use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
 use crate::gauge::{Calibration, ColumnDiameters, FrameEdges, LargestCaliper, largest_caliper_over};
 use crate::profile::{Diameter, Reading, Reason};
 
-/// Columns of a local size that is judged where no stations are given: as many as in the median of
-/// the largest diameter.
+/// Columns of a local size without stations: as many as in the median of the largest diameter.
 const LOCAL_COLUMNS: f64 = 65.0;
-/// Length of the stretches along z that are compared from turn to turn where no stations are given,
-/// mm.
+/// Length along z of what is compared from turn to turn without stations, mm.
 const TURN_STRETCH_MM: f64 = 1.0;
 
 /// Probability that the scatter of identical parts is taken for scatter of the process.
@@ -34,13 +32,12 @@ fn local_columns(columns: usize) -> f64 {
     (columns as f64 / places).ceil()
 }
 
-/// The budget of a reading; where scale and edge offset were given without an uncertainty, a row
-/// states it.
+/// The budget of a reading, with a row for scale and edge offset without an uncertainty.
 pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditions: &Conditions) -> Budget {
     let mut budget = reading.budget(calibration, conditions);
     if is_uncalibrated(calibration) {
-        // Without masters there is no reference for the part's edges or temperature: U is that of
-        // the image alone.
+        // Without masters the part's edges and temperature have no reference: U is the image's
+        // alone.
         let temperature = (conditions.limit_temperature_k == 0.0).then_some("temperature of the part");
         budget.contributions.extend(temperature.into_iter().chain(["scale and edge offset"]).map(|source| {
             Contribution {
@@ -64,8 +61,7 @@ fn is_uncalibrated(calibration: &Calibration) -> bool {
 /// A frame's largest diameter.
 #[derive(Clone, Copy)]
 struct Largest {
-    /// Whether this is the only size of the part: chords of a disc and roots beneath crests are not
-    /// sizes.
+    /// Whether it is the part's only size: a disc's chords and roots beneath crests are none.
     alone: bool,
     z_mm: f64,
     diameter: Diameter,
@@ -243,8 +239,7 @@ impl<'a> InspectionReport<'a> {
         self.not_proven(out);
     }
 
-    /// Whether the tolerance applies to sizes of single frames; otherwise it applies to those of
-    /// the revolution.
+    /// Whether the tolerance applies to sizes of single frames, not to those of the revolution.
     fn judges_frames(&self) -> bool {
         let two_point =
             |t: Tolerance| matches!(t.criterion, SizeCriterion::TwoPoint | SizeCriterion::Envelope);
@@ -259,8 +254,7 @@ impl<'a> InspectionReport<'a> {
         }
     }
 
-    /// Turns diameters that contradict earlier revolutions into gaps, and counts them among the
-    /// frame's flags.
+    /// Turns diameters that contradict earlier revolutions into gaps, counted in the frame's flags.
     fn compare_with_turns(
         &mut self,
         meta: &FrameMeta,
@@ -286,8 +280,7 @@ impl<'a> InspectionReport<'a> {
 
     fn add_budget(&self, budget: &Budget, out: &mut Map<String, Value>) {
         let k = budget.factor_or(self.args.coverage_factor);
-        // In stations and tables `u_random_mm` and `u_common_mm` belong to `d_mm`; here they used
-        // to belong to the largest diameter.
+        // `u_random_mm` and `u_common_mm`, elsewhere those of `d_mm`, were the largest diameter's.
         for (name, old, u) in [
             ("u_max_random_mm", "u_random_mm", budget.u_random_mm()),
             ("u_max_common_mm", "u_common_mm", budget.u_common_mm()),
@@ -318,9 +311,8 @@ impl<'a> InspectionReport<'a> {
         out.insert("stations".to_owned(), rows.into());
     }
 
-    /// All values of a frame that must lie within the limits. A disc seen end-on has a single size,
-    /// of which its chords are not; the size of crests opposite roots is the distance of their
-    /// tangents.
+    /// All values of a frame that must lie within the limits. A disc's chords are no sizes; that of
+    /// crests opposite roots is the distance of tangents.
     fn to_be_judged(
         &self,
         meta: &FrameMeta,
@@ -349,8 +341,7 @@ impl<'a> InspectionReport<'a> {
         largest_value.into_iter().chain(places).chain([of(mean_word, meta.z_mm, mean)]).collect()
     }
 
-    /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and
-    /// reports which one it is.
+    /// Judges a frame by its worst value, of equal ones that closest to a limit, and reports it.
     fn judge_frame(&mut self, values: &[Judged], out: &mut Map<String, Value>) {
         if !self.judges_frames() {
             return;
@@ -448,8 +439,7 @@ impl<'a> InspectionReport<'a> {
     /// Cp and Cpk of the batch with intervals of 95 %.
     ///
     /// # Errors
-    /// Why there are none: a single part has no process capability, and scatter of the gauge alone
-    /// is not that of a process.
+    /// Why there are none: a single part has no capability, nor has scatter of the gauge alone.
     fn capability(&self, lower: f64, upper: f64) -> Result<(Capability, Capability), String> {
         if !self.args.parts {
             return Err("one part has none; --parts takes every frame as another part".to_owned());

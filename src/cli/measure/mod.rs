@@ -1,11 +1,11 @@
 //! `shadowgauge measure`: edges and diameters of frames in files.
 //!
 //! In: frames (`frames`), a calibration and conditions, an edge-spread function (`esf_argument`).
-//! Out: a table (`table`) or JSON, edges as CSV (`edges_file`). This file measures frame by frame; results over
-//! several frames are in the files beside it: `judge` (budgets, decisions on a tolerance), `size`
-//! and `turn` (a part over its angles), `statistics` (series), `crests` (largest diameters of a
-//! stretch), `ring` (parts seen end-on), `timing`. A new result of a frame is a key of its JSON
-//! object, added here; a result over a series has a file of its own.
+//! Out: a table (`table`) or JSON, edges as CSV (`edges_file`). This file measures frame by frame;
+//! results over several frames are in the files beside it: `judge` (budgets, decisions on a
+//! tolerance), `size` and `turn` (a part over its angles), `statistics` (series), `crests` (largest
+//! diameters of a stretch), `ring` (parts seen end-on), `timing`. A new result of a frame is a key
+//! of its JSON object, added here; a result over a series has a file of its own.
 
 mod choice;
 mod crests;
@@ -169,8 +169,7 @@ impl MeasureArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// Refuses impossible settings (2); fails on files that cannot be read and where no frame can be
-/// measured (3).
+/// Exit 2 for settings out of range; 3 for unreadable files and where no frame can be measured.
 pub fn run(args: &MeasureArgs) -> CommandResult {
     let paths = paths(&args.input)?;
     let calibration = calibration(args, &paths)?;
@@ -199,8 +198,7 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
     pool.install(|| measure_all(args, &gauge, calibration.as_ref(), conditions, paths))
 }
 
-/// Measures rings; files without a readable frame give a warning; the command fails where none is
-/// left.
+/// Measures rings; files without a readable frame give a warning, or an error if none is left.
 fn rings(
     args: &MeasureArgs,
     calibration: Option<&Calibration>,
@@ -240,13 +238,11 @@ fn rings(
     }
 }
 
-/// The edge-spread function of the command line, otherwise that of the masters' edges, otherwise
-/// the Gaussian.
+/// The edge-spread function: the command line's, otherwise the masters', otherwise the Gaussian.
 fn edge_model(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<EsfModel, Failure> {
     match &args.esf {
         Some(text) => esf_model(text, calibration.map(|c| 1e3 * c.scale_mm_per_px)),
-        // A ring's outline is measured with Gaussian edges: a calibration with another model does
-        // not apply.
+        // A ring has Gaussian edges: the model of the calibration does not apply.
         None if args.shape == Shape::Ring => Ok(EsfModel::default()),
         None => Ok(calibration.and_then(Calibration::edge_model).unwrap_or_default()),
     }
@@ -276,8 +272,7 @@ fn calibration(args: &MeasureArgs, paths: &[PathBuf]) -> Result<Option<Calibrati
     Ok(Some(if args.vertical { calibration.transposed() } else { calibration }))
 }
 
-/// The part's conditions: from the file, otherwise from the calibration; the temperature of the
-/// command line overrides both.
+/// The part's conditions: the file's, otherwise the calibration's; `--part-temperature` overrides.
 fn conditions(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<Conditions, Failure> {
     let known = match calibration {
         Some(c) if c.leaves_conditions_open() => Conditions::unstated(),
@@ -309,8 +304,7 @@ fn merged(text: &ConfigText, known: &Conditions) -> Result<Conditions, Failure> 
     Ok(given.over(known))
 }
 
-/// A frame with the calibration's corrections of sensor and light; a frame of another size than the
-/// calibration's is refused.
+/// A frame with the calibration's corrections of sensor and light; another size is refused.
 fn prepared(args: &MeasureArgs, frame: Frame, calibration: Option<&Calibration>) -> Result<Frame, String> {
     let Some(setup) = calibration.and_then(|c| c.setup.as_ref()) else { return Ok(frame) };
     let view = view(args, &frame);
@@ -501,8 +495,7 @@ fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
     }
 }
 
-/// A frame whose blur differs from the masters' is refused, because its edges are displaced against
-/// theirs.
+/// Refuses a frame whose blur differs from the masters', because its edges are displaced.
 fn sharp(mut measured: Measured, calibration: Option<&Calibration>, conditions: &Conditions) -> Measured {
     if let (Ok(edges), Some(setup)) = (&measured.result, calibration.and_then(|c| c.setup.as_ref()))
         && let Err(error) = setup.check_focus(edges.figures.sigma_px, conditions)

@@ -22,9 +22,9 @@
 //! changes with focus. In the masters' plane it is part of the offset o; elsewhere it is w_y, with
 //! a standard uncertainty from the edges' residuals (the model uncertainty) or, where that is more,
 //! the root mean square of the w_y fitted freely, if these reduce χ² by more than chance would
-//! (`adjustment.false_alarm`). The lens' parameters and their rows are then free of it: t is determined by
-//! masters of different diameter at one y. Where the residuals still scatter more than the edges'
-//! uncertainties imply, the latter are multiplied (Birge's ratio).
+//! (`adjustment.false_alarm`). The lens' parameters and their rows are then free of it: t is
+//! determined by masters of different diameter at one y. Where the residuals still scatter more
+//! than the edges' uncertainties imply, the latter are multiplied (Birge's ratio).
 
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};

@@ -16,8 +16,8 @@
 
 use super::error::FormError;
 
-/// Edge heights over one revolution at even spindle angles, mm: as many of the top as of the bottom,
-/// apart because harmonics are fitted to each as a slice.
+/// Edge heights over one revolution at even spindle angles, mm: as many of the top as of the
+/// bottom, apart because harmonics are fitted to each as a slice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
     first_angle_deg: f64,

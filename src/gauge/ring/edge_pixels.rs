@@ -149,8 +149,8 @@ impl Band {
     }
 }
 
-/// Noise of successive flat pixels of a sector below an end, counts; `None` of too few. `step` is the
-/// distance of two grey values, counts, 0 where there is none.
+/// Noise of successive flat pixels of a sector below an end, counts; `None` of too few. `step` is
+/// the distance of two grey values, counts, 0 where there is none.
 fn pairs_below(sectors: &[Vec<f32>], end: f32, step: f64) -> Option<f64> {
     let pairs = sectors.iter().flat_map(|sector| sector.windows(2));
     let mut squares: Vec<f32> =

@@ -10,8 +10,8 @@
 //! P(|X| ≤ w) = ∫ g(r)·[Φ((w − r)/s) − Φ((−w − r)/s)] dr    g  density of the sum of rectangles
 //! ```
 //!
-//! with s the standard uncertainty of the rest; from fewer than `coverage.few_freedom` degrees of freedom
-//! Student's t stands in place of Φ.
+//! with s the standard uncertainty of the rest; from fewer than `coverage.few_freedom` degrees of
+//! freedom Student's t stands in place of Φ.
 
 use rand_pcg::Pcg64;
 use statrs::distribution::{ContinuousCDF, StudentsT};

@@ -48,7 +48,8 @@ pub struct StudyLimitsArgs {
     /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Measure the scenes that come in through stdin and print a line of JSON: what the study starts itself with.
+    /// Measure the scenes that come in through stdin and print a line of JSON: what the study
+    /// starts itself with.
     #[arg(long, hide = true)]
     measure: bool,
     /// The threshold replaced, with its value.

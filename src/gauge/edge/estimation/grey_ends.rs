@@ -73,8 +73,8 @@ pub(crate) struct Elsewhere {
     pub(crate) levels: [f64; 2],
     /// Step of the grey scale, counts; 0 where there is none.
     pub(crate) step: f64,
-    /// Whether grey values have their signs turned (a lit part before a dark ground): photons' noise
-    /// is then that of the level called dark.
+    /// Whether grey values have their signs turned (a lit part before a dark ground): photons'
+    /// noise is then that of the level called dark.
     pub(crate) turned: bool,
 }
 
@@ -151,8 +151,8 @@ pub(crate) fn judge(
 }
 
 /// Noise expected of a level from that on the flank and that of the other level, counts.
-/// `brighter`: whether it is the level of more light; `known_to` is the relative standard uncertainty
-/// of the flank's variance.
+/// `brighter`: whether it is the level of more light; `known_to` is the relative standard
+/// uncertainty of the flank's variance.
 pub(crate) fn expected_noise(brighter: bool, (flank, known_to): (f64, f64), other: f64) -> f64 {
     match brighter {
         // Light has the noise of the dark, and its photons'.
@@ -188,8 +188,8 @@ fn candidate(pool: &mut [f32]) -> Option<f32> {
     (equal as f64 >= GreyEndLimits::get().at_one * pool.len() as f64).then_some(end)
 }
 
-/// Smallest distance of two grey values of the level; 0 where there is one only. What hot pixels and
-/// dead ones show is no value of the level.
+/// Smallest distance of two grey values of the level; 0 where there is one only. What hot pixels
+/// and dead ones show is no value of the level.
 fn grid(pool: &mut [f32]) -> f32 {
     pool.sort_unstable_by(f32::total_cmp);
     let defects = (GreyEndLimits::get().beyond * pool.len() as f64) as usize;
@@ -225,9 +225,9 @@ fn reference_noise(
     if below > least {
         return below;
     }
-    // A flank without noise that moves by half a step a column rounds up and down in turn: its second
-    // differences are then all one step, and their variance over 6 twice that of rounding. In the
-    // dark, where twice the flank's variance is extrapolated from, that would be a noise.
+    // A flank without noise that moves by half a step a column rounds up and down in turn: its
+    // second differences are then all one step, and their variance over 6 twice that of rounding.
+    // In the dark, where twice the flank's variance is extrapolated from, that would be a noise.
     let brighter = (level == Level::Light) != elsewhere.turned;
     let flank_rounding = if brighter { rounding } else { 2.0 * rounding };
     let flank =
@@ -263,8 +263,8 @@ fn below_noise(
 }
 
 /// Variance of the flat light by neighbouring columns, clipped pixels included, counts², and the
-/// share of them at the end or beyond; `None` of too few. `apart` is the distance of two grey values,
-/// counts.
+/// share of them at the end or beyond; `None` of too few. `apart` is the distance of two grey
+/// values, counts.
 pub(crate) fn light_scatter(
     windows: &Windows,
     (end, apart): (Option<f32>, f64),
@@ -359,7 +359,8 @@ mod tests {
         let hot = robust_mean(&mut squares, 1.0).unwrap();
         assert!((hot - 20.0 / 99.0).abs() < 1e-6, "{hot}");
         assert_eq!(robust_mean(&mut [0.0; 50], 1.0), Some(0.0));
-        // Nothing but hot pixels differs: without a step they are the scatter, with one they are not.
+        // Nothing but hot pixels differs: without a step they are the scatter, with one they are
+        // not.
         let mut lone = vec![0.0_f32; 99];
         lone.push(240.0 * 240.0);
         assert_eq!(robust_mean(&mut lone, 1.0), Some(0.0));

@@ -34,9 +34,9 @@ limits! {
 }
 
 /// The grey value from which on the light may be compressed, and the distance of two grey values;
-/// `None` where its noise is a linear sensor's, and where what is called light is the dark ground of a
-/// lit part. `hard` is the end at which the light was found to
-/// be clipped, if it was; `elsewhere` holds levels and noise, `squares` is scratch.
+/// `None` where its noise is a linear sensor's, and where what is called light is the dark ground
+/// of a lit part. `hard` is the end at which the light was found to be clipped, if it was;
+/// `elsewhere` holds levels and noise, `squares` is scratch.
 pub(crate) fn find(
     windows: &Windows,
     hard: Option<f32>,

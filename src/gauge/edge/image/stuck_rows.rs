@@ -23,8 +23,8 @@ limits! {
     /// Share of the columns that have one value in a stuck row: all but hot pixels. Tuned: see
     /// study limits.
     alike: f64 = 0.95;
-    /// Share of the columns that may repeat the column before in the live rows beside it: of Gaussian
-    /// noise with a standard deviation of one count a quarter do.
+    /// Share of the columns that may repeat the column before in the live rows beside it: of
+    /// Gaussian noise with a standard deviation of one count a quarter do.
     alive: f64 = 0.6;
     /// Least range of a live row's grey values, counts: less may be one level and its rounding,
     /// which gives two values.
@@ -122,8 +122,8 @@ fn level_if_stuck<T: Sample>(
         }
         count += 1;
     }
-    // From one column to the next: a row without noise in which one pixel is hot or dead has a range,
-    // and may begin with that pixel, but does not scatter.
+    // From one column to the next: a row without noise in which one pixel is hot or dead has a
+    // range, and may begin with that pixel, but does not scatter.
     let scatters = |k: usize| {
         range[k].1 - range[k].0 >= limits.least_range && share_of(repeated[k], count) <= limits.alive
     };

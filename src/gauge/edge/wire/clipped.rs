@@ -9,10 +9,11 @@ use crate::gauge::limit::limits;
 limits! {
     /// Pixels beside a wire that are looked at for a clip.
     WireClipLimits = "wire_clip";
-    /// Rows from a coarse edge outwards from which a pixel is light, px: the reach of an edge of 2 px
-    /// blur, beyond which wires are refused by their width.
+    /// Rows from a coarse edge outwards from which a pixel is light, px: the reach of an edge of 2
+    /// px blur, beyond which wires are refused by their width.
     beside_px: i32 = 8;
-    /// Rows from a coarse edge inwards from which a pixel is shadow, px: a wire is too narrow for more.
+    /// Rows from a coarse edge inwards from which a pixel is shadow, px: a wire is too narrow for
+    /// more.
     inside_px: i32 = 2;
     /// Number of rows and of columns sampled: 64 x 64 pixels determine a share of 1 % to a sixth of
     /// itself.
