@@ -56,8 +56,23 @@ pub trait FollowedCut: FrameSource {
     fn finish(self: Box<Self>) -> Result<(), CellError>;
 }
 
+/// A station whose axis is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenStation {
+    /// Its chuck end, mm.
+    pub from_mm: f64,
+    /// Its tailstock end, mm.
+    pub to_mm: f64,
+    /// Where the middle of the gauge's field stood when it took the station's axis, mm; the
+    /// station's middle where it took none.
+    pub field_z_mm: f64,
+}
+
 /// The axis of a part for comparison only, as it was when it was looked at (tool clear, or bent by
-/// the force while it was cut): what stands still and what turns with it, mm.
+/// the force while it was cut): what stands still and what turns with it, mm. Of a pass that was
+/// followed every station is as the burst of frames saw it whose field stood nearest to
+/// [`SeenStation::field_z_mm`], its mean over the burst; two knots at one place are a step between
+/// two instants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueAxis {
     /// In the machine's frame.
@@ -112,9 +127,9 @@ pub trait TurningCell {
         None
     }
 
-    /// The part's axis as the last pass was looked at; `None` where no one has. For comparison
-    /// only.
-    fn true_axis(&self) -> Option<TrueAxis> {
+    /// The part's axis as the last pass was looked at, stations ascending; `None` where the cell
+    /// has no record of it. For comparison only.
+    fn true_axis(&self, _seen: &[SeenStation]) -> Option<TrueAxis> {
         None
     }
 

@@ -20,12 +20,20 @@
 //! else scatters (odd lobes, asynchronous spindle motion, vibration); where it exceeds the edges'
 //! own statement it counts. Lobes that run along the part are the same at every station: of what
 //! the stations leave alike, one station's freedom alone is known.
+//!
+//! While a pass is cut the axis is another one at every instant, bent by the force where the tool
+//! then stands. The value of a station is the axis of one burst of frames, its mean over the burst:
+//! of the burst whose field stands nearest to the station's middle, where it carries the station
+//! (`bursts`), and never of two. [`AxisStation::field_z_mm`] states which. As the tool goes on
+//! within the burst, the middle drifts; the job takes its angles in an order in which a steady
+//! drift leaves the mean and what turns alone, and it is in the residual.
 
 use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
+use super::bursts::{AtOnePlace, Bursts, NARROW, Shown, Whole};
 use super::column_diameters::ColumnDiameters;
 use super::station_mean::{StationColumns, StationMean};
 use super::stations::variance_of_mean;
@@ -42,13 +50,6 @@ const MOST_GAIN: f64 = 4.0;
 /// Residual variance over the pooled one from which a station keeps its own (below 0.1 % of good
 /// ones with three degrees of freedom).
 const FAR: f64 = 7.0;
-/// Share of a station's columns from which one frame carries it: a line is extrapolated over the
-/// rest.
-const WHOLE: f64 = 2.0 / 3.0;
-/// Bursts no farther apart than this share of a station stand at one place.
-const SAME_PLACE: f64 = 0.02;
-/// Columns below which a frame is a reading of a line camera, which shows no station by itself.
-const NARROW: usize = 16;
 /// Probability of an interval of ± 2u of the normal distribution.
 const U_PROBABILITY: f64 = 0.954_499_736;
 /// Angles for one more odd harmonic; as over half a turn (`turn_scatter`), three at most.
@@ -107,6 +108,10 @@ pub struct AxisStation {
     pub turning: Option<TurningOffset>,
     /// Spindle angles seen.
     pub angles: usize,
+    /// Where the middle of the field stood in the frames that it was read from, their mean, mm: in
+    /// a pass that is measured while it is cut, the instants whose axis it is.
+    #[serde(skip)]
+    pub field_z_mm: f64,
 }
 
 impl AxisStation {
@@ -202,7 +207,11 @@ struct Sums {
     narrow: bool,
 }
 
-impl Sums {
+impl Shown for Sums {
+    fn columns(&self) -> usize {
+        self.columns
+    }
+
     fn join(&mut self, other: &Self) {
         self.columns += other.columns;
         self.seen.join(&other.seen);
@@ -212,7 +221,9 @@ impl Sums {
         self.length = other.length;
         self.narrow = other.narrow;
     }
+}
 
+impl Sums {
     /// Variance of the mean middle by the edges' own statements, mm²: a quarter of the width's.
     fn noise(&self, gain: f64) -> f64 {
         0.25 * gain * variance_of_mean(self.columns as f64, self.own, self.shared, self.length)
@@ -227,29 +238,7 @@ pub struct AxisAverager {
     zero: AxisZero,
     pitch_mm: f64,
     /// Per station: what each burst of frames shows of it.
-    sums: Vec<Vec<Burst>>,
-}
-
-/// Frames of different angles taken at one place of the carriage, or nearly so while it moves: sums
-/// of a station by angle in microdegrees.
-#[derive(Clone, Debug, Default)]
-struct Burst {
-    angles: BTreeMap<i64, Sums>,
-    /// Places of the frames' middles: the last and their sum, mm.
-    last_z_mm: f64,
-    sum_z_mm: f64,
-}
-
-impl Burst {
-    fn z_mm(&self) -> f64 {
-        self.sum_z_mm / self.angles.len() as f64
-    }
-
-    fn insert(&mut self, angle: i64, z_mm: f64, sums: Sums) {
-        self.angles.insert(angle, sums);
-        self.last_z_mm = z_mm;
-        self.sum_z_mm += z_mm;
-    }
+    sums: Vec<Bursts<Sums>>,
 }
 
 /// One station before its uncertainty is known.
@@ -268,13 +257,14 @@ struct Fit {
     /// Variance of one angle by surface texture over that of a whole station.
     share: f64,
     common_mm: f64,
+    field_z_mm: f64,
     angles: usize,
 }
 
 impl AxisAverager {
     /// Stations by their middles, ascending, and their common length.
     pub fn new(z_mm: Vec<f64>, station_mm: f64, zero: AxisZero) -> Self {
-        let sums = vec![Vec::new(); z_mm.len()];
+        let sums = vec![Bursts::default(); z_mm.len()];
         Self { z_mm, station_mm, zero, pitch_mm: 0.0, sums }
     }
 
@@ -303,56 +293,22 @@ impl AxisAverager {
             sums.narrow = diameters.readings.len() < NARROW;
         }
         for (station, sums) in of_frame {
-            self.put(station, angle, meta.z_mm, sums);
-        }
-    }
-
-    /// Puts a frame's sums with those of the burst that it belongs to.
-    fn put(&mut self, station: usize, angle: i64, z_mm: f64, sums: Sums) {
-        let bursts = &mut self.sums[station];
-        if sums.narrow {
-            if bursts.is_empty() {
-                bursts.push(Burst::default());
-            }
-            bursts[0].angles.entry(angle).or_default().join(&sums);
-            return;
-        }
-        let off = |b: &Burst| (b.last_z_mm - z_mm).abs();
-        let own =
-            bursts.iter_mut().filter(|b| !b.angles.contains_key(&angle) && off(b) <= 0.5 * self.station_mm);
-        match own.min_by(|a, b| off(a).total_cmp(&off(b))) {
-            Some(burst) => burst.insert(angle, z_mm, sums),
-            None => {
-                let mut burst = Burst::default();
-                burst.insert(angle, z_mm, sums);
-                bursts.push(burst);
+            let bursts = &mut self.sums[station];
+            match sums.narrow {
+                true => bursts.join(angle, meta.z_mm, &sums),
+                false => bursts.add(angle, meta.z_mm, sums, 0.5 * self.station_mm),
             }
         }
-    }
-
-    /// What the angles show of a station: the burst whose middle is nearest, where it carries the
-    /// station, and those at its place. While the tool cuts, every field sees an axis that is bent
-    /// otherwise, and two of them would mix. Bursts that show parts are put together.
-    fn of_angles(&self, station_z_mm: f64, bursts: &[Burst]) -> BTreeMap<i64, Sums> {
-        let least = WHOLE * self.station_mm / self.pitch_mm.max(1e-12);
-        let most = bursts.iter().map(|b| b.angles.len()).max().unwrap_or(0);
-        let carries =
-            |b: &&Burst| b.angles.len() == most && b.angles.values().all(|s| s.columns as f64 >= least);
-        let off = |b: &Burst| (b.z_mm() - station_z_mm).abs();
-        let nearest = bursts.iter().filter(carries).min_by(|a, b| off(a).total_cmp(&off(b)));
-        let there =
-            |b: &&Burst| nearest.is_none_or(|n| (n.z_mm() - b.z_mm()).abs() < SAME_PLACE * self.station_mm);
-        let mut all: BTreeMap<i64, Sums> = BTreeMap::new();
-        for (angle, sums) in bursts.iter().filter(there).flat_map(|b| &b.angles) {
-            all.entry(*angle).or_default().join(sums);
-        }
-        all
     }
 
     /// Ends the scan.
     pub fn finish(&self) -> AxisLine {
+        let columns = self.station_mm / self.pitch_mm.max(1e-12);
+        let taken = |(z_mm, bursts): (&f64, &Bursts<Sums>)| {
+            bursts.at_one_place(&Whole { z_mm: *z_mm, station_mm: self.station_mm, columns })
+        };
         let fits: Vec<Result<Fit, Reason>> =
-            self.z_mm.iter().zip(&self.sums).map(|(z, b)| self.fit(&self.of_angles(*z, b))).collect();
+            self.z_mm.iter().zip(&self.sums).map(taken).map(|t| self.fit(&t)).collect();
         let pooled = pooled_variance(fits.iter().flatten());
         let pooled = pooled.map(|variance| (variance, shared_by_stations(fits.iter().flatten(), variance)));
         let mut line = AxisLine::default();
@@ -365,7 +321,8 @@ impl AxisAverager {
         line
     }
 
-    fn fit(&self, sums: &BTreeMap<i64, Sums>) -> Result<Fit, Reason> {
+    fn fit(&self, taken: &AtOnePlace<Sums>) -> Result<Fit, Reason> {
+        let sums = &taken.angles;
         if sums.is_empty() {
             return Err(Reason::NotScanned);
         }
@@ -408,6 +365,7 @@ impl AxisAverager {
             rest,
             share,
             common_mm,
+            field_z_mm: taken.field_z_mm,
             angles: good.len(),
             residual: found.residual / share,
             ..found
@@ -436,6 +394,7 @@ impl Fit {
             u_common_mm: self.common_mm.hypot(u_scale * self.x_mm),
             turning: self.turning.map(|(x_mm, y_mm)| TurningOffset { x_mm, y_mm, u_mm: u(1) }),
             angles: self.angles,
+            field_z_mm: self.field_z_mm,
         }
     }
 }
@@ -478,6 +437,7 @@ fn harmonics(middles: &[(f64, f64)]) -> Fit {
             rest: [0.0; 2],
             share: 1.0,
             common_mm: 0.0,
+            field_z_mm: f64::NAN,
             angles: n,
         };
     }
@@ -493,6 +453,7 @@ fn harmonics(middles: &[(f64, f64)]) -> Fit {
         rest: [0.0; 2],
         share: 1.0,
         common_mm: 0.0,
+        field_z_mm: f64::NAN,
         angles: n,
     }
 }

@@ -11,6 +11,7 @@
 //! a result with reasons for its gaps.
 
 pub mod axis_line;
+pub(crate) mod bursts;
 pub(crate) mod column_diameters;
 pub mod plausibility;
 pub mod reading_scatter;

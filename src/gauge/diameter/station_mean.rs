@@ -9,6 +9,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::bursts::Shown;
+
 /// Variance of a station's mean over that of its columns' plain mean, at most, by the slope and
 /// bend that are adjusted within it: half a station carries a line (exactly 4), two thirds a
 /// parabola.
@@ -39,6 +41,17 @@ pub(crate) struct StationMean {
     pub(crate) rest_gain: f64,
 }
 
+impl Shown for StationColumns {
+    fn columns(&self) -> usize {
+        self.powers[0] as usize
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.powers.iter_mut().zip(other.powers).for_each(|(sum, more)| *sum += more);
+        self.values.iter_mut().zip(other.values).for_each(|(sum, more)| *sum += more);
+    }
+}
+
 impl StationColumns {
     /// Adds a column at `t` from the station's middle (1: its end).
     pub(crate) fn add(&mut self, t: f64, value: f64) {
@@ -50,12 +63,6 @@ impl StationColumns {
             }
             power *= t;
         }
-    }
-
-    /// Adds the columns of another frame.
-    pub(crate) fn join(&mut self, other: &Self) {
-        self.powers.iter_mut().zip(other.powers).for_each(|(sum, more)| *sum += more);
-        self.values.iter_mut().zip(other.values).for_each(|(sum, more)| *sum += more);
     }
 
     /// Mean over the whole station.
