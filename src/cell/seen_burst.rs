@@ -106,10 +106,12 @@ mod tests {
         bursts[0].add(10.0, &bent(1.0));
         bursts[1].add(20.0, &bent(1.9));
         bursts[1].add(20.2, &bent(2.1));
-        let station = |from_mm: f64, field_z_mm: f64| SeenStation { from_mm, to_mm: from_mm + 4.0, field_z_mm };
+        let station =
+            |from_mm: f64, field_z_mm: f64| SeenStation { from_mm, to_mm: from_mm + 4.0, field_z_mm };
         let seen = axis_seen(&bursts, axis_of(&bent(0.0)), 30.0, &[station(13.0, 10.0), station(17.0, 20.1)]);
         let x = |z_mm: f64| axis_at(&seen.still, z_mm)[0];
-        for (z_mm, wanted) in [(2.0, 1.0), (13.1, 1.0), (16.99, 1.0), (17.01, 2.0), (20.9, 2.0), (30.0, 2.0)] {
+        for (z_mm, wanted) in [(2.0, 1.0), (13.1, 1.0), (16.99, 1.0), (17.01, 2.0), (20.9, 2.0), (30.0, 2.0)]
+        {
             assert!((x(z_mm) - wanted).abs() < 1e-12, "{z_mm}: {}", x(z_mm));
         }
         assert!(seen.still.windows(2).all(|k| k[0].z_mm <= k[1].z_mm));

@@ -58,7 +58,8 @@ fn what_turns_towards_the_camera_is_taken_off_where_the_telecentricity_is_known(
     let per_mm = -(1e-3 * TELECENTRICITY_MRAD).tan() / half_mm;
     let plain = off(&head.profile(&frames), &truth(&eccentric));
     // Half a turn at 8 angles: the mean of sin φ is cot(π/16)/8 = .6284.
-    let wanted = -per_mm * CASE.diameter_mm * ECCENTRICITY_MM * (std::f64::consts::PI / 16.0).tan().recip() / 8.0;
+    let wanted =
+        -per_mm * CASE.diameter_mm * ECCENTRICITY_MM * (std::f64::consts::PI / 16.0).tan().recip() / 8.0;
     println!("off by {:.4} um, wanted {:.4} um", 1e3 * (plain.0 - zero), 1e3 * wanted);
     assert!(wanted > 1e-4 && (plain.0 - zero - wanted).abs() < 0.1 * wanted, "{} {wanted}", plain.0 - zero);
 

@@ -511,9 +511,7 @@ impl<'a> InspectionReport<'a> {
     /// # Errors
     /// Exit 3 for frames that make no turn.
     pub fn finish(&mut self, out: &mut Map<String, Value>) -> Result<(), Failure> {
-        if let Some(statistics) = self.statistics_json() {
-            out.insert("statistics".to_owned(), statistics);
-        }
+        out.extend(self.statistics_json().map(|statistics| ("statistics".to_owned(), statistics)));
         let mut words = Vec::new();
         // Over a revolution the means differ by the form that is measured.
         words.extend(if self.args.turn { None } else { self.means.word() });

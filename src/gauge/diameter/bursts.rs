@@ -61,13 +61,7 @@ pub(super) struct AtOnePlace<S> {
 
 impl<S: Shown> Burst<S> {
     fn begun(z_mm: f64) -> Self {
-        Self {
-            angles: BTreeMap::new(),
-            frames: 0.0,
-            last_z_mm: z_mm,
-            way_mm: (z_mm, z_mm),
-            sum_z_mm: 0.0,
-        }
+        Self { angles: BTreeMap::new(), frames: 0.0, last_z_mm: z_mm, way_mm: (z_mm, z_mm), sum_z_mm: 0.0 }
     }
 
     fn add(&mut self, angle: i64, z_mm: f64, sums: &S) {
@@ -128,17 +122,15 @@ impl<S: Shown> Bursts<S> {
     /// the shaft then did; else the one that shows most.
     pub(super) fn at_one_place(&self, whole: &Whole) -> AtOnePlace<S> {
         let most = self.0.iter().map(|b| b.angles.len()).max().unwrap_or(0);
-        let carries = |b: &&Burst<S>| {
-            b.angles.len() == most && b.least_columns() as f64 >= WHOLE * whole.columns
-        };
+        let carries =
+            |b: &&Burst<S>| b.angles.len() == most && b.least_columns() as f64 >= WHOLE * whole.columns;
         let off = |b: &Burst<S>| (b.z_mm() - whole.z_mm).abs();
         let nearest = self.0.iter().filter(carries).min_by(|a, b| off(a).total_cmp(&off(b)));
         let shows = |b: &Burst<S>| (b.angles.len(), b.least_columns());
         let fullest = || self.0.iter().filter(|_| self.moved()).max_by_key(|b| shows(b));
         let taken = nearest.or_else(fullest);
-        let there = |b: &&Burst<S>| {
-            taken.is_none_or(|t| (t.z_mm() - b.z_mm()).abs() < SAME_PLACE * whole.station_mm)
-        };
+        let there =
+            |b: &&Burst<S>| taken.is_none_or(|t| (t.z_mm() - b.z_mm()).abs() < SAME_PLACE * whole.station_mm);
         together(self.0.iter().filter(there))
     }
 

@@ -475,6 +475,35 @@ mod tests {
         }
     }
 
+    /// While a pass is cut two fields see a station, the far one of a shaft bent by .01 mm more: the
+    /// run-out is the eccentricity's alone.
+    #[test]
+    fn middles_of_two_instants_are_not_mixed() {
+        let mut averager = TurnAverager::new(vec![5.0], 1.0);
+        let value = Reading::Value(Diameter { d_mm: 20.0, u_random_mm: 1e-5, u_common_mm: 0.0 });
+        for (start_mm, bend_mm) in [(5.9, 0.01), (5.16, 0.0)] {
+            for i in 0..16 {
+                let angle_deg = 22.5 * f64::from(i);
+                let middle_mm = 3.0 + bend_mm + 5e-3 * angle_deg.to_radians().cos();
+                let diameters = ColumnDiameters {
+                    readings: vec![value; 41],
+                    shared_mm: vec![0.0; 41],
+                    shared_length: 1.0,
+                    pitch_mm: 0.05,
+                    width_px: vec![1.0; 41],
+                    middle_mm: vec![middle_mm; 41],
+                    u_middle_common_mm: vec![0.0; 41],
+                };
+                let z_mm = start_mm - 0.02 * f64::from(i);
+                averager.add(&FrameMeta { angle_deg, z_mm, ..FrameMeta::default() }, &diameters);
+            }
+        }
+        let part = averager.finish(Cutoff::UPR_50);
+        let section = &part.sections[0];
+        assert!((section.run_out_mm - 0.01).abs() < 1e-9, "{}", section.run_out_mm);
+        assert!(section.roundness_mm[1] < 1e-5, "{:?}", section.roundness_mm);
+    }
+
     #[test]
     fn too_few_or_uneven_angles_are_said_so() {
         let part = scan(3, 180.0, &[5.0]).finish(Cutoff::UPR_50);

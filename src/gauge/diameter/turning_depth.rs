@@ -32,10 +32,7 @@ impl Telecentricity {
     /// does not show it.
     pub fn of(calibration: &Calibration) -> Option<Self> {
         let setup = calibration.setup.as_ref()?;
-        Some(Self {
-            per_mm: setup.lens.telecentricity_per_mm,
-            u_per_mm: setup.u_telecentricity_per_mm(),
-        })
+        Some(Self { per_mm: setup.lens.telecentricity_per_mm, u_per_mm: setup.u_telecentricity_per_mm() })
     }
 
     /// Known by its limits alone: a rectangular distribution about zero.
@@ -47,11 +44,7 @@ impl Telecentricity {
     /// to `u_mm`. The error of t is the same at every angle.
     fn applied(&self, d: &Diameter, y_mm: f64, mean_mm: f64, u_mm: f64) -> Diameter {
         let common = d.d_mm * (self.u_per_mm * mean_mm).hypot(self.per_mm * u_mm);
-        Diameter {
-            d_mm: d.d_mm * (1.0 + self.per_mm * y_mm),
-            u_common_mm: d.u_common_mm.hypot(common),
-            ..*d
-        }
+        Diameter { d_mm: d.d_mm * (1.0 + self.per_mm * y_mm), u_common_mm: d.u_common_mm.hypot(common), ..*d }
     }
 }
 
