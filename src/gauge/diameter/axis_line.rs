@@ -25,8 +25,8 @@
 //! then stands. The value of a station is the axis of one burst of frames, its mean over the burst:
 //! of the burst whose field stands nearest to the station's middle, where it carries the station
 //! (`bursts`), and never of two. [`AxisStation::field_z_mm`] states which. As the tool goes on
-//! within the burst, the middle drifts; the job takes its angles in an order in which a steady
-//! drift leaves the mean and what turns alone, and it is in the residual.
+//! within the burst, the middle drifts: a steady drift is adjusted with the harmonics, which the
+//! job's order of the angles keeps nearly apart; from fewer than six angles it is in the residual.
 
 use std::collections::BTreeMap;
 
@@ -251,6 +251,8 @@ struct Fit {
     freedom: f64,
     /// What it leaves, by angle in radians, mm.
     left: Vec<(f64, f64)>,
+    /// Of the middle over the carriage's way, mm a mm.
+    drift: f64,
     noise: f64,
     /// Variances of x and of the turning components by what was not seen of the station, mm².
     rest: [f64; 2],
@@ -327,10 +329,10 @@ impl AxisAverager {
             return Err(Reason::NotScanned);
         }
         let least = (LEAST_FILL * self.station_mm / self.pitch_mm.max(1e-12)).max(1.0);
-        let good: Vec<(f64, &Sums)> = sums
+        let good: Vec<(Middle, &Sums)> = sums
             .iter()
             .filter(|(_, s)| s.columns as f64 >= least)
-            .map(|(angle, s)| ((*angle as f64 * 1e-6).to_radians(), s))
+            .map(|(angle, s)| (Middle::at(*angle, taken.way_mm(*angle)), s))
             .collect();
         if good.is_empty() {
             return Err(Reason::TooFewColumns);
@@ -340,11 +342,11 @@ impl AxisAverager {
         let noise = good.iter().zip(&means).map(|((_, s), m)| s.noise(m.gain)).sum::<f64>() / n;
         // What was not seen of a sloping axis stands still or turns with the part as the axis does:
         // angles do not average it.
-        let rests: Vec<(f64, f64)> =
-            good.iter().zip(&means).map(|((angle, _), m)| (*angle, m.rest)).collect();
+        let rests: Vec<Middle> = good.iter().zip(&means).map(|(s, m)| s.0.reads(m.rest)).collect();
         let unseen = harmonics(&rests);
-        let rest_noise =
-            |(_, s): &(f64, &Sums), m: &StationMean| 0.25 * m.rest_gain * s.own / (s.columns as f64).powi(2);
+        let rest_noise = |(_, s): &(Middle, &Sums), m: &StationMean| {
+            0.25 * m.rest_gain * s.own / (s.columns as f64).powi(2)
+        };
         let by_noise = good.iter().zip(&means).map(|(s, m)| rest_noise(s, m)).sum::<f64>() / n;
         let turning = unseen.turning.map_or(0.0, |(x, y)| 0.5 * (x * x + y * y));
         let rest = [
@@ -352,8 +354,7 @@ impl AxisAverager {
             (turning - unseen.gains[1] * by_noise).max(0.0),
         ];
         let common_mm = good.iter().map(|(_, s)| s.common_mm / s.columns as f64).sum::<f64>() / n;
-        let middles: Vec<(f64, f64)> =
-            good.iter().zip(&means).map(|((angle, _), m)| (*angle, m.mean)).collect();
+        let middles: Vec<Middle> = good.iter().zip(&means).map(|(s, m)| s.0.reads(m.mean)).collect();
         let whole = self.station_mm / self.pitch_mm.max(1e-12);
         let part = |s: &Sums, m: &StationMean| (m.gain * whole / s.columns as f64).max(1.0);
         let narrow = good.iter().any(|(_, s)| s.narrow);
@@ -374,6 +375,25 @@ impl AxisAverager {
 }
 
 impl Fit {
+    /// The mean over `angles` alone, its uncertainty left open.
+    fn of_mean(x_mm: f64, angles: usize) -> Self {
+        Self {
+            x_mm,
+            turning: None,
+            gains: [1.0 / angles as f64; 2],
+            residual: 0.0,
+            freedom: 0.0,
+            left: Vec::new(),
+            drift: 0.0,
+            noise: 0.0,
+            rest: [0.0; 2],
+            share: 1.0,
+            common_mm: 0.0,
+            field_z_mm: f64::NAN,
+            angles,
+        }
+    }
+
     fn station(&self, z_mm: f64, pooled: Option<(f64, f64)>, u_scale: f64) -> AxisStation {
         // What one station's freedom alone shows is widened as Student's t is, so that 2u covers
         // what it should.
@@ -399,30 +419,54 @@ impl Fit {
     }
 }
 
-/// Still part and first harmonic, with as many odd harmonics beside them as the angles allow; the
-/// mean alone where they span too little.
-fn harmonics(middles: &[(f64, f64)]) -> Fit {
+/// A middle of both edges at a spindle angle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Middle {
+    /// Spindle angle, radians.
+    angle: f64,
+    /// How far from its mean place in the burst the field stood, mm.
+    way_mm: f64,
+    /// Height, mm.
+    mm: f64,
+}
+
+impl Middle {
+    /// At an angle in microdegrees.
+    pub(super) fn at(angle: i64, way_mm: f64) -> Self {
+        Self { angle: (angle as f64 * 1e-6).to_radians(), way_mm, mm: 0.0 }
+    }
+
+    pub(super) fn reads(self, mm: f64) -> Self {
+        Self { mm, ..self }
+    }
+}
+
+/// Drift of the middle over the way of a carriage that moves, mm a mm: what bends the shaft goes on
+/// while a burst is taken.
+pub(super) fn drift(middles: &[Middle]) -> f64 {
+    if middles.is_empty() { 0.0 } else { harmonics(middles).drift }
+}
+
+/// Still part and first harmonic, with as many odd harmonics beside them as the angles allow, and
+/// where the carriage moved a steady drift if it leaves two degrees of freedom; the mean alone
+/// where the angles span too little.
+fn harmonics(middles: &[Middle]) -> Fit {
     let n = middles.len();
-    let start = middles[0].1;
+    let start = middles[0].mm;
     let most = (n.saturating_sub(3) / ANGLES_A_HARMONIC).clamp(1, MOST_HARMONICS);
-    for orders in (1..=most).rev() {
-        let columns = 1 + 2 * orders;
-        if n < columns {
+    let moved = usize::from(middles.iter().any(|m| m.way_mm != 0.0));
+    let terms = (1..=most).rev().flat_map(|orders| (0..=moved).rev().map(move |drifts| (orders, drifts)));
+    for (orders, drifts) in terms {
+        let columns = 1 + 2 * orders + drifts;
+        if n < columns + 2 * drifts {
             continue;
         }
-        let design = DMatrix::from_fn(n, columns, |row, column| {
-            let turned = (2.0 * column.div_ceil(2) as f64 - 1.0) * middles[row].0;
-            match column {
-                0 => 1.0,
-                c if c % 2 == 1 => turned.cos(),
-                _ => -turned.sin(),
-            }
-        });
+        let design = DMatrix::from_fn(n, columns, |row, column| term(&middles[row], orders, column));
         let Some(inverse) = (design.transpose() * &design).try_inverse() else { continue };
         if !(inverse[(0, 0)] < MOST_GAIN) {
             continue;
         }
-        let observed = DVector::from_iterator(n, middles.iter().map(|m| m.1 - start));
+        let observed = DVector::from_iterator(n, middles.iter().map(|m| m.mm - start));
         let solution = &inverse * design.transpose() * &observed;
         let freedom = (n - columns) as f64;
         let square = (&observed - &design * &solution).norm_squared();
@@ -432,29 +476,22 @@ fn harmonics(middles: &[(f64, f64)]) -> Fit {
             gains: [inverse[(0, 0)], inverse[(1, 1)].max(inverse[(2, 2)])],
             residual: if freedom > 0.0 { square / freedom } else { 0.0 },
             freedom,
-            left: (&observed - &design * &solution).iter().zip(middles).map(|(e, m)| (m.0, *e)).collect(),
-            noise: 0.0,
-            rest: [0.0; 2],
-            share: 1.0,
-            common_mm: 0.0,
-            field_z_mm: f64::NAN,
-            angles: n,
+            left: (&observed - &design * &solution).iter().zip(middles).map(|(e, m)| (m.angle, *e)).collect(),
+            drift: if drifts > 0 { solution[columns - 1] } else { 0.0 },
+            ..Fit::of_mean(start, n)
         };
     }
-    let mean = middles.iter().map(|m| m.1).sum::<f64>() / n as f64;
-    Fit {
-        x_mm: mean,
-        turning: None,
-        gains: [1.0 / n as f64; 2],
-        residual: 0.0,
-        freedom: 0.0,
-        left: Vec::new(),
-        noise: 0.0,
-        rest: [0.0; 2],
-        share: 1.0,
-        common_mm: 0.0,
-        field_z_mm: f64::NAN,
-        angles: n,
+    Fit::of_mean(middles.iter().map(|m| m.mm).sum::<f64>() / n as f64, n)
+}
+
+/// Column `column` of the design at a middle: 1, cosine and sine of each odd harmonic, the way.
+fn term(at: &Middle, orders: usize, column: usize) -> f64 {
+    let turned = (2.0 * column.div_ceil(2) as f64 - 1.0) * at.angle;
+    match column {
+        0 => 1.0,
+        c if c > 2 * orders => at.way_mm,
+        c if c % 2 == 1 => turned.cos(),
+        _ => -turned.sin(),
     }
 }
 

@@ -30,11 +30,13 @@ pub(super) trait Shown: Clone + Default {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bursts<S>(Vec<Burst<S>>);
 
-/// Sums by angle in microdegrees, and where the field's middle stood, mm: in the last frame, at
+/// Sums by angle in microdegrees, and where the field's middle stood, mm: by angle (not of a line
+/// camera's readings, each of which shows another piece of the station), in the last frame, at
 /// the ends of its way, and the sum over the frames.
 #[derive(Clone, Debug)]
 struct Burst<S> {
     angles: BTreeMap<i64, S>,
+    places_mm: BTreeMap<i64, f64>,
     frames: f64,
     last_z_mm: f64,
     way_mm: (f64, f64),
@@ -57,11 +59,27 @@ pub(super) struct AtOnePlace<S> {
     pub(super) angles: BTreeMap<i64, S>,
     /// Mean place of the field's middle, mm.
     pub(super) field_z_mm: f64,
+    /// How far from there it stood at every angle, mm, where the carriage moved.
+    ways_mm: BTreeMap<i64, f64>,
+}
+
+impl<S> AtOnePlace<S> {
+    /// How far from its mean place the field stood at an angle, mm; 0 where the carriage stood.
+    pub(super) fn way_mm(&self, angle: i64) -> f64 {
+        self.ways_mm.get(&angle).copied().unwrap_or(0.0)
+    }
 }
 
 impl<S: Shown> Burst<S> {
     fn begun(z_mm: f64) -> Self {
-        Self { angles: BTreeMap::new(), frames: 0.0, last_z_mm: z_mm, way_mm: (z_mm, z_mm), sum_z_mm: 0.0 }
+        Self {
+            angles: BTreeMap::new(),
+            places_mm: BTreeMap::new(),
+            frames: 0.0,
+            last_z_mm: z_mm,
+            way_mm: (z_mm, z_mm),
+            sum_z_mm: 0.0,
+        }
     }
 
     fn add(&mut self, angle: i64, z_mm: f64, sums: &S) {
@@ -70,6 +88,11 @@ impl<S: Shown> Burst<S> {
         self.last_z_mm = z_mm;
         self.way_mm = (self.way_mm.0.min(z_mm), self.way_mm.1.max(z_mm));
         self.sum_z_mm += z_mm;
+    }
+
+    fn add_placed(&mut self, angle: i64, z_mm: f64, sums: &S) {
+        self.add(angle, z_mm, sums);
+        self.places_mm.insert(angle, z_mm);
     }
 
     fn z_mm(&self) -> f64 {
@@ -93,10 +116,10 @@ impl<S: Shown> Bursts<S> {
         let off = |b: &Burst<S>| (b.last_z_mm - z_mm).abs();
         let own = self.0.iter_mut().filter(|b| !b.angles.contains_key(&angle) && off(b) <= reach);
         match own.min_by(|a, b| off(a).total_cmp(&off(b))) {
-            Some(burst) => burst.add(angle, z_mm, &sums),
+            Some(burst) => burst.add_placed(angle, z_mm, &sums),
             None => {
                 let mut burst = Burst::begun(z_mm);
-                burst.add(angle, z_mm, &sums);
+                burst.add_placed(angle, z_mm, &sums);
                 self.0.push(burst);
             }
         }
@@ -143,12 +166,16 @@ impl<S: Shown> Bursts<S> {
 fn together<'b, S: Shown + 'b>(bursts: impl Iterator<Item = &'b Burst<S>>) -> AtOnePlace<S> {
     let mut angles: BTreeMap<i64, S> = BTreeMap::new();
     let (mut sum, mut frames) = (0.0, 0.0);
+    let mut ways_mm = BTreeMap::new();
     for burst in bursts {
+        if burst.moves() {
+            ways_mm.extend(burst.places_mm.iter().map(|(angle, z_mm)| (*angle, z_mm - burst.z_mm())));
+        }
         sum += burst.sum_z_mm;
         frames += burst.frames;
         for (angle, sums) in &burst.angles {
             angles.entry(*angle).or_default().join(sums);
         }
     }
-    AtOnePlace { angles, field_z_mm: sum / frames }
+    AtOnePlace { angles, field_z_mm: sum / frames, ways_mm }
 }

@@ -8,9 +8,8 @@
 //! readings scatter by that the form does not explain (`turn_scatter`).
 //!
 //! While a pass is cut the shaft is bent otherwise at every instant, which moves both edges alike:
-//! diameters are means over all frames, the middles those of one burst (`bursts`). Within it the
-//! tool goes on, and the drift of the middle is in the run-out, the odd lobes and the u of the
-//! axis' height. Run-out and straightness from section to section are those of a dial gauge that
+//! diameters are means over all frames, the middles those of one burst (`bursts`), less their
+//! steady drift while the tool goes on within it. Run-out and straightness from section to section are those of a dial gauge that
 //! follows the tool: every section as it was bent when its burst was taken.
 //!
 //! Everything here is the silhouette's: sizes and roundness of the section's convex hull.
@@ -21,7 +20,8 @@ use glam::DVec2;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-use super::bursts::{Bursts, NARROW, Shown as _, Whole};
+use super::axis_line::{Middle, drift};
+use super::bursts::{AtOnePlace, Bursts, NARROW, Shown as _, Whole};
 use super::column_diameters::ColumnDiameters;
 use super::reading_scatter::ScatterTest;
 use super::station_mean::StationColumns;
@@ -145,7 +145,17 @@ pub struct Envelope {
 /// What was seen of a station.
 struct Station<'s> {
     sums: &'s BTreeMap<i64, Sums>,
-    middles: BTreeMap<i64, StationColumns>,
+    /// Middles of both edges by angle, mm.
+    middles: BTreeMap<i64, f64>,
+}
+
+/// Middles by angle, their drift while the carriage moved taken off.
+fn middles(taken: &AtOnePlace<StationColumns>) -> BTreeMap<i64, f64> {
+    let enough = taken.angles.iter().filter(|(_, m)| m.columns() >= LEAST_COLUMNS);
+    let plain: Vec<(i64, f64)> = enough.map(|(angle, m)| (*angle, m.mean().mean)).collect();
+    let seen: Vec<Middle> = plain.iter().map(|(a, mm)| Middle::at(*a, taken.way_mm(*a)).reads(*mm)).collect();
+    let drift = drift(&seen);
+    plain.into_iter().map(|(angle, mm)| (angle, mm - drift * taken.way_mm(angle))).collect()
 }
 
 struct Section {
@@ -201,7 +211,7 @@ impl TurnAverager {
         self.z_mm.iter().zip(&self.sums).zip(&self.middles).map(move |((z_mm, sums), bursts)| {
             let whole = Whole { z_mm: *z_mm, station_mm: self.station_mm, columns };
             let taken = if bursts.moved() { bursts.at_one_place(&whole) } else { bursts.all() };
-            (*z_mm, Station { sums, middles: taken.angles })
+            (*z_mm, Station { sums, middles: middles(&taken) })
         })
     }
 
@@ -264,10 +274,7 @@ fn section_turn(station: &Station<'_>) -> Result<(Turn, SectionReadings), FormEr
         .sums
         .iter()
         .filter(|(_, s)| s.n >= LEAST_COLUMNS as f64)
-        .filter_map(|(angle, s)| {
-            let middles = station.middles.get(angle).filter(|m| m.columns() >= LEAST_COLUMNS)?;
-            Some((*angle as f64 * 1e-6, s, middles.mean().mean))
-        })
+        .filter_map(|(angle, s)| Some((*angle as f64 * 1e-6, s, *station.middles.get(angle)?)))
         .collect();
     let readings: Vec<[f64; 3]> = good
         .iter()
@@ -475,8 +482,8 @@ mod tests {
         }
     }
 
-    /// While a pass is cut two fields see a station, the far one of a shaft bent by .01 mm more: the
-    /// run-out is the eccentricity's alone.
+    /// While a pass is cut two fields see a station, the far one of a shaft bent by .01 mm more, and
+    /// in both it bends by .03 mm a mm on: the run-out is the eccentricity's alone.
     #[test]
     fn middles_of_two_instants_are_not_mixed() {
         let mut averager = TurnAverager::new(vec![5.0], 1.0);
@@ -484,7 +491,8 @@ mod tests {
         for (start_mm, bend_mm) in [(5.9, 0.01), (5.16, 0.0)] {
             for i in 0..16 {
                 let angle_deg = 22.5 * f64::from(i);
-                let middle_mm = 3.0 + bend_mm + 5e-3 * angle_deg.to_radians().cos();
+                let z_mm = start_mm - 0.02 * f64::from(i);
+                let middle_mm = 3.0 + bend_mm + 0.03 * z_mm + 5e-3 * angle_deg.to_radians().cos();
                 let diameters = ColumnDiameters {
                     readings: vec![value; 41],
                     shared_mm: vec![0.0; 41],
@@ -494,7 +502,6 @@ mod tests {
                     middle_mm: vec![middle_mm; 41],
                     u_middle_common_mm: vec![0.0; 41],
                 };
-                let z_mm = start_mm - 0.02 * f64::from(i);
                 averager.add(&FrameMeta { angle_deg, z_mm, ..FrameMeta::default() }, &diameters);
             }
         }
