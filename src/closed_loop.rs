@@ -20,7 +20,7 @@ mod touches;
 
 use std::time::Duration;
 
-use crate::cell::{TrueAxis, TurningCell};
+use crate::cell::{SeenStation, TrueAxis, TurningCell};
 use crate::conformity::{DecisionRule, part_verdict};
 pub use error::LoopError;
 pub use evidence::Evidence;
@@ -111,6 +111,13 @@ impl PartState {
     fn new(event: PartEvent) -> Self {
         Self { next_pass: 1, event: Some(event), stock: None, before: None }
     }
+}
+
+/// From where the gauge took a station's axis.
+fn seen_station((from_mm, to_mm): (f64, f64), axis: &AxisLine) -> SeenStation {
+    let middle = 0.5 * (from_mm + to_mm);
+    let own = axis.stations.iter().find(|s| (s.z_mm - middle).abs() < 1e-6);
+    SeenStation { from_mm, to_mm, field_z_mm: own.map_or(middle, |s| s.field_z_mm) }
 }
 
 /// Verdict on a finished part by its re-measurement (ISO 14253-1); `None` without a tolerance.
@@ -288,6 +295,7 @@ impl<'a> ClosedLoop<'a> {
         let decision = self.conclude(&plan, &scan.profile, &evidence);
         let half = self.job.part.station_mm / 2.0;
         let intervals: Vec<(f64, f64)> = plan.station_z_mm.iter().map(|z| (z - half, z + half)).collect();
+        let seen: Vec<SeenStation> = intervals.iter().map(|i| seen_station(*i, &scan.axis)).collect();
         Ok(PassResult {
             truth_mm: self.cell.true_stations_mm(&intervals),
             plan,
@@ -298,7 +306,7 @@ impl<'a> ClosedLoop<'a> {
             notes: within.into_iter().chain(implausible).chain(self.notes.iter().cloned()).collect(),
             alarm: self.alarm.clone(),
             cut: self.cell.last_cut(),
-            true_axis: self.cell.true_axis(),
+            true_axis: self.cell.true_axis(&seen),
             form: scan.form,
             axis: scan.axis,
             sample: scan.sample,

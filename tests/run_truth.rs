@@ -92,12 +92,11 @@ fn mean_offset(knots: &[AxisKnot], z_mm: f64, station_mm: f64) -> [f64; 2] {
 const LIMIT_MM: f64 = 1e-4;
 
 /// The axis of a run is that of the process' beam: under weight, tailstock and chuck after the
-/// pass.
+/// pass; during the cut under the force too, every station as the burst of frames saw it from which
+/// the gauge took it.
 #[test]
 fn the_axis_of_a_run_is_the_beam_of_its_process() {
-    // While it is cut the true axis steps where one field ends and the next begins: stations across
-    // a step are not compared yet.
-    for when in [ScanWhen::AfterPass] {
+    for when in [ScanWhen::AfterPass, ScanWhen::DuringCut] {
         let (mut errors, mut largest_mm) = (Vec::new(), 0.0_f64);
         for seed in 1..4 {
             let mut job = job(8.2, 120.0, seed);

@@ -50,7 +50,7 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
             self.cell.followed.push(SeenBurst::default());
         }
         if let Some(burst) = self.cell.followed.last_mut() {
-            burst.add(at.field_z_mm, &shaft.deflection);
+            burst.add(at.field_z_mm, &shaft);
         }
         let scene = Scene::new(&self.setup, shaft)?;
         let camera = &self.setup.nominal.camera;

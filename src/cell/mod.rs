@@ -16,4 +16,4 @@ mod true_probe;
 mod turning_cell;
 
 pub use simulated::{SimulatedCell, base_form};
-pub use turning_cell::{CellError, FollowedCut, TrueAxis, TurningCell};
+pub use turning_cell::{CellError, FollowedCut, SeenStation, TrueAxis, TurningCell};

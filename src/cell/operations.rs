@@ -1,19 +1,18 @@
 //! The commands of the simulated cell: cut, scan, touch, change the part.
 
 use super::in_process::SimulatedCut;
-use super::seen_burst::axis_seen;
+use super::seen_burst::{axis_of, axis_seen};
 use super::simulated::{Acquisition, Batch, MASTER_STREAM, PROCESS_STREAM, SimulatedCell, hand_poses};
 use super::true_probe::Target;
-use super::turning_cell::{CellError, FollowedCut, TrueAxis, TurningCell};
+use super::turning_cell::{CellError, FollowedCut, SeenStation, TrueAxis, TurningCell};
 use crate::control::{PartAndTool, PartEvent};
 use crate::frame::FrameSource;
 use crate::plan::{FollowPlan, PassPlan, ScanPlan};
 use crate::probe::{Touch, TouchOrder};
 use crate::process::CutSummary;
-use crate::process::bending::sum_of_lines;
 use crate::render::silhouette::Outline;
 use crate::render::{RenderError, Scene};
-use crate::shaft::{AxisKnot, Shaft};
+use crate::shaft::Shaft;
 use crate::truth;
 
 /// Time from touch to touch, ns: a path of 2 mm at 50 mm/min and back, 4.8 s.
@@ -68,15 +67,8 @@ impl TurningCell for SimulatedCell<'_> {
         self.process.last_cut().cloned()
     }
 
-    fn true_axis(&self) -> Option<TrueAxis> {
-        let shaft = &self.part;
-        let (sin, cos) = shaft.eccentricity.phase_deg.to_radians().sin_cos();
-        let offset = shaft.eccentricity.amplitude_mm;
-        let whole = [AxisKnot { z_mm: 0.0, x_mm: offset * cos, y_mm: offset * sin }];
-        Some(TrueAxis {
-            still: axis_seen(&self.followed, &shaft.deflection, self.batch.stock.length_mm),
-            turning: sum_of_lines(&whole[..usize::from(offset != 0.0)], &shaft.bow),
-        })
+    fn true_axis(&self, seen: &[SeenStation]) -> Option<TrueAxis> {
+        Some(axis_seen(&self.followed, axis_of(&self.part), self.batch.stock.length_mm, seen))
     }
 
     fn next_part(&mut self, part: u64, event: PartEvent) -> Result<(), CellError> {

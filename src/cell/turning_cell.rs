@@ -57,8 +57,23 @@ pub trait FollowedCut: FrameSource {
     fn finish(self: Box<Self>) -> Result<(), CellError>;
 }
 
-/// The axis of a part for comparison only, as it was in the frames (tool clear, or bent by the
-/// force of the cut): the line at rest and the line that turns with the part, mm.
+/// A station whose axis is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenStation {
+    /// Its chuck end, mm.
+    pub from_mm: f64,
+    /// Its tailstock end, mm.
+    pub to_mm: f64,
+    /// Where the middle of the gauge's field stood when it took the station's axis, mm; the
+    /// station's middle where it took none.
+    pub field_z_mm: f64,
+}
+
+/// The axis of a part for comparison only, as it was when it was looked at (tool clear, or bent by
+/// the force while it was cut): what stands still and what turns with it, mm. Of a pass that was
+/// followed every station is as the burst of frames saw it whose field stood nearest to
+/// [`SeenStation::field_z_mm`], its mean over the burst; two knots at one place are a step between
+/// two instants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueAxis {
     /// In the machine's frame.
@@ -113,9 +128,9 @@ pub trait TurningCell {
         None
     }
 
-    /// The part's axis in the frames of the last pass; `None` where none were taken. For comparison
-    /// only.
-    fn true_axis(&self) -> Option<TrueAxis> {
+    /// The part's axis as the last pass was looked at, stations ascending; `None` where the cell
+    /// has no record of it. For comparison only.
+    fn true_axis(&self, _seen: &[SeenStation]) -> Option<TrueAxis> {
         None
     }
 

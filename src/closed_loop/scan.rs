@@ -8,6 +8,7 @@ use crate::cell::TurningCell;
 use crate::frame::{Frame, FrameMeta, FrameSource, SourceError};
 use crate::gauge::axis_line::{AxisAverager, AxisLine};
 use crate::gauge::diameter::sections::{PartForm, TurnAverager};
+use crate::gauge::diameter::turning_depth::{Telecentricity, correct_profile};
 use crate::gauge::form::Cutoff;
 use crate::gauge::{Calibration, FrameEdges, SettledStream, StationAverager};
 use crate::job::Job;
@@ -131,6 +132,8 @@ pub(super) struct Sums<'c> {
     turns: TurnAverager,
     axis: AxisAverager,
     readings: Vec<FrameReading>,
+    telecentricity: Telecentricity,
+    angle_deg: Vec<f64>,
 }
 
 impl<'c> Sums<'c> {
@@ -143,6 +146,9 @@ impl<'c> Sums<'c> {
             turns: TurnAverager::new(z_mm.clone(), station_mm),
             axis: AxisAverager::new(z_mm, station_mm, zero),
             readings: Vec::new(),
+            telecentricity: Telecentricity::of(calibration)
+                .unwrap_or_else(|| Telecentricity::within(job.limit_telecentricity_per_mm())),
+            angle_deg: job.scan_plan().angle_deg,
         }
     }
 
@@ -186,10 +192,13 @@ impl Measured<'_> {
         let Self { stream, sums, .. } = &mut self;
         stream.finish(|meta, edges| sums.add(&meta, edges));
         let sums = self.sums;
+        let axis = sums.axis.finish();
+        let mut profile = sums.averager.finish(pass);
+        correct_profile(&mut profile, &axis, &sums.angle_deg, sums.telecentricity);
         Scanned {
-            profile: sums.averager.finish(pass),
+            profile,
             form: sums.turns.finish(Cutoff::default()),
-            axis: sums.axis.finish(),
+            axis,
             readings: sums.readings,
             sample: self.sample,
             frames: self.frames,

@@ -11,6 +11,7 @@ use super::calibration::observation::ObservationLimits;
 use super::calibration::optical_setup::SetupLimits;
 use super::calibration::unstated::UnstatedLimits;
 use super::diameter::axis_line::AxisLimits;
+use super::diameter::bursts::BurstLimits;
 use super::diameter::plausibility::PlausibilityLimits;
 use super::diameter::reading_scatter::SeriesLimits;
 use super::diameter::sections::SectionLimits;
@@ -228,6 +229,7 @@ fn of_calibration() -> Vec<Vec<Limit>> {
 fn of_diameter() -> Vec<Vec<Limit>> {
     vec![
         AxisLimits::list(),
+        BurstLimits::list(),
         PlausibilityLimits::list(),
         SeriesLimits::list(),
         SectionLimits::list(),

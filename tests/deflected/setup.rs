@@ -56,9 +56,10 @@ impl Case {
             .collect()
     }
 
-    fn setup(&self, seed: u64) -> OpticalSetup {
+    fn setup(&self, seed: u64, telecentricity_mrad: f64) -> OpticalSetup {
         let departures = SetupDeviations { magnification_rel: 1e-3, blur_rel: 0.05, gain_rel: 0.05 };
         let mut settings = SetupSettings { departures, ..Default::default() };
+        settings.optics.telecentricity_mrad = telecentricity_mrad;
         settings.camera.rows = self.rows;
         settings.camera.columns = self.columns;
         settings.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: 1.2 });
@@ -85,8 +86,13 @@ pub struct Measured {
 
 impl Head {
     pub fn new(case: Case, seed: u64) -> Self {
+        Self::with_telecentricity(case, seed, 0.0)
+    }
+
+    /// Before a lens whose chief ray stands at this angle at half the diagonal.
+    pub fn with_telecentricity(case: Case, seed: u64, telecentricity_mrad: f64) -> Self {
         let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-        let setup = case.setup(seed);
+        let setup = case.setup(seed, telecentricity_mrad);
         let gauge = Gauge::new(GaugeSettings::default()).unwrap();
         let mut rng = Pcg64::seed_from_u64(seed ^ 0x6d61_7374);
         let mut draw = |size: f64| -> f64 {

@@ -69,7 +69,7 @@ fn the_document_holds_what_the_table_does() {
 fn a_pattern_that_fits_nothing_is_refused_with_the_names() {
     let output = shadowgauge(["study", "limits", "--only", "no_such"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(said(&output).contains("no_such") && said(&output).contains("grey_ends."), "{}", said(&output));
+    assert!(said(&output).contains("no_such") && said(&output).contains("flat_field."), "{}", said(&output));
     let output = shadowgauge(["study", "limits", "--kinds", "no such"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(said(&output).contains("plain") && said(&output).contains("wire"), "{}", said(&output));

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::choice::add_warning;
 use super::judge_args::JudgeArgs;
-use super::size::{axis_line, common_mm, envelope, judge_turn, part_form};
+use super::size::{common_mm, corrected_by_axis, envelope, judge_turn, part_form};
 use super::statistics::FrameMeans;
 use super::turn::{axis_json, scatter_word, turn_json};
 use crate::cli::failure::Failure;
@@ -394,19 +394,18 @@ impl<'a> InspectionReport<'a> {
     /// # Errors
     /// Exit 3 for frames that do not form a turn.
     pub fn finish(&mut self, out: &mut Map<String, Value>) -> Result<(), Failure> {
-        if let Some(statistics) = self.statistics_json() {
-            out.insert("statistics".to_owned(), statistics);
-        }
+        out.extend(self.statistics_json().map(|statistics| ("statistics".to_owned(), statistics)));
         let mut words = Vec::new();
         // Over a revolution the means differ by the form error of the part.
         words.extend(if self.args.turn { None } else { self.means.word() });
         if self.args.turn {
+            let axis = corrected_by_axis(&mut self.turn.frames, self.args.station_mm, self.calibration);
             let form = part_form(&self.turn.frames, self.args.station_mm, self.args.cutoff_upr)?;
             words.extend(scatter_word(&form));
             let length = self.args.station_mm.unwrap_or(f64::INFINITY);
             let mut turn = turn_json(&form, |z_mm| common_mm(&self.turn.frames, z_mm, length));
             turn["implausible"] = json!(self.turn.jumps);
-            turn["axis"] = axis_json(&axis_line(&self.turn.frames, self.args.station_mm, self.calibration));
+            turn["axis"] = axis_json(&axis);
             if let (Some((judge, _)), Some(tolerance)) = (&self.judge, &self.args.tolerance) {
                 let envelope = envelope(&self.turn.frames, self.args.cutoff_upr);
                 let common = |z_mm: f64| common_mm(&self.turn.frames, z_mm, length);

@@ -8,6 +8,7 @@ use crate::conformity::{Decision, DecisionRule, Estimate, Judgement, MANY, SizeC
 use crate::frame::FrameMeta;
 use crate::gauge::axis_line::{AxisAverager, AxisLine};
 use crate::gauge::diameter::sections::{Envelope, PartForm, TurnAverager};
+use crate::gauge::diameter::turning_depth::{Telecentricity, correct_frames};
 use crate::gauge::form::Cutoff;
 use crate::gauge::{Calibration, ColumnDiameters};
 
@@ -121,8 +122,22 @@ fn z_range_mm(turn: &Frames) -> Option<(f64, f64)> {
 /// Number of places at which the axis is reported where there are no stations.
 const AXIS_PLACES: f64 = 16.0;
 
-/// The axis along the length covered by the frames, by stations of a length.
-pub(super) fn axis_line(turn: &Frames, station_mm: Option<f64>, calibration: &Calibration) -> AxisLine {
+/// The axis along the length that the frames show; what of it turns towards the camera is taken off
+/// their diameters, where the calibration determines the telecentricity.
+pub(super) fn corrected_by_axis(
+    turn: &mut Frames,
+    station_mm: Option<f64>,
+    calibration: &Calibration,
+) -> AxisLine {
+    let axis = axis_line(turn, station_mm, calibration);
+    if let Some(telecentricity) = Telecentricity::of(calibration) {
+        correct_frames(turn, &axis, telecentricity);
+    }
+    axis
+}
+
+/// The axis along the length that the frames show, by stations of a length.
+fn axis_line(turn: &Frames, station_mm: Option<f64>, calibration: &Calibration) -> AxisLine {
     let Some((low, high)) = z_range_mm(turn) else { return AxisLine::default() };
     let length_mm = station_mm.unwrap_or((high - low) / AXIS_PLACES).min(high - low);
     let count = ((high - low) / length_mm + 1e-6).floor().clamp(1.0, 1e5) as usize;

@@ -20,12 +20,20 @@
 //! else scatters (odd lobes, asynchronous spindle motion, vibration); where it exceeds the edges'
 //! own statement it counts. Lobes that run along the part are the same at every station: of what
 //! the stations leave alike, one station's freedom alone is known.
+//!
+//! While a pass is cut the axis is another one at every instant, bent by the force where the tool
+//! then stands. The value of a station is the axis of one burst of frames, its mean over the burst:
+//! of the burst whose field stands nearest to the station's middle, where it carries the station
+//! (`bursts`), and never of two. [`AxisStation::field_z_mm`] states which. As the tool goes on
+//! within the burst, the middle drifts: a steady drift is adjusted with the harmonics, which the
+//! job's order of the angles keeps nearly apart; from fewer than six angles it is in the residual.
 
 use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
+use super::bursts::{AtOnePlace, Bursts, Shown, Whole};
 use super::column_diameters::ColumnDiameters;
 use super::station_mean::{StationColumns, StationMean};
 use super::stations::{StationLimits, variance_of_mean};
@@ -47,12 +55,6 @@ limits! {
     /// separated: angles that span less of the turn leave both mixed. Four angles around the turn
     /// give 1/4.
     most_gain: f64 = 4.0;
-    /// Share of a station's columns from which one frame carries it: two thirds carry a parabola
-    /// (`station_mean.most_gain`); a line is extrapolated over the rest.
-    whole: f64 = 2.0 / 3.0;
-    /// Distance of bursts, in lengths of a station, up to which they stand at one place: nearer
-    /// ones see an axis that is bent alike. Tuned: see study limits.
-    same_place: f64 = 0.02;
     /// Angles for one more odd harmonic: a harmonic has two terms, and twice as many remain free;
     /// as over half a turn (`turn_scatter`).
     angles_a_harmonic: usize = 6;
@@ -116,6 +118,10 @@ pub struct AxisStation {
     pub turning: Option<TurningOffset>,
     /// Spindle angles seen.
     pub angles: usize,
+    /// Where the middle of the field stood in the frames that it was read from, their mean, mm: in
+    /// a pass that is measured while it is cut, the instants whose axis it is.
+    #[serde(skip)]
+    pub field_z_mm: f64,
 }
 
 impl AxisStation {
@@ -211,7 +217,11 @@ struct Sums {
     narrow: bool,
 }
 
-impl Sums {
+impl Shown for Sums {
+    fn columns(&self) -> usize {
+        self.columns
+    }
+
     fn join(&mut self, other: &Self) {
         self.columns += other.columns;
         self.seen.join(&other.seen);
@@ -221,7 +231,9 @@ impl Sums {
         self.length = other.length;
         self.narrow = other.narrow;
     }
+}
 
+impl Sums {
     /// Variance of the mean middle by the edges' own statements, mm²: a quarter of the width's.
     fn noise(&self, gain: f64) -> f64 {
         0.25 * gain * variance_of_mean(self.columns as f64, self.own, self.shared, self.length)
@@ -236,29 +248,7 @@ pub struct AxisAverager {
     zero: AxisZero,
     pitch_mm: f64,
     /// Per station: what each burst of frames shows of it.
-    sums: Vec<Vec<Burst>>,
-}
-
-/// Frames of different angles taken at one place of the carriage, or nearly so while it moves: sums
-/// of a station by angle in microdegrees.
-#[derive(Clone, Debug, Default)]
-struct Burst {
-    angles: BTreeMap<i64, Sums>,
-    /// Places of the frames' middles: the last and their sum, mm.
-    last_z_mm: f64,
-    sum_z_mm: f64,
-}
-
-impl Burst {
-    fn z_mm(&self) -> f64 {
-        self.sum_z_mm / self.angles.len() as f64
-    }
-
-    fn insert(&mut self, angle: i64, z_mm: f64, sums: Sums) {
-        self.angles.insert(angle, sums);
-        self.last_z_mm = z_mm;
-        self.sum_z_mm += z_mm;
-    }
+    sums: Vec<Bursts<Sums>>,
 }
 
 /// One station before its uncertainty is known.
@@ -271,19 +261,22 @@ struct Fit {
     freedom: f64,
     /// What it leaves, by angle in radians, mm.
     left: Vec<(f64, f64)>,
+    /// Of the middle over the carriage's way, mm a mm.
+    drift: f64,
     noise: f64,
     /// Variances of x and of the turning components by what was not seen of the station, mm².
     rest: [f64; 2],
     /// Variance of one angle by surface texture over that of a whole station.
     share: f64,
     common_mm: f64,
+    field_z_mm: f64,
     angles: usize,
 }
 
 impl AxisAverager {
     /// Stations by their middles, ascending, and their common length.
     pub fn new(z_mm: Vec<f64>, station_mm: f64, zero: AxisZero) -> Self {
-        let sums = vec![Vec::new(); z_mm.len()];
+        let sums = vec![Bursts::default(); z_mm.len()];
         Self { z_mm, station_mm, zero, pitch_mm: 0.0, sums }
     }
 
@@ -313,58 +306,22 @@ impl AxisAverager {
             sums.narrow = diameters.columns.len() < stream_limits.least_columns;
         }
         for (station, sums) in of_frame {
-            self.put(station, angle, meta.z_mm, sums);
-        }
-    }
-
-    /// Puts a frame's sums with those of the burst that it belongs to.
-    fn put(&mut self, station: usize, angle: i64, z_mm: f64, sums: Sums) {
-        let bursts = &mut self.sums[station];
-        if sums.narrow {
-            if bursts.is_empty() {
-                bursts.push(Burst::default());
-            }
-            bursts[0].angles.entry(angle).or_default().join(&sums);
-            return;
-        }
-        let off = |b: &Burst| (b.last_z_mm - z_mm).abs();
-        let own =
-            bursts.iter_mut().filter(|b| !b.angles.contains_key(&angle) && off(b) <= 0.5 * self.station_mm);
-        match own.min_by(|a, b| off(a).total_cmp(&off(b))) {
-            Some(burst) => burst.insert(angle, z_mm, sums),
-            None => {
-                let mut burst = Burst::default();
-                burst.insert(angle, z_mm, sums);
-                bursts.push(burst);
+            let bursts = &mut self.sums[station];
+            match sums.narrow {
+                true => bursts.join(angle, meta.z_mm, &sums),
+                false => bursts.add(angle, meta.z_mm, sums, 0.5 * self.station_mm),
             }
         }
-    }
-
-    /// What the angles show of a station: the burst whose middle is nearest, where it carries the
-    /// station, and those at its place. While the tool cuts, every field sees an axis that is bent
-    /// otherwise, and two of them would mix. Bursts that show parts are put together.
-    fn of_angles(&self, station_z_mm: f64, bursts: &[Burst]) -> BTreeMap<i64, Sums> {
-        let limits = AxisLimits::get();
-        let least = limits.whole * self.station_mm / self.pitch_mm.max(1e-12);
-        let most = bursts.iter().map(|b| b.angles.len()).max().unwrap_or(0);
-        let carries =
-            |b: &&Burst| b.angles.len() == most && b.angles.values().all(|s| s.columns as f64 >= least);
-        let off = |b: &Burst| (b.z_mm() - station_z_mm).abs();
-        let nearest = bursts.iter().filter(carries).min_by(|a, b| off(a).total_cmp(&off(b)));
-        let there = |b: &&Burst| {
-            nearest.is_none_or(|n| (n.z_mm() - b.z_mm()).abs() < limits.same_place * self.station_mm)
-        };
-        let mut all: BTreeMap<i64, Sums> = BTreeMap::new();
-        for (angle, sums) in bursts.iter().filter(there).flat_map(|b| &b.angles) {
-            all.entry(*angle).or_default().join(sums);
-        }
-        all
     }
 
     /// Ends the scan.
     pub fn finish(&self) -> AxisLine {
+        let columns = self.station_mm / self.pitch_mm.max(1e-12);
+        let taken = |(z_mm, bursts): (&f64, &Bursts<Sums>)| {
+            bursts.at_one_place(&Whole { z_mm: *z_mm, station_mm: self.station_mm, columns })
+        };
         let fits: Vec<Result<Fit, Reason>> =
-            self.z_mm.iter().zip(&self.sums).map(|(z, b)| self.fit(&self.of_angles(*z, b))).collect();
+            self.z_mm.iter().zip(&self.sums).map(taken).map(|t| self.fit(&t)).collect();
         let pooled = pooled_variance(fits.iter().flatten());
         let pooled = pooled.map(|variance| (variance, shared_by_stations(fits.iter().flatten(), variance)));
         let mut line = AxisLine::default();
@@ -377,15 +334,16 @@ impl AxisAverager {
         line
     }
 
-    fn fit(&self, sums: &BTreeMap<i64, Sums>) -> Result<Fit, Reason> {
+    fn fit(&self, taken: &AtOnePlace<Sums>) -> Result<Fit, Reason> {
+        let sums = &taken.angles;
         if sums.is_empty() {
             return Err(Reason::NotScanned);
         }
         let least = (AxisLimits::get().least_fill * self.station_mm / self.pitch_mm.max(1e-12)).max(1.0);
-        let good: Vec<(f64, &Sums)> = sums
+        let good: Vec<(Middle, &Sums)> = sums
             .iter()
             .filter(|(_, s)| s.columns as f64 >= least)
-            .map(|(angle, s)| ((*angle as f64 * 1e-6).to_radians(), s))
+            .map(|(angle, s)| (Middle::at(*angle, taken.way_mm(*angle)), s))
             .collect();
         if good.is_empty() {
             return Err(Reason::TooFewColumns);
@@ -395,11 +353,11 @@ impl AxisAverager {
         let noise = good.iter().zip(&means).map(|((_, s), m)| s.noise(m.gain)).sum::<f64>() / n;
         // What was not seen of a sloping axis stands still or turns with the part as the axis does:
         // angles do not average it.
-        let rests: Vec<(f64, f64)> =
-            good.iter().zip(&means).map(|((angle, _), m)| (*angle, m.rest)).collect();
+        let rests: Vec<Middle> = good.iter().zip(&means).map(|(s, m)| s.0.reads(m.rest)).collect();
         let unseen = harmonics(&rests);
-        let rest_noise =
-            |(_, s): &(f64, &Sums), m: &StationMean| 0.25 * m.rest_gain * s.own / (s.columns as f64).powi(2);
+        let rest_noise = |(_, s): &(Middle, &Sums), m: &StationMean| {
+            0.25 * m.rest_gain * s.own / (s.columns as f64).powi(2)
+        };
         let by_noise = good.iter().zip(&means).map(|(s, m)| rest_noise(s, m)).sum::<f64>() / n;
         let turning = unseen.turning.map_or(0.0, |(x, y)| 0.5 * (x * x + y * y));
         let rest = [
@@ -407,8 +365,7 @@ impl AxisAverager {
             (turning - unseen.gains[1] * by_noise).max(0.0),
         ];
         let common_mm = good.iter().map(|(_, s)| s.common_mm / s.columns as f64).sum::<f64>() / n;
-        let middles: Vec<(f64, f64)> =
-            good.iter().zip(&means).map(|((angle, _), m)| (*angle, m.mean)).collect();
+        let middles: Vec<Middle> = good.iter().zip(&means).map(|(s, m)| s.0.reads(m.mean)).collect();
         let whole = self.station_mm / self.pitch_mm.max(1e-12);
         let part = |s: &Sums, m: &StationMean| (m.gain * whole / s.columns as f64).max(1.0);
         let narrow = good.iter().any(|(_, s)| s.narrow);
@@ -420,6 +377,7 @@ impl AxisAverager {
             rest,
             share,
             common_mm,
+            field_z_mm: taken.field_z_mm,
             angles: good.len(),
             residual: found.residual / share,
             ..found
@@ -428,6 +386,25 @@ impl AxisAverager {
 }
 
 impl Fit {
+    /// The mean over `angles` alone, its uncertainty left open.
+    fn of_mean(x_mm: f64, angles: usize) -> Self {
+        Self {
+            x_mm,
+            turning: None,
+            gains: [1.0 / angles as f64; 2],
+            residual: 0.0,
+            freedom: 0.0,
+            left: Vec::new(),
+            drift: 0.0,
+            noise: 0.0,
+            rest: [0.0; 2],
+            share: 1.0,
+            common_mm: 0.0,
+            field_z_mm: f64::NAN,
+            angles,
+        }
+    }
+
     fn station(&self, z_mm: f64, pooled: Option<(f64, f64)>, u_scale: f64) -> AxisStation {
         // What one station's freedom alone shows is widened as Student's t is, so that 2u covers
         // what it should.
@@ -448,35 +425,60 @@ impl Fit {
             u_common_mm: self.common_mm.hypot(u_scale * self.x_mm),
             turning: self.turning.map(|(x_mm, y_mm)| TurningOffset { x_mm, y_mm, u_mm: u(1) }),
             angles: self.angles,
+            field_z_mm: self.field_z_mm,
         }
     }
 }
 
-/// Still part and first harmonic, with as many odd harmonics beside them as the angles allow; the
-/// mean alone where they span too little.
-fn harmonics(middles: &[(f64, f64)]) -> Fit {
+/// A middle of both edges at a spindle angle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Middle {
+    /// Spindle angle, radians.
+    angle: f64,
+    /// How far from its mean place in the burst the field stood, mm.
+    way_mm: f64,
+    /// Height, mm.
+    mm: f64,
+}
+
+impl Middle {
+    /// At an angle in microdegrees.
+    pub(super) fn at(angle: i64, way_mm: f64) -> Self {
+        Self { angle: (angle as f64 * 1e-6).to_radians(), way_mm, mm: 0.0 }
+    }
+
+    pub(super) fn reads(self, mm: f64) -> Self {
+        Self { mm, ..self }
+    }
+}
+
+/// Drift of the middle over the way of a carriage that moves, mm a mm: what bends the shaft goes on
+/// while a burst is taken.
+pub(super) fn drift(middles: &[Middle]) -> f64 {
+    if middles.is_empty() { 0.0 } else { harmonics(middles).drift }
+}
+
+/// Still part and first harmonic, with as many odd harmonics beside them as the angles allow, and
+/// where the carriage moved a steady drift if it leaves two degrees of freedom; the mean alone
+/// where the angles span too little.
+fn harmonics(middles: &[Middle]) -> Fit {
     let limits = AxisLimits::get();
     let n = middles.len();
-    let start = middles[0].1;
+    let start = middles[0].mm;
     let most = (n.saturating_sub(3) / limits.angles_a_harmonic).clamp(1, limits.most_harmonics);
-    for orders in (1..=most).rev() {
-        let columns = 1 + 2 * orders;
-        if n < columns {
+    let moved = usize::from(middles.iter().any(|m| m.way_mm != 0.0));
+    let terms = (1..=most).rev().flat_map(|orders| (0..=moved).rev().map(move |drifts| (orders, drifts)));
+    for (orders, drifts) in terms {
+        let columns = 1 + 2 * orders + drifts;
+        if n < columns + 2 * drifts {
             continue;
         }
-        let design = DMatrix::from_fn(n, columns, |row, column| {
-            let turned = (2.0 * column.div_ceil(2) as f64 - 1.0) * middles[row].0;
-            match column {
-                0 => 1.0,
-                c if c % 2 == 1 => turned.cos(),
-                _ => -turned.sin(),
-            }
-        });
+        let design = DMatrix::from_fn(n, columns, |row, column| term(&middles[row], orders, column));
         let Some(inverse) = (design.transpose() * &design).try_inverse() else { continue };
         if !(inverse[(0, 0)] < limits.most_gain) {
             continue;
         }
-        let observed = DVector::from_iterator(n, middles.iter().map(|m| m.1 - start));
+        let observed = DVector::from_iterator(n, middles.iter().map(|m| m.mm - start));
         let solution = &inverse * design.transpose() * &observed;
         let freedom = (n - columns) as f64;
         let square = (&observed - &design * &solution).norm_squared();
@@ -486,27 +488,22 @@ fn harmonics(middles: &[(f64, f64)]) -> Fit {
             gains: [inverse[(0, 0)], inverse[(1, 1)].max(inverse[(2, 2)])],
             residual: if freedom > 0.0 { square / freedom } else { 0.0 },
             freedom,
-            left: (&observed - &design * &solution).iter().zip(middles).map(|(e, m)| (m.0, *e)).collect(),
-            noise: 0.0,
-            rest: [0.0; 2],
-            share: 1.0,
-            common_mm: 0.0,
-            angles: n,
+            left: (&observed - &design * &solution).iter().zip(middles).map(|(e, m)| (m.angle, *e)).collect(),
+            drift: if drifts > 0 { solution[columns - 1] } else { 0.0 },
+            ..Fit::of_mean(start, n)
         };
     }
-    let mean = middles.iter().map(|m| m.1).sum::<f64>() / n as f64;
-    Fit {
-        x_mm: mean,
-        turning: None,
-        gains: [1.0 / n as f64; 2],
-        residual: 0.0,
-        freedom: 0.0,
-        left: Vec::new(),
-        noise: 0.0,
-        rest: [0.0; 2],
-        share: 1.0,
-        common_mm: 0.0,
-        angles: n,
+    Fit::of_mean(middles.iter().map(|m| m.mm).sum::<f64>() / n as f64, n)
+}
+
+/// Column `column` of the design at a middle: 1, cosine and sine of each odd harmonic, the way.
+fn term(at: &Middle, orders: usize, column: usize) -> f64 {
+    let turned = (2.0 * column.div_ceil(2) as f64 - 1.0) * at.angle;
+    match column {
+        0 => 1.0,
+        c if c > 2 * orders => at.way_mm,
+        c if c % 2 == 1 => turned.cos(),
+        _ => -turned.sin(),
     }
 }
 

@@ -7,6 +7,11 @@
 //! Either way odd lobes and odd spindle motion cannot be separated. Every u is at least what the
 //! readings scatter by that the form does not explain (`turn_scatter`).
 //!
+//! While a pass is cut the shaft is bent otherwise at every instant, which moves both edges alike:
+//! diameters are means over all frames, the middles those of one burst (`bursts`), less their
+//! steady drift while the tool goes on within it. Run-out and straightness from section to section are those of a dial gauge that
+//! follows the tool: every section as it was bent when its burst was taken.
+//!
 //! Everything here is the silhouette's: sizes and roundness of the section's convex hull.
 
 use std::collections::BTreeMap;
@@ -15,12 +20,15 @@ use glam::DVec2;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
+use super::axis_line::{Middle, drift};
+use super::bursts::{AtOnePlace, Bursts, Shown as _, Whole};
 use super::column_diameters::ColumnDiameters;
 use super::reading_scatter::ScatterTest;
 use super::station_mean::StationColumns;
 use super::stations::variance_of_mean;
 use super::turn_scatter::{TurnScatter, axis_of_half_turn, of_half_turn, of_whole_turn};
 use crate::frame::FrameMeta;
+use crate::gauge::edge::stream::StreamLimits;
 use crate::gauge::form::size::turn_sizes;
 use crate::gauge::form::{
     Cutoff, FormError, Reference, StraightnessReference, Turn, TurnHarmonics, circular_run_out,
@@ -44,7 +52,6 @@ limits! {
 struct Sums {
     n: f64,
     d_mm: StationColumns,
-    middle_mm: StationColumns,
     /// Σ own variance, mm².
     own: f64,
     /// Σ shared variance, mm².
@@ -57,8 +64,11 @@ struct Sums {
 pub struct TurnAverager {
     z_mm: Vec<f64>,
     station_mm: f64,
+    pitch_mm: f64,
     /// Per station: sums by angle in microdegrees.
     sums: Vec<BTreeMap<i64, Sums>>,
+    /// Per station: middles of both edges, burst by burst.
+    middles: Vec<Bursts<StationColumns>>,
 }
 
 /// Form and size of one section.
@@ -139,6 +149,23 @@ pub struct Envelope {
     pub sections: usize,
 }
 
+/// What was seen of a station.
+struct Station<'s> {
+    sums: &'s BTreeMap<i64, Sums>,
+    /// Middles of both edges by angle, mm.
+    middles: BTreeMap<i64, f64>,
+}
+
+/// Middles by angle, their drift while the carriage moved taken off.
+fn middles(taken: &AtOnePlace<StationColumns>) -> BTreeMap<i64, f64> {
+    let least = SectionLimits::get().least_columns;
+    let enough = taken.angles.iter().filter(|(_, m)| m.columns() >= least);
+    let plain: Vec<(i64, f64)> = enough.map(|(angle, m)| (*angle, m.mean().mean)).collect();
+    let seen: Vec<Middle> = plain.iter().map(|(a, mm)| Middle::at(*a, taken.way_mm(*a)).reads(*mm)).collect();
+    let drift = drift(&seen);
+    plain.into_iter().map(|(angle, mm)| (angle, mm - drift * taken.way_mm(angle))).collect()
+}
+
 struct Section {
     z_mm: f64,
     turn: Turn,
@@ -149,13 +176,16 @@ impl TurnAverager {
     /// Stations by their middles, ascending, and their common length.
     pub fn new(z_mm: Vec<f64>, station_mm: f64) -> Self {
         let sums = vec![BTreeMap::new(); z_mm.len()];
-        Self { z_mm, station_mm, sums }
+        let middles = vec![Bursts::default(); z_mm.len()];
+        Self { z_mm, station_mm, pitch_mm: 0.0, sums, middles }
     }
 
     /// Adds a frame's diameters.
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64 % 360_000_000;
         let half = 0.5 * self.station_mm;
+        self.pitch_mm = diameters.pitch_mm;
+        let mut of_frame: BTreeMap<usize, StationColumns> = BTreeMap::new();
         for (index, column) in diameters.columns.iter().enumerate() {
             let Reading::Value(d) = column.reading else { continue };
             let z_mm = diameters.z_mm(meta, index);
@@ -167,12 +197,30 @@ impl TurnAverager {
             sums.n += 1.0;
             let t = (z_mm - self.z_mm[after]) / half;
             sums.d_mm.add(t, d.d_mm);
-            sums.middle_mm.add(t, column.middle_mm);
+            of_frame.entry(after).or_default().add(t, column.middle_mm);
             let shared = column.shared_mm.powi(2);
             sums.own += (d.u_random_mm * d.u_random_mm - shared).max(0.0);
             sums.shared += shared;
             sums.length = diameters.shared_length;
         }
+        for (station, middles) in of_frame {
+            let bursts = &mut self.middles[station];
+            match diameters.columns.len() < StreamLimits::get().least_columns {
+                true => bursts.join(angle, meta.z_mm, &middles),
+                false => bursts.add(angle, meta.z_mm, middles, half),
+            }
+        }
+    }
+
+    /// Every station: its middle, its sums, and the middles of its edges by angle. While a pass is
+    /// cut those of one burst: another saw the shaft bent otherwise.
+    fn stations(&self) -> impl Iterator<Item = (f64, Station<'_>)> {
+        let columns = self.station_mm / self.pitch_mm.max(1e-12);
+        self.z_mm.iter().zip(&self.sums).zip(&self.middles).map(move |((z_mm, sums), bursts)| {
+            let whole = Whole { z_mm: *z_mm, station_mm: self.station_mm, columns };
+            let taken = if bursts.moved() { bursts.at_one_place(&whole) } else { bursts.all() };
+            (*z_mm, Station { sums, middles: middles(&taken) })
+        })
     }
 
     /// The envelope over all sections, after the filter around each.
@@ -182,11 +230,11 @@ impl TurnAverager {
     pub fn envelope(&self, cutoff: Cutoff) -> Result<Envelope, String> {
         let mut samples = Vec::new();
         let mut u_edge_mm: f64 = 0.0;
-        for (z_mm, sums) in self.z_mm.iter().zip(&self.sums) {
-            let (turn, seen) = section_turn(sums).map_err(|e| format!("at z = {z_mm:.3} mm {e}"))?;
+        for (z_mm, station) in self.stations() {
+            let (turn, seen) = section_turn(&station).map_err(|e| format!("at z = {z_mm:.3} mm {e}"))?;
             let support = crate::gauge::form::gaussian_closed(&turn.support_mm(), cutoff);
             let n = support.len() as f64;
-            samples.extend(support.iter().enumerate().map(|(i, h)| [*z_mm, TAU * i as f64 / n, *h]));
+            samples.extend(support.iter().enumerate().map(|(i, h)| [z_mm, TAU * i as f64 / n, *h]));
             u_edge_mm = u_edge_mm.max(seen.stated_mm);
         }
         if self.z_mm.len() < 3 {
@@ -204,10 +252,10 @@ impl TurnAverager {
     pub fn finish(&self, cutoff: Cutoff) -> PartForm {
         let mut part = PartForm::default();
         let mut sections = Vec::new();
-        for (z_mm, sums) in self.z_mm.iter().zip(&self.sums) {
-            match section(*z_mm, sums, cutoff) {
+        for (z_mm, station) in self.stations() {
+            match section(z_mm, &station, cutoff) {
                 Ok(section) => sections.push(section),
-                Err(error) => part.refused.push((*z_mm, error.to_string())),
+                Err(error) => part.refused.push((z_mm, error.to_string())),
             }
         }
         over_all(&mut part, &sections, cutoff);
@@ -216,8 +264,8 @@ impl TurnAverager {
     }
 }
 
-fn section(z_mm: f64, sums: &BTreeMap<i64, Sums>, cutoff: Cutoff) -> Result<Section, FormError> {
-    let (turn, seen) = section_turn(sums)?;
+fn section(z_mm: f64, station: &Station<'_>, cutoff: Cutoff) -> Result<Section, FormError> {
+    let (turn, seen) = section_turn(station)?;
     let widths: Vec<f64> = turn.widths_mm();
     let u_width_mm = std::f64::consts::SQRT_2 * seen.stated_mm;
     let scatter = match seen.u_axis_mm {
@@ -229,22 +277,23 @@ fn section(z_mm: f64, sums: &BTreeMap<i64, Sums>, cutoff: Cutoff) -> Result<Sect
 }
 
 /// A section's turn and what was seen of it, its scatter left open.
-fn section_turn(sums: &BTreeMap<i64, Sums>) -> Result<(Turn, SectionReadings), FormError> {
+fn section_turn(station: &Station<'_>) -> Result<(Turn, SectionReadings), FormError> {
     let limits = SectionLimits::get();
-    let good: Vec<(f64, &Sums)> = sums
+    let good: Vec<(f64, &Sums, f64)> = station
+        .sums
         .iter()
         .filter(|(_, s)| s.n >= limits.least_columns as f64)
-        .map(|(angle, s)| (*angle as f64 * 1e-6, s))
+        .filter_map(|(angle, s)| Some((*angle as f64 * 1e-6, s, *station.middles.get(angle)?)))
         .collect();
     let readings: Vec<[f64; 3]> = good
         .iter()
-        .map(|(angle, s)| {
-            let (d, m) = (s.d_mm.mean(), s.middle_mm.mean());
-            [*angle, m.mean + 0.5 * d.mean, m.mean - 0.5 * d.mean]
+        .map(|(angle, s, middle)| {
+            let radius = 0.5 * s.d_mm.mean().mean;
+            [*angle, middle + radius, middle - radius]
         })
         .collect();
     let noise = |s: &Sums| variance_of_mean(s.n, s.d_mm.mean().gain * s.own, s.shared, s.length);
-    let variance = good.iter().map(|(_, s)| noise(s)).sum::<f64>() / good.len() as f64;
+    let variance = good.iter().map(|(_, s, _)| noise(s)).sum::<f64>() / good.len() as f64;
     let stated_mm = (0.5 * variance).sqrt();
     let (turn, u_axis_mm) = turn_of(&readings, stated_mm)?;
     Ok((turn, SectionReadings { angles: readings.len(), stated_mm, u_axis_mm, scatter: None }))
@@ -442,6 +491,35 @@ mod tests {
             // Cylindricity of a cone of 2e-4 over 20 mm and lobes.
             assert!((4e-3..9e-3).contains(&part.cylindricity_mm.unwrap()));
         }
+    }
+
+    /// While a pass is cut two fields see a station, the far one of a shaft bent by .01 mm more, and
+    /// in both it bends by .03 mm a mm on: the run-out is the eccentricity's alone.
+    #[test]
+    fn middles_of_two_instants_are_not_mixed() {
+        let mut averager = TurnAverager::new(vec![5.0], 1.0);
+        let value = Reading::Value(Diameter { d_mm: 20.0, u_random_mm: 1e-5, u_common_mm: 0.0 });
+        for (start_mm, bend_mm) in [(5.9, 0.01), (5.16, 0.0)] {
+            for i in 0..16 {
+                let angle_deg = 22.5 * f64::from(i);
+                let z_mm = start_mm - 0.02 * f64::from(i);
+                let middle_mm = 3.0 + bend_mm + 0.03 * z_mm + 5e-3 * angle_deg.to_radians().cos();
+                let column = ColumnDiameter {
+                    reading: value,
+                    shared_mm: 0.0,
+                    width_px: 1.0,
+                    middle_mm,
+                    u_middle_common_mm: 0.0,
+                };
+                let diameters =
+                    ColumnDiameters { columns: vec![column; 41], shared_length: 1.0, pitch_mm: 0.05 };
+                averager.add(&FrameMeta { angle_deg, z_mm, ..FrameMeta::default() }, &diameters);
+            }
+        }
+        let part = averager.finish(Cutoff::UPR_50);
+        let section = &part.sections[0];
+        assert!((section.run_out_mm - 0.01).abs() < 1e-9, "{}", section.run_out_mm);
+        assert!(section.roundness_mm[1] < 1e-5, "{:?}", section.roundness_mm);
     }
 
     #[test]

@@ -10,6 +10,8 @@
 use crate::gauge::limit::limits;
 use nalgebra::{Matrix3, Vector3};
 
+use super::bursts::Shown;
+
 limits! {
     /// Which polynomial the columns of a station carry.
     StationMeanLimits = "station_mean";
@@ -44,6 +46,17 @@ pub(crate) struct StationMean {
     pub(crate) rest_gain: f64,
 }
 
+impl Shown for StationColumns {
+    fn columns(&self) -> usize {
+        self.powers[0] as usize
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.powers.iter_mut().zip(other.powers).for_each(|(sum, more)| *sum += more);
+        self.values.iter_mut().zip(other.values).for_each(|(sum, more)| *sum += more);
+    }
+}
+
 impl StationColumns {
     /// Adds a column at `t` from the station's middle (1: its end).
     pub(crate) fn add(&mut self, t: f64, value: f64) {
@@ -55,12 +68,6 @@ impl StationColumns {
             }
             power *= t;
         }
-    }
-
-    /// Adds the columns of another frame.
-    pub(crate) fn join(&mut self, other: &Self) {
-        self.powers.iter_mut().zip(other.powers).for_each(|(sum, more)| *sum += more);
-        self.values.iter_mut().zip(other.values).for_each(|(sum, more)| *sum += more);
     }
 
     /// Mean over the whole station.
