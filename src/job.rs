@@ -211,8 +211,8 @@ impl Job {
         f64::from(self.camera.rows) * self.nominal_mm_per_px()
     }
 
-    /// Limit of the telecentricity error by the lens' data sheet (`optics.telecentricity_mrad`), 1/mm:
-    /// masters in one plane do not show it.
+    /// Limit of the telecentricity error by the lens' data sheet (`optics.telecentricity_mrad`),
+    /// 1/mm: masters in one plane do not show it.
     pub fn limit_telecentricity_per_mm(&self) -> f64 {
         let (rows, columns) = (f64::from(self.camera.rows), f64::from(self.camera.columns));
         let half_mm = 0.5 * rows.hypot(columns) * self.nominal_mm_per_px();

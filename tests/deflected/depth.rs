@@ -19,7 +19,8 @@ const CASE: Case = Case {
     whole_turn: false,
     field_step: 1,
 };
-/// Angle of a chief ray at half the diagonal, mrad: ten times what a good lens has, so that it shows.
+/// Angle of a chief ray at half the diagonal, mrad: ten times what a good lens has, so that it
+/// shows.
 const TELECENTRICITY_MRAD: f64 = 5.0;
 /// Eccentricity away from the camera at most at 90°, mm.
 const ECCENTRICITY_MM: f64 = 0.1;

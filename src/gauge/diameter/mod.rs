@@ -5,8 +5,8 @@
 //! Out: [`ColumnDiameters`] of a frame; from the frames of a scan a
 //! [`DiameterProfile`](crate::profile::DiameterProfile) (`stations`), form and size (`sections`),
 //! the axis (`axis_line`); from successive readings their mean and scatter (`reading_series`,
-//! `reading_scatter`). `turning_depth` takes off what a part that turns off its axis changes before a
-//! lens that is not quite telecentric. All lengths are in mm, u apart by random and common.
+//! `reading_scatter`). `turning_depth` takes off what a part that turns off its axis changes before
+//! a lens that is not quite telecentric. All lengths are in mm, u apart by random and common.
 //!
 //! One more quantity of a scan is one more averager: `add` a frame's `ColumnDiameters`, `finish` to
 //! a result with reasons for its gaps.

@@ -9,8 +9,9 @@
 //!
 //! While a pass is cut the shaft is bent otherwise at every instant, which moves both edges alike:
 //! diameters are means over all frames, the middles those of one burst (`bursts`), less their
-//! steady drift while the tool goes on within it. Run-out and straightness from section to section are those of a dial gauge that
-//! follows the tool: every section as it was bent when its burst was taken.
+//! steady drift while the tool goes on within it. Run-out and straightness from section to section
+//! are those of a dial gauge that follows the tool: every section as it was bent when its burst was
+//! taken.
 //!
 //! Everything here is the silhouette's: sizes and roundness of the section's convex hull.
 
@@ -493,8 +494,8 @@ mod tests {
         }
     }
 
-    /// While a pass is cut two fields see a station, the far one of a shaft bent by .01 mm more, and
-    /// in both it bends by .03 mm a mm on: the run-out is the eccentricity's alone.
+    /// While a pass is cut two fields see a station, the far one of a shaft bent by .01 mm more,
+    /// and in both it bends by .03 mm a mm on: the run-out is the eccentricity's alone.
     #[test]
     fn middles_of_two_instants_are_not_mixed() {
         let mut averager = TurnAverager::new(vec![5.0], 1.0);

@@ -1,7 +1,8 @@
 //! Diameters of a part that turns off its axis, before a lens that is not quite telecentric.
 //!
 //! ```text
-//! D = s·w·(1 + t·y) + o        t  telecentricity error, 1/mm;  y  distance from the masters' plane, towards the camera, mm
+//! D = s·w·(1 + t·y) + o        t  telecentricity error, 1/mm;  y  distance from the masters'
+//! plane, towards the camera, mm
 //! ```
 //!
 //! What turns with the part (eccentricity, bow) carries a section towards the camera and away from
