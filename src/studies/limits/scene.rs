@@ -102,7 +102,7 @@ fn scene(kind: Kind, seed: u64, renderer: &Renderer) -> Result<Scene, SceneError
                 column: COLUMNS as f64 / 2.0,
                 half_length: 40.0,
                 height_px: height_um / PIXEL_UM,
-                upper: seed % 2 == 0,
+                upper: seed.is_multiple_of(2),
             };
             (vec![piece.with_bumps(&[film]).frame(None)?], vec![widths(&piece)])
         }
