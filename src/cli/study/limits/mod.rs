@@ -30,7 +30,7 @@ pub struct StudyLimitsArgs {
     /// Only thresholds whose name (group.field) holds this text.
     #[arg(long, value_name = "PATTERN")]
     only: Option<String>,
-    /// Scenes of each kind.
+    /// Scenes of each kind; half as many of the kinds with masters.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
     scenes: u32,
     /// Only kinds of scenes whose name holds this text.
