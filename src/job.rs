@@ -94,8 +94,8 @@ pub struct Job {
     pub probe: Option<ProbeSettings>,
     /// The controller.
     pub control: ControlSettings,
-    /// The control that the offsets go to: what its rounding leaves of them is what the controller
-    /// is told. Without one offsets are commanded as they are.
+    /// The control that the offsets go to: the controller is given what its rounding leaves
+    /// of them. Without one offsets are commanded as they are.
     pub nc: Option<NcJob>,
 }
 

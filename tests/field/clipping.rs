@@ -465,7 +465,7 @@ fn quiet_levels_with_defects_are_not_clipped() {
                             ratios.push(ratio);
                         }
                         other => {
-                            missed.push(format!("{kind} {read} {photons} {hot} {dead} {seed}: {other:?}"))
+                            missed.push(format!("{kind} {read} {photons} {hot} {dead} {seed}: {other:?}"));
                         }
                     }
                 }

@@ -309,7 +309,7 @@ impl AxisAverager {
             let bursts = &mut self.sums[station];
             match sums.narrow {
                 true => bursts.join(angle, meta.z_mm, &sums),
-                false => bursts.add(angle, meta.z_mm, sums, 0.5 * self.station_mm),
+                false => bursts.add(angle, meta.z_mm, &sums, 0.5 * self.station_mm),
             }
         }
     }

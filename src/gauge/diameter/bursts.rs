@@ -119,14 +119,14 @@ impl<S: Shown> Burst<S> {
 impl<S: Shown> Bursts<S> {
     /// Puts a frame's sums with those of the burst that it belongs to: the nearest at most `reach`
     /// mm away in which its angle is missing.
-    pub(super) fn add(&mut self, angle: i64, z_mm: f64, sums: S, reach: f64) {
+    pub(super) fn add(&mut self, angle: i64, z_mm: f64, sums: &S, reach: f64) {
         let off = |b: &Burst<S>| (b.last_z_mm - z_mm).abs();
         let own = self.0.iter_mut().filter(|b| !b.angles.contains_key(&angle) && off(b) <= reach);
         match own.min_by(|a, b| off(a).total_cmp(&off(b))) {
-            Some(burst) => burst.add_placed(angle, z_mm, &sums),
+            Some(burst) => burst.add_placed(angle, z_mm, sums),
             None => {
                 let mut burst = Burst::begun(z_mm);
-                burst.add_placed(angle, z_mm, &sums);
+                burst.add_placed(angle, z_mm, sums);
                 self.0.push(burst);
             }
         }

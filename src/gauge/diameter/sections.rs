@@ -208,7 +208,7 @@ impl TurnAverager {
             let bursts = &mut self.middles[station];
             match diameters.columns.len() < StreamLimits::get().least_columns {
                 true => bursts.join(angle, meta.z_mm, &middles),
-                false => bursts.add(angle, meta.z_mm, middles, half),
+                false => bursts.add(angle, meta.z_mm, &middles, half),
             }
         }
     }

@@ -152,8 +152,6 @@ impl Band {
 /// Noise of successive flat pixels of a sector below an end, counts; `None` of too few. `step` is
 /// the distance of two grey values, counts, 0 where there is none.
 fn pairs_below(sectors: &[Vec<f32>], end: f32, step: f64) -> Option<f64> {
-    let pairs = sectors.iter().flat_map(|sector| sector.windows(2));
-    let mut squares: Vec<f32> =
-        pairs.filter(|w| w[0] < end && w[1] < end).map(|w| (w[1] - w[0]).powi(2)).collect();
-    grey_ends::robust_mean(&mut squares, step).map(|mean| (0.5 * mean).sqrt())
+    let pairs = sectors.iter().flat_map(|sector| sector.windows(2)).map(|w| [w[0], w[1]]);
+    grey_ends::noise_of_pairs(pairs, end, step)
 }

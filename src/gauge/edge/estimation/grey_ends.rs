@@ -262,6 +262,14 @@ fn below_noise(
     robust_mean(squares, apart).map(|mean| (0.5 * mean).sqrt())
 }
 
+/// Noise of pairs of pixels neither of which stands at an end, counts; `None` of too few. `step` is
+/// the distance of two grey values, counts, 0 where there is none.
+pub(crate) fn noise_of_pairs(pairs: impl Iterator<Item = [f32; 2]>, end: f32, step: f64) -> Option<f64> {
+    let below = pairs.filter(|[a, b]| *a < end && *b < end);
+    let mut squares: Vec<f32> = below.map(|[a, b]| (a - b).powi(2)).collect();
+    robust_mean(&mut squares, step).map(|mean| (0.5 * mean).sqrt())
+}
+
 /// Variance of the flat light by neighbouring columns, clipped pixels included, counts², and the
 /// share of them at the end or beyond; `None` of too few. `apart` is the distance of two grey
 /// values, counts.

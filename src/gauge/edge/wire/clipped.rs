@@ -37,9 +37,10 @@ pub(super) fn clipped_share<T: Sample>(plane: &Plane<'_, T>, part: &PartLocation
     let mut pool: Vec<f32> = light.iter().flatten().copied().collect();
     let all = pool.len() as f64;
     let (end, _) = grey_ends::judge(&mut pool, step, mean(&light) - mean(&dark), |end, least, step| {
+        let noise = |pairs: &Pairs, end| grey_ends::noise_of_pairs(pairs.iter().copied(), end, step);
         let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
-        let below = scatter_below(&light, end, step).map_or(0.0, free);
-        let dark = scatter_below(&dark, f32::INFINITY, step).map_or(0.0, free);
+        let below = noise(&light, end).map_or(0.0, free);
+        let dark = noise(&dark, f32::INFINITY).map_or(0.0, free);
         // A wire's flank shows the noise of neither: the least that light has is that of the dark.
         if below > least { below } else { grey_ends::expected_noise(plane.sign > 0.0, (0.0, 0.0), dark) }
     })?;
@@ -60,11 +61,4 @@ fn pairs_beside<T: Sample>(plane: &Plane<'_, T>, part: &PartLocation) -> (Pairs,
         dark.extend(inside.map(|row| pair(row as usize)));
     }
     (dark, light)
-}
-
-/// Scatter of pairs neither of which stands at an end, counts.
-fn scatter_below(pairs: &Pairs, end: f32, step: f64) -> Option<f64> {
-    let below = pairs.iter().filter(|[a, b]| *a < end && *b < end);
-    let mut squares: Vec<f32> = below.map(|[a, b]| (a - b).powi(2)).collect();
-    grey_ends::robust_mean(&mut squares, step).map(|mean| (0.5 * mean).sqrt())
 }
