@@ -108,8 +108,8 @@ pub enum Which {
 #[serde(rename_all = "snake_case")]
 pub enum Rejection {
     /// Refused by residual, levels, neighbours along the shaft and the axis: an edge that leaves
-    /// its place while the other one does not is contamination of the part. Where the part itself is
-    /// one-sided (keyways, flats, threads), take `by_edge`.
+    /// its place while the other one does not is contamination of the part. Where the part itself
+    /// is one-sided (keyways, flats, threads), take `by_edge`.
     #[default]
     Full,
     /// Refused by residual, levels and neighbours, each edge by itself.

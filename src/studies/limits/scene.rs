@@ -49,7 +49,8 @@ pub struct Scene {
     pub(super) truth: Vec<Vec<f64>>,
 }
 
-/// Makes `each` scenes of every kind whose name `pick` accepts, half as many of setups with masters.
+/// Makes `each` scenes of every kind whose name `pick` accepts, half as many of setups with
+/// masters.
 ///
 /// # Errors
 /// A scene that cannot be drawn.
