@@ -44,7 +44,7 @@ pub struct JudgeArgs {
     /// Spindle angles of the frames of a turn in their order, degrees from one to the next.
     #[arg(long, value_name = "DEG", value_parser = length, requires = "turn")]
     pub(super) angle_step: Option<f64>,
-    /// Largest change of a diameter from one turn to the next that is believed, µm; more (and more
+    /// Largest change of a diameter from one turn to the next that is accepted, µm; more (and more
     /// than noise explains) is a gap with the flag `implausible`.
     #[arg(long, value_name = "UM", default_value_t = 5.0, value_parser = length, requires = "turn")]
     pub(super) turn_limit_um: f64,

@@ -119,20 +119,18 @@ pub(crate) fn judge(
     contrast: f64,
     noise: impl FnOnce(f32, f64, f64) -> f64,
 ) -> Option<(f32, f64)> {
+    let limits = GreyEndLimits::get();
     let end = candidate(pool)?;
     let all = pool.len() as f64;
     let step = f64::from(grid(pool)).max(known_step);
     let count = |from: f32, to: f32| pool.iter().filter(|v| **v >= from && **v < to).count() as f64;
     let at_end = pool.iter().filter(|v| **v == end).count() as f64;
     // At least a step is looked at below: for most levels this suffices, without their noise.
-    if !(at_end > GreyEndLimits::get().piled * count(end - step as f32, end)) {
+    if !(at_end > limits.piled * count(end - step as f32, end)) {
         return None;
     }
-    let least = (GreyEndLimits::get().least_noise_steps * step).max(if known_step > 0.0 {
-        0.0
-    } else {
-        GreyEndLimits::get().least_noise_contrast * contrast
-    });
+    let of_contrast = if known_step > 0.0 { 0.0 } else { limits.least_noise_contrast * contrast };
+    let least = (limits.least_noise_steps * step).max(of_contrast);
     let noise = noise(end, least, step);
     if !(noise > least) {
         return None;
@@ -144,10 +142,8 @@ pub(crate) fn judge(
     let beyond = all * phi_cdf(-(inverse_tail(share) + apart / noise));
     // Hot pixels stand anywhere beyond, the other half of a bell right behind.
     let behind = count(end, end + 2.0 * (noise as f32).max(apart as f32)) - at_end;
-    (at_end > GreyEndLimits::get().piled * before
-        && beyond > GreyEndLimits::get().expected
-        && behind < GreyEndLimits::get().seen * beyond)
-        .then_some((end, step))
+    let is_end = at_end > limits.piled * before && beyond > limits.expected && behind < limits.seen * beyond;
+    is_end.then_some((end, step))
 }
 
 /// Noise expected of a level from that on the flank and that of the other level, counts.
@@ -182,10 +178,11 @@ fn candidate(pool: &mut [f32]) -> Option<f32> {
     if pool.len() < 24 {
         return None;
     }
-    let at = ((1.0 - GreyEndLimits::get().beyond) * pool.len() as f64) as usize;
+    let limits = GreyEndLimits::get();
+    let at = ((1.0 - limits.beyond) * pool.len() as f64) as usize;
     let end = *pool.select_nth_unstable_by(at, f32::total_cmp).1;
     let equal = pool.iter().filter(|v| **v == end).count();
-    (equal as f64 >= GreyEndLimits::get().at_one * pool.len() as f64).then_some(end)
+    (equal as f64 >= limits.at_one * pool.len() as f64).then_some(end)
 }
 
 /// Smallest distance of two grey values of the level; 0 where there is one only. What hot pixels
@@ -210,8 +207,8 @@ struct Presumed {
     step: f64,
 }
 
-/// Noise that the level should show, counts: the largest of what is seen below the end, on the
-/// other level and on the flank.
+/// Noise that the level should show, counts: that of its pixels below the end, where they show
+/// more than the least; else what the other level and the flank imply.
 fn reference_noise(
     windows: &Windows,
     level: Level,
