@@ -31,10 +31,9 @@ use crate::control::{self, Controller, NextPass, PartEvent, PartStart, PassConte
 use crate::gauge::axis_line::AxisLine;
 use crate::gauge::diameter::sections::PartForm;
 use crate::gauge::{FrameEdges, Gauge, ResidualAccumulator, SettledStream};
-use crate::job::{Job, ScanWhen};
+use crate::job::{LoopJob, Part, ScanWhen};
 use crate::nc;
-use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
-use crate::process::CutSummary;
+use crate::plan::{CutSummary, Decision, DiameterOffset, HeldReason, PassPlan};
 use crate::profile::DiameterProfile;
 use evidence::AfterCut;
 use scan::{Measured, Scanned};
@@ -80,7 +79,7 @@ pub struct PassResult {
 
 /// A job on a cell, between passes.
 pub struct ClosedLoop<'a> {
-    job: &'a Job,
+    job: LoopJob,
     cell: Box<dyn TurningCell + 'a>,
     gauge: Gauge,
     calibration: Calibrated,
@@ -121,35 +120,59 @@ fn seen_station((from_mm, to_mm): (f64, f64), axis: &AxisLine) -> SeenStation {
 }
 
 /// Verdict on a finished part by its re-measurement (ISO 14253-1); `None` without a tolerance.
-pub fn part_verdict(job: &Job, measured: &DiameterProfile) -> Option<part_verdict::Verdict> {
-    let (lower_mm, upper_mm) = job.part.tolerance?.limits_mm();
-    let rule = DecisionRule::new(job.part.conformance_probability).unwrap_or_default();
+pub fn part_verdict(part: &Part, measured: &DiameterProfile) -> Option<part_verdict::Verdict> {
+    let (lower_mm, upper_mm) = part.tolerance?.limits_mm();
+    let rule = DecisionRule::new(part.conformance_probability).unwrap_or_default();
     let limits = part_verdict::Limits { lower_mm, upper_mm, rule };
     Some(part_verdict::judge(measured, &limits))
 }
 
 impl<'a> ClosedLoop<'a> {
-    /// Checks the job and calibrates the gauge on the masters, unless a calibration is given (a
-    /// resumed run).
+    /// Checks the job, builds its controller and calibrates its instrument on the masters, unless a
+    /// calibration is given (a resumed run).
     ///
     /// # Errors
     /// Where the job does not fit together or the masters cannot be measured.
     pub fn start(
-        job: &'a Job,
-        mut cell: Box<dyn TurningCell + 'a>,
+        job: LoopJob,
+        cell: Box<dyn TurningCell + 'a>,
         calibration: Option<Calibrated>,
     ) -> Result<Self, LoopError> {
         job.check()?;
         job.check_coverage()?;
-        let stations = job.part.station_z_mm().len();
         let controller = control::build(&job.run_control(), &job.part.station_z_mm())?;
-        let (gauge, calibration) = instrument::instrument(job, cell.as_mut(), calibration)?;
-        let offset = DiameterOffset::zero(stations);
+        Self::assemble(job, cell, calibration, controller)
+    }
+
+    /// The same with a controller of the caller's own in place of the one that `job.control` names;
+    /// `control.within_pass` and `scan.stock` hold for it as well.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn with_controller(
+        job: LoopJob,
+        cell: Box<dyn TurningCell + 'a>,
+        calibration: Option<Calibrated>,
+        controller: Box<dyn Controller + Send>,
+    ) -> Result<Self, LoopError> {
+        job.check()?;
+        job.check_coverage()?;
+        Self::assemble(job, cell, calibration, controller)
+    }
+
+    fn assemble(
+        job: LoopJob,
+        mut cell: Box<dyn TurningCell + 'a>,
+        calibration: Option<Calibrated>,
+        controller: Box<dyn Controller + Send>,
+    ) -> Result<Self, LoopError> {
+        let (gauge, calibration) = instrument::instrument(&job, cell.as_mut(), calibration)?;
+        let offset = DiameterOffset::zero(job.part.station_z_mm().len());
         Ok(Self {
+            of_part: calibration.of_part(&job),
             job,
             cell,
             gauge,
-            of_part: calibration.of_part(job),
             calibration,
             controller,
             asked: offset.clone(),
@@ -319,12 +342,12 @@ impl<'a> ClosedLoop<'a> {
 
     fn scan(&mut self, pass: u32, progress: Progress<'_>) -> Result<Scanned, LoopError> {
         if let Some((settings, probe)) = self.by_probe() {
-            return self.touch_part(pass, settings, &probe, progress);
+            return self.touch_part(pass, &settings, &probe, progress);
         }
         let camera = self.of_part.camera()?;
         let plan = self.job.scan_plan();
         let stream = SettledStream::new(self.gauge.stream());
-        let mut measured = Measured::new(self.job, plan.frames(), camera, stream);
+        let mut measured = Measured::new(&self.job, plan.frames(), camera, stream);
         measured.scan(self.cell.as_mut(), &plan, plan.frames(), progress)?;
         Ok(measured.finish(pass))
     }
@@ -332,23 +355,24 @@ impl<'a> ClosedLoop<'a> {
     /// Reads the first master pin again: its mean diameter less the certified one, mm; `None` where
     /// the job takes no such frame.
     fn check_master(&mut self) -> Result<Option<f64>, LoopError> {
-        let (Some(pin), frames) = (self.job.masters.pins.first(), self.job.masters.check_frames) else {
+        let Some(certified_mm) = self.job.masters.pins.first().map(|pin| pin.diameter_mm) else {
             return Ok(None);
         };
+        let frames = self.job.masters.check_frames;
         if let Some((settings, probe)) = self.by_probe() {
-            return self.touch_master(settings, &probe);
+            return self.touch_master(&settings, &probe);
         }
         let camera = self.calibration.camera()?;
         if frames == 0 {
             return Ok(None);
         }
         let (pin_frames, mut lesson) = (masters::pin_frames, ResidualAccumulator::default());
-        let (seen, _) = pin_frames(self.job, self.cell.as_mut(), &self.gauge, (0, frames), &mut lesson)?;
+        let (seen, _) = pin_frames(&self.job, self.cell.as_mut(), &self.gauge, (0, frames), &mut lesson)?;
         let mean =
             |edges: &FrameEdges| camera.diameters(edges).mean(0..edges.columns()).value().map(|d| d.d_mm);
         let diameters: Vec<f64> = seen.iter().filter_map(mean).collect();
         // a pin that cannot be measured reads 0 mm, a deviation beyond every limit
-        Ok(Some(diameters.iter().sum::<f64>() / diameters.len().max(1) as f64 - pin.diameter_mm))
+        Ok(Some(diameters.iter().sum::<f64>() / diameters.len().max(1) as f64 - certified_mm))
     }
 
     /// The next pass as it would be commanded now.
@@ -407,7 +431,7 @@ impl<'a> ClosedLoop<'a> {
     /// within the tolerance (ISO 14253-1).
     fn remeasured(&self, plan: &PassPlan, measured: &DiameterProfile) -> Option<String> {
         let finished = plan.pass as usize == self.job.part.passes();
-        let verdict = finished.then(|| part_verdict(self.job, measured)).flatten()?;
+        let verdict = finished.then(|| part_verdict(&self.job.part, measured)).flatten()?;
         verdict.alarm.map(|a| format!("finished part: {a}"))
     }
 

@@ -11,6 +11,12 @@
 //! same for all three. The instrument (`gauge`, `probe`, `control`, `nc`, `source`) has no access
 //! to the truth: it imports only the vocabulary. `tests/architecture.rs` holds the direction of
 //! imports.
+//!
+//! Features, all on by default: `render` is the simulator (`process`, `render`, the simulated cell,
+//! whole jobs, `studies`, `truth`, `config`), `report` run folders and their pages, `cli` the
+//! program. Without them the crate is the instrument, with the closed loop for a cell of one's own
+//! ([`cell::TurningCell`], [`control::Controller`], [`closed_loop::ClosedLoop::with_controller`];
+//! `examples/own_controller.rs`).
 
 // -- 0 vocabulary: types, the rule of conformity, mathematics without state
 pub mod conformity;
@@ -25,18 +31,27 @@ pub mod control;
 pub mod gauge;
 pub mod nc;
 pub mod probe;
+#[cfg(feature = "render")]
 pub mod process;
+#[cfg(feature = "render")]
 pub mod render;
 pub mod source;
 // -- 2 composition: where stages meet
 pub mod cell;
 pub mod closed_loop;
 pub mod job;
+#[cfg(feature = "render")]
 pub mod studies;
+#[cfg(feature = "render")]
 pub mod truth;
 // -- 3 surface
+#[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "render")]
 pub mod config;
+#[cfg(feature = "report")]
 pub mod files;
+#[cfg(feature = "report")]
 pub mod report;
+#[cfg(feature = "report")]
 pub mod run_folder;

@@ -12,6 +12,19 @@ pub struct CuttingData {
     pub feed_mm_per_rev: f64,
 }
 
+/// The way the tool travels.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum FeedDirection {
+    /// From the tailstock to the chuck, as usual.
+    #[default]
+    TowardsChuck,
+    /// From the chuck to the tailstock.
+    TowardsTailstock,
+}
+
 /// Corrections along z, subtracted from the nominal when commanding: b = r - o, in mm of diameter.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct DiameterOffset {
@@ -46,6 +59,32 @@ impl PassPlan {
     pub fn commanded_mm(&self) -> impl Iterator<Item = f64> + '_ {
         self.offset.o_mm.iter().map(|o| self.nominal_mm - o)
     }
+}
+
+/// Extremes of depth, force and deflection in a pass, and its notes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CutSummary {
+    /// Number of the pass.
+    pub pass: u32,
+    /// Smallest actual depth of cut, mm.
+    pub min_depth_mm: f64,
+    /// Largest actual depth of cut, mm.
+    pub max_depth_mm: f64,
+    /// Largest radial force, N.
+    pub max_force_n: f64,
+    /// Largest tangential force, N.
+    pub max_cutting_n: f64,
+    /// Largest feed force, N.
+    pub max_feed_n: f64,
+    /// Largest radial deflection at the tool, mm.
+    pub max_deflection_mm: f64,
+    /// Upper bound of the diameter error of the tangential deflection (equation 3), µm: neglected
+    /// in the pass unless `process.bending.tangential_error` is set.
+    pub tangential_error_um: f64,
+    /// Height of the feed marks f²/8r, µm.
+    pub feed_mark_um: f64,
+    /// Where the models were used outside their range; empty if nowhere.
+    pub notes: Vec<String>,
 }
 
 /// Why the last offsets are held.

@@ -22,6 +22,8 @@ const COMPOSITION: [&str; 5] = ["truth", "job", "cell", "closed_loop", "studies"
 const SURFACE: [&str; 6] = ["files", "config", "run_folder", "report", "cli", "main"];
 /// The instrument must not import the simulation or the truth.
 const INSTRUMENT: [&str; 5] = ["gauge", "probe", "control", "nc", "source"];
+/// The closed loop takes anyone's cell: it must not import the simulator, which is a feature.
+const SIMULATOR: [&str; 3] = ["process", "render", "truth"];
 const FILE_SYSTEM_ROOMS: [&str; 5] = ["source", "files", "run_folder", "config", "cli"];
 
 /// The contents of a room, bottom to top: a file imports its own folder and entries listed before
@@ -55,7 +57,7 @@ fn may_import(from: &str, to: &str) -> bool {
         return true;
     }
     let (Some(a), Some(b)) = (layer(from), layer(to)) else { return false };
-    if INSTRUMENT.contains(&from) && to == "shaft" {
+    if INSTRUMENT.contains(&from) && to == "shaft" || from == "closed_loop" && SIMULATOR.contains(&to) {
         return false;
     }
     let place = |room| layers().concat().iter().position(|known| *known == room);
@@ -200,7 +202,7 @@ fn findings(files: &[(&str, &str)]) -> Vec<String> {
 }
 
 /// A planted file, and the violation that must be found.
-const PLANTED: [(&str, &str); 24] = [
+const PLANTED: [(&str, &str); 26] = [
     ("src/gauge/edges.rs", "use crate::render::Renderer;"),
     ("src/gauge/edges.rs", "fn f() { let x = crate::truth::station(); }"),
     ("src/gauge/edges.rs", "use crate::shaft::Shaft;"),
@@ -220,6 +222,8 @@ const PLANTED: [(&str, &str); 24] = [
     ("src/render/optics/lens/mod.rs", "macro_rules! m { () => { $crate::render::gpu::open() } }"),
     ("src/render/other.rs", "fn f() {}\nuse crate::frame::Frame;"),
     ("src/cli/measure/mod.rs", "use crate::cli::study::run;"),
+    ("src/closed_loop.rs", "use crate::process::CutSummary;"),
+    ("src/closed_loop/scan.rs", "fn f(camera: &crate::render::settings::Camera) {}"),
     ("src/job.rs", "fn f(cell: &dyn crate::cell::TurningCell) {}"),
     ("src/process/beam.rs", "fn f() { std::fs::read(\"x\"); }"),
     ("src/studies/mc.rs", "use crate::config::Config;"),

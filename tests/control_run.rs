@@ -169,7 +169,7 @@ fn turn(job: &Job, fault: Fault) -> Vec<PassResult> {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
     let cell = SimulatedCell::new(job, &renderer).unwrap();
     let cell = Meddled { cell, fault, pass: 0, looks: std::cell::Cell::new(0) };
-    let mut turning = ClosedLoop::start(job, Box::new(cell), None).unwrap();
+    let mut turning = ClosedLoop::start(job.checked_loop().unwrap(), Box::new(cell), None).unwrap();
     let mut passes = Vec::new();
     while turning.next_pass().is_some() {
         passes.push(turning.run_pass(&mut |_, _| {}).unwrap());
@@ -326,7 +326,7 @@ fn the_stock_is_scanned_for_the_controller_that_uses_it_and_pass_one_knows_no_co
             j.scan.stock = stock;
         });
         let cell = SimulatedCell::new(&job, &renderer).unwrap();
-        let mut turning = ClosedLoop::start(&job, Box::new(cell), None).unwrap();
+        let mut turning = ClosedLoop::start(job.checked_loop().unwrap(), Box::new(cell), None).unwrap();
         let pass = turning.run_pass(&mut |_, _| {}).unwrap();
         let form = turning.stock().map(|s| {
             let d: Vec<f64> = s.stations.iter().map(|s| s.reading.value().unwrap().d_mm).collect();
@@ -357,7 +357,7 @@ fn rounded_offsets_go_back_to_the_controller() {
         });
         let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
         let cell = SimulatedCell::new(&job, &renderer).unwrap();
-        let mut turning = ClosedLoop::start(&job, Box::new(cell), None).unwrap();
+        let mut turning = ClosedLoop::start(job.checked_loop().unwrap(), Box::new(cell), None).unwrap();
         let pass = turning.run_pass(&mut |_, _| {}).unwrap();
         let plan = turning.plan();
         let asked = PassPlan { offset: turning.asked().clone(), ..plan.clone() };

@@ -73,7 +73,7 @@ fn worst_mm(pass: &PassResult) -> f64 {
 #[test]
 fn the_gauge_follows_the_tool_and_every_station_is_read() {
     let job = job("during_cut", "");
-    let follow = job.follow_plan(1);
+    let follow = job.loop_job().follow_plan(1);
     // Frames are taken behind the tool, the shaft turns at cutting speed, angles are those of a
     // scan.
     assert!((follow.spindle_rpm - 1e3 * 60.0 / (std::f64::consts::PI * 5.6)).abs() < 1e-9);

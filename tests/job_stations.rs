@@ -44,9 +44,9 @@ fn a_list_that_cannot_be_is_refused_with_its_place() {
 
 #[test]
 fn fields_that_show_no_station_are_left_out() {
-    let (all, some) = (Job::default().scan_plan(), job(&[5.0, 250.0]).scan_plan());
+    let (all, some) = (Job::default().loop_job().scan_plan(), job(&[5.0, 250.0]).loop_job().scan_plan());
     assert!(some.field_z_mm.len() < 6 && some.field_z_mm.iter().all(|z| all.field_z_mm.contains(z)));
-    let half = Job::default().field_length_mm() / 2.0;
+    let half = Job::default().loop_job().field_length_mm() / 2.0;
     // the remaining fields show as much of each station as all fields do
     for z in [2.6, 5.0, 7.4, 247.6, 250.0, 252.4] {
         let shown = |fields: &[f64]| fields.iter().filter(|f| (*f - z).abs() <= half).count();
@@ -82,7 +82,7 @@ fn a_run_measures_and_corrects_the_listed_stations() {
     job.control.guards.outlier_limit_mm = 0.03;
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
     let cell = SimulatedCell::new(&job, &renderer).unwrap();
-    let mut turning = ClosedLoop::start(&job, Box::new(cell), None).unwrap();
+    let mut turning = ClosedLoop::start(job.checked_loop().unwrap(), Box::new(cell), None).unwrap();
     let first = turning.run_pass(&mut |_, _| {}).unwrap();
     let z: Vec<f64> = first.profile.stations.iter().map(|s| s.z_mm).collect();
     assert_eq!(z, [3.0, 11.0, 30.5, 40.0, 57.0]);

@@ -56,9 +56,9 @@ fn the_papers_controller_brings_the_part_into_its_tolerance() {
     assert!(controlled[1].plan.offset.o_mm.iter().all(|o| o.abs() < 1e-9));
     assert!(last.plan.offset.o_mm.iter().all(|o| *o > 0.005), "{:?}", last.plan.offset);
     assert!(true_error(last) < 0.25 * true_error(&uncontrolled[2]));
-    let verdict = part_verdict(&job(), &last.profile).expect("a tolerance");
+    let verdict = part_verdict(&job().part, &last.profile).expect("a tolerance");
     assert_eq!(verdict.part(), PartConformity::Conforms, "{}", verdict.words());
-    let verdict = part_verdict(&job(), &uncontrolled[2].profile).expect("a tolerance");
+    let verdict = part_verdict(&job().part, &uncontrolled[2].profile).expect("a tolerance");
     assert_ne!(verdict.part(), PartConformity::Conforms, "{}", verdict.words());
 }
 
@@ -122,7 +122,7 @@ fn calibration_takes_out_ball_and_pretravel() {
         (probe(&mut job).stylus, probe(&mut job).sides) = (stylus, sides);
         probe(&mut job).delay_ms = delay_ms;
         let cell = SimulatedCell::new(&job, &renderer).unwrap();
-        let turning = ClosedLoop::start(&job, Box::new(cell), None).unwrap();
+        let turning = ClosedLoop::start(job.checked_loop().unwrap(), Box::new(cell), None).unwrap();
         let Calibrated::Probe(found) = turning.calibration().clone() else { panic!("a probe's") };
         let text = serde_json::to_string(turning.calibration()).unwrap();
         let read: Calibrated = serde_json::from_str(&text).unwrap();
@@ -159,7 +159,7 @@ fn what_cannot_be_is_refused() {
     camera.probe = None;
     let mut cell = SimulatedCell::new(&camera, &renderer).unwrap();
     assert!(cell.touch(None, &[]).unwrap_err().to_string().contains("no touch probe"));
-    let started = ClosedLoop::start(&job, Box::new(cell), None);
+    let started = ClosedLoop::start(job.checked_loop().unwrap(), Box::new(cell), None);
     assert!(matches!(started, Err(LoopError::Cell(_))));
 }
 

@@ -8,12 +8,18 @@
 //! `true_probe` its touch probe. A new ability of a cell is a method of the trait with an error as
 //! its default.
 
+#[cfg(feature = "render")]
 mod in_process;
+#[cfg(feature = "render")]
 mod operations;
+#[cfg(feature = "render")]
 mod seen_burst;
+#[cfg(feature = "render")]
 mod simulated;
+#[cfg(feature = "render")]
 mod true_probe;
 mod turning_cell;
 
+#[cfg(feature = "render")]
 pub use simulated::{SimulatedCell, base_form};
 pub use turning_cell::{CellError, FollowedCut, SeenStation, TrueAxis, TurningCell};

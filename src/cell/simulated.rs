@@ -11,10 +11,22 @@ use crate::frame::{Frame, FrameSource, SourceError};
 use crate::gauge::MasterCertificate;
 use crate::job::Job;
 use crate::process::bending::sum_of_lines;
-use crate::process::{BaseForm, Stock, TurningProcess};
+use crate::process::{BaseForm, ProcessError, Stock, TurningProcess};
 use crate::render::form::form_shaft;
 use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use crate::shaft::{AxisKnot, Pose, ProfileKnot, Shaft};
+
+impl From<ProcessError> for CellError {
+    fn from(error: ProcessError) -> Self {
+        Self::Refused(Box::new(error))
+    }
+}
+
+impl From<RenderError> for CellError {
+    fn from(error: RenderError) -> Self {
+        Self::Refused(Box::new(error))
+    }
+}
 
 /// Process and renderer in place of a lathe and a camera.
 pub struct SimulatedCell<'a> {

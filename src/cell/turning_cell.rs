@@ -5,22 +5,17 @@ use thiserror::Error;
 
 use crate::control::{PartAndTool, PartEvent};
 use crate::frame::FrameSource;
-use crate::plan::{DiameterOffset, FollowPlan, PassPlan, ScanPlan};
+use crate::plan::{CutSummary, DiameterOffset, FollowPlan, PassPlan, ScanPlan};
 use crate::probe::{Touch, TouchOrder};
-use crate::process::{CutSummary, ProcessError};
-use crate::render::RenderError;
 use crate::shaft::AxisKnot;
 
 /// Why a cell cannot carry out a command.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CellError {
-    /// The pass cannot be cut.
+    /// Machine or camera refuse, with their own reason.
     #[error(transparent)]
-    Process(#[from] ProcessError),
-    /// No frame of the part can be taken.
-    #[error(transparent)]
-    Render(#[from] RenderError),
+    Refused(Box<dyn std::error::Error + Send + Sync>),
     /// The cell does not change parts.
     #[error("this cell turns one part only")]
     OnePart,

@@ -152,8 +152,8 @@ impl Pass {
         // the offsets before rounding: rounding twice would give another program than the one that
         // was used
         let asked = DiameterOffset { o_mm: of(number).map(|r| r.asked_mm.unwrap_or(r.offset_mm)).collect() };
-        let plan = job.pass_plan(number, asked);
-        let finishing = number as usize == job.passes();
+        let plan = job.loop_job().pass_plan(number, asked);
+        let finishing = number as usize == job.loop_job().passes();
         let tolerance = job.part.tolerance.filter(|_| finishing);
         let held = if first.reason.is_empty() { String::new() } else { format!(": {}", first.reason) };
         Ok(Self {

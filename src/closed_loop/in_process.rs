@@ -8,9 +8,9 @@ use super::scan::{Measured, Progress, Scanned};
 use crate::cell::FollowedCut;
 use crate::control::WithinPass;
 use crate::gauge::SettledStream;
+use crate::job::LoopJob;
 use crate::nc;
-use crate::plan::{DiameterOffset, PassPlan};
-use crate::process::FeedDirection;
+use crate::plan::{DiameterOffset, FeedDirection, PassPlan};
 
 impl ClosedLoop<'_> {
     /// Cuts a pass with the gauge behind the tool. Returns the pass as it was finally commanded,
@@ -33,7 +33,7 @@ impl ClosedLoop<'_> {
             Some(_) => SettledStream::at_once(self.gauge.stream()),
             None => SettledStream::new(self.gauge.stream()),
         };
-        let mut measured = Measured::new(self.job, frames, self.of_part.camera()?, stream);
+        let mut measured = Measured::new(&self.job, frames, self.of_part.camera()?, stream);
         let mut cut = self.cell.cut_followed(plan, &follow)?;
         let begun = AfterCut::begun(of, cut.now_ns());
         while let Some(frame) = measured.wait(cut.as_mut())? {
@@ -43,7 +43,7 @@ impl ClosedLoop<'_> {
             progress(measured.frames, frames);
             let burst_done = measured.frames.is_multiple_of(follow.burst.max(1));
             if let Some(within) = within.as_mut().filter(|_| burst_done) {
-                self.notes.extend(correct_ahead(self.job, within, plan, &measured, cut.as_mut())?);
+                self.notes.extend(correct_ahead(&self.job, within, plan, &measured, cut.as_mut())?);
             }
         }
         cut.finish()?;
@@ -57,7 +57,7 @@ impl ClosedLoop<'_> {
 /// Corrects the stations ahead of the tool by the new readings; where the machine refuses, the pass
 /// stays as it was.
 fn correct_ahead(
-    job: &crate::job::Job,
+    job: &LoopJob,
     within: &mut WithinPass,
     plan: &PassPlan,
     measured: &Measured<'_>,
@@ -67,7 +67,7 @@ fn correct_ahead(
     // The command is linear between stations' middles: a changed one moves the path up to its
     // neighbour.
     let room = job.part.station_mm;
-    let ahead = |z_mm: f64| match job.process.pass.feed_direction {
+    let ahead = |z_mm: f64| match job.feed_direction {
         FeedDirection::TowardsChuck => z_mm + room < tool_z_mm,
         FeedDirection::TowardsTailstock => z_mm - room > tool_z_mm,
     };
@@ -90,7 +90,7 @@ fn correct_ahead(
 
 /// The offsets of a plan as the machine's program makes them, knots and increments as between
 /// passes; unchanged without a machine.
-fn rounded(job: &crate::job::Job, plan: &PassPlan) -> Result<DiameterOffset, nc::NcError> {
+fn rounded(job: &LoopJob, plan: &PassPlan) -> Result<DiameterOffset, nc::NcError> {
     let Some(machine) = &job.nc else { return Ok(plan.offset.clone()) };
     Ok(nc::Path::new(plan, &machine.machine, machine.dialect)?.in_force)
 }

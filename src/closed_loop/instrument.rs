@@ -6,7 +6,7 @@ use super::error::LoopError;
 use super::masters;
 use crate::cell::TurningCell;
 use crate::gauge::{Calibration, Gauge};
-use crate::job::Job;
+use crate::job::LoopJob;
 use crate::probe::{self, MasterTouches, ProbeCalibration, ProbeSettings};
 
 /// The calibration of the instrument that a job measures with.
@@ -27,7 +27,7 @@ impl From<Calibration> for Calibrated {
 
 impl Calibrated {
     /// The calibration under the conditions of the job's part.
-    pub(super) fn of_part(&self, job: &Job) -> Self {
+    pub(super) fn of_part(&self, job: &LoopJob) -> Self {
         match self {
             Self::Camera(camera) => (**camera).clone().with_conditions(job.part_conditions()).into(),
             Self::Probe(_) => self.clone(),
@@ -49,11 +49,11 @@ impl Calibrated {
 /// The instrument that a job measures with, calibrated on its masters unless a calibration is
 /// given.
 pub(super) fn instrument(
-    job: &Job,
+    job: &LoopJob,
     cell: &mut dyn TurningCell,
     known: Option<Calibrated>,
 ) -> Result<(Gauge, Calibrated), LoopError> {
-    let gauge = Gauge::new(job.gauge_settings()?)?;
+    let gauge = Gauge::new(job.gauge.clone())?;
     let calibration = match (known, &job.probe) {
         (Some(known), _) => known,
         (None, Some(probe)) => Calibrated::Probe(calibrate(job, probe, cell)?),
@@ -71,7 +71,7 @@ pub(super) fn instrument(
 
 /// Touches every master pin.
 fn calibrate(
-    job: &Job,
+    job: &LoopJob,
     settings: &ProbeSettings,
     cell: &mut dyn TurningCell,
 ) -> Result<ProbeCalibration, LoopError> {

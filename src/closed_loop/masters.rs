@@ -4,12 +4,12 @@ use super::error::LoopError;
 use crate::cell::TurningCell;
 use crate::gauge::calibration::Conditions;
 use crate::gauge::{Calibration, FrameEdges, Gauge, MasterMeasurement, ResidualAccumulator, SettledStream};
-use crate::job::Job;
+use crate::job::LoopJob;
 
 /// Calibrates on the masters; where their edges show residuals of the edge model above the noise,
 /// they are scanned again with that model uncertainty.
 pub(super) fn calibrate(
-    job: &Job,
+    job: &LoopJob,
     cell: &mut dyn TurningCell,
     gauge: &Gauge,
 ) -> Result<Calibration, LoopError> {
@@ -30,7 +30,7 @@ pub(super) fn calibrate(
 
 /// Scans the masters.
 fn masters(
-    job: &Job,
+    job: &LoopJob,
     cell: &mut dyn TurningCell,
     gauge: &Gauge,
     residuals: &mut ResidualAccumulator,
@@ -50,7 +50,7 @@ fn masters(
 /// readings are one stream; an area camera's frames are measured each by itself, so that their
 /// errors are their own.
 pub(super) fn pin_frames(
-    job: &Job,
+    job: &LoopJob,
     cell: &mut dyn TurningCell,
     gauge: &Gauge,
     (pin, frames): (usize, usize),
@@ -61,7 +61,7 @@ pub(super) fn pin_frames(
     let mut edges = Vec::new();
     let mut why = "no frame arrived".to_owned();
     while let Some(frame) = source.next_frame()? {
-        if job.camera.line.is_none() {
+        if !job.field.is_line {
             stream = SettledStream::new(gauge.stream());
         }
         match stream.measure(&frame.view(), &mut found, (), |(), settled| edges.push(settled.clone())) {

@@ -11,7 +11,7 @@ use crate::gauge::diameter::sections::{PartForm, TurnAverager};
 use crate::gauge::diameter::turning_depth::{Telecentricity, correct_profile};
 use crate::gauge::form::Cutoff;
 use crate::gauge::{Calibration, FrameEdges, SettledStream, StationAverager};
-use crate::job::Job;
+use crate::job::LoopJob;
 use crate::plan::ScanPlan;
 use crate::profile::{DiameterProfile, Reading};
 
@@ -76,7 +76,7 @@ pub(super) struct Measured<'c> {
 
 impl<'c> Measured<'c> {
     pub(super) fn new(
-        job: &Job,
+        job: &LoopJob,
         frames: usize,
         calibration: &'c Calibration,
         stream: SettledStream<FrameMeta>,
@@ -137,9 +137,9 @@ pub(super) struct Sums<'c> {
 }
 
 impl<'c> Sums<'c> {
-    pub(super) fn new(job: &Job, calibration: &'c Calibration) -> Self {
+    pub(super) fn new(job: &LoopJob, calibration: &'c Calibration) -> Self {
         let (z_mm, station_mm) = (job.part.station_z_mm(), job.part.station_mm);
-        let zero = calibration.axis_zero(job.camera.rows_about_axis());
+        let zero = calibration.axis_zero(job.field.rows_about_axis);
         Self {
             calibration,
             averager: StationAverager::new(&job.gauge.station, z_mm.clone(), station_mm),
@@ -147,7 +147,7 @@ impl<'c> Sums<'c> {
             axis: AxisAverager::new(z_mm, station_mm, zero),
             readings: Vec::new(),
             telecentricity: Telecentricity::of(calibration)
-                .unwrap_or_else(|| Telecentricity::within(job.limit_telecentricity_per_mm())),
+                .unwrap_or_else(|| Telecentricity::within(job.field.limit_telecentricity_per_mm())),
             angle_deg: job.scan_plan().angle_deg,
         }
     }

@@ -14,11 +14,11 @@ use crate::gauge::form::Cutoff;
 use crate::probe::{self, ProbeCalibration, ProbeSettings, Touch};
 use crate::profile::{Diameter, Reading, Reason};
 
-impl<'a> ClosedLoop<'a> {
+impl ClosedLoop<'_> {
     /// The probe and its calibration, where the job measures with one.
-    pub(super) fn by_probe(&self) -> Option<(&'a ProbeSettings, ProbeCalibration)> {
+    pub(super) fn by_probe(&self) -> Option<(ProbeSettings, ProbeCalibration)> {
         match (&self.calibration, &self.job.probe) {
-            (Calibrated::Probe(probe), Some(settings)) => Some((settings, *probe)),
+            (Calibrated::Probe(probe), Some(settings)) => Some((settings.clone(), *probe)),
             _ => None,
         }
     }

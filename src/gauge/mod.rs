@@ -37,6 +37,7 @@ pub use calibration::{
     AxisZero, CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure,
     MasterMeasurement,
 };
+#[cfg(feature = "render")]
 pub(crate) use diameter::station_mean::StationColumns;
 pub use diameter::{ColumnDiameter, ColumnDiameters, StationAverager};
 pub use edge::edge_stream::EdgeStream;

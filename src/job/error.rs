@@ -2,10 +2,12 @@
 
 use crate::control::ControlError;
 use crate::nc::NcError;
+#[cfg(feature = "render")]
 use crate::render::RenderError;
 use crate::setting::SettingError;
 
 /// An error of the renderer as one of the job.
+#[cfg(feature = "render")]
 pub fn from_render(error: RenderError) -> SettingError {
     match error {
         RenderError::Setting(error) => error,

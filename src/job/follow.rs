@@ -2,13 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::Job;
-use super::error::from_render;
+use super::loop_job::LoopJob;
 use super::scan::ScanWhen;
 use crate::gauge::calibration::Conditions;
-use crate::plan::{FollowFrame, FollowPlan, ScanPlan};
-use crate::process::FeedDirection;
-use crate::render::motion::Motion;
+use crate::plan::{FeedDirection, FollowFrame, FollowPlan, ScanPlan};
 use crate::setting::SettingError;
 
 /// Clearance between the tool and the field's edge, mm: chip and insert extend beyond the tip.
@@ -73,7 +70,7 @@ fn order_of_angles(angles: usize) -> Vec<usize> {
     order
 }
 
-impl Job {
+impl LoopJob {
     /// Speed of the spindle in pass `pass` (from 1), rev/min: the cutting speed at the pass's
     /// nominal diameter.
     pub fn spindle_rpm(&self, pass: u32) -> f64 {
@@ -84,12 +81,12 @@ impl Job {
     /// half a turn, over as many whole turns as the camera needs; fields that the tool's end keeps
     /// from the gauge are scanned after it.
     pub fn follow_plan(&self, pass: u32) -> FollowPlan {
-        let towards_chuck = self.process.pass.feed_direction == FeedDirection::TowardsChuck;
+        let towards_chuck = self.feed_direction == FeedDirection::TowardsChuck;
         let (length, behind) = (self.part.length_mm, self.scan.behind_tool_mm);
         let way = if towards_chuck { -1.0 } else { 1.0 };
         let rpm = self.spindle_rpm(pass);
         let (angles, feed) = (self.scan.angles, self.cutting.feed_mm_per_rev);
-        let period = self.camera.frame_period_ms * 1e-3 * rpm / 60.0;
+        let period = self.field.frame_period_ms * 1e-3 * rpm / 60.0;
         let burst = burst_turns(angles, period);
         let start_mm = if towards_chuck { length } else { 0.0 };
         let ScanPlan { mut field_z_mm, angle_deg } = self.scan_plan();
@@ -126,25 +123,18 @@ impl Job {
         }
     }
 
-    /// Motion while a pass is cut: spindle and carriage from the cutting data, the rest from
-    /// `[motion]`.
-    pub fn cutting_motion(&self, follow: &FollowPlan) -> Motion {
-        Motion { spindle_rpm: follow.spindle_rpm, carriage_mm_s: follow.carriage_mm_s, ..self.motion.clone() }
-    }
-
     /// Conditions of the part while it is scanned: its temperature, and its material's expansion
     /// where that matters.
     pub fn part_conditions(&self) -> Conditions {
         let (rise, limit) = (self.scan.part_rise_k, self.scan.limit_part_rise_k);
         let exact = Conditions::default();
-        let Some(material) = self.process.material.resolve().ok().filter(|_| rise != 0.0 || limit != 0.0)
-        else {
+        if rise == 0.0 && limit == 0.0 {
             return exact;
-        };
+        }
         Conditions {
             temperature_c: exact.temperature_c + rise,
             limit_temperature_k: limit,
-            expansion_um_per_m_k: material.expansion_um_per_m_k,
+            expansion_um_per_m_k: self.expansion_um_per_m_k,
             limit_expansion_um_per_m_k: LIMIT_EXPANSION_UM_PER_M_K,
             ..exact
         }
@@ -177,7 +167,7 @@ impl Job {
                 "a touch probe reads a part that stands still: leave out [probe], or scan after_pass",
             ));
         }
-        let least = 0.5 * f64::from(self.camera.columns) * self.nominal_mm_per_px() + CLEAR_OF_TOOL_MM;
+        let least = 0.5 * self.field.length_mm() + CLEAR_OF_TOOL_MM;
         let behind = self.scan.behind_tool_mm;
         // NaN is refused as well.
         if !(behind >= least) {
@@ -194,9 +184,7 @@ impl Job {
             );
             return Err(SettingError::at("scan.behind_tool_mm", why));
         }
-        // The last pass turns fastest.
-        let follow = self.follow_plan(self.part.passes() as u32);
-        self.cutting_motion(&follow).check(self.camera.exposure_us).map_err(from_render)
+        Ok(())
     }
 }
 

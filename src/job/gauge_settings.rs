@@ -1,8 +1,8 @@
 //! The gauge's settings of a job, with the edge of the job's own optics.
 
-use super::Job;
 use super::edge::NominalEdge;
 use super::error::from_render;
+use super::simulated::Job;
 use crate::gauge::{EsfModel, GaugeSettings};
 use crate::setting::SettingError;
 

@@ -6,32 +6,7 @@ use super::force_components::Components;
 use super::geometry::tangential_error_mm;
 use super::material::Material;
 use super::section::Section;
-
-/// Extremes of depth, force and deflection in a pass, and its notes.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CutSummary {
-    /// Number of the pass.
-    pub pass: u32,
-    /// Smallest actual depth of cut, mm.
-    pub min_depth_mm: f64,
-    /// Largest actual depth of cut, mm.
-    pub max_depth_mm: f64,
-    /// Largest radial force, N.
-    pub max_force_n: f64,
-    /// Largest tangential force, N.
-    pub max_cutting_n: f64,
-    /// Largest feed force, N.
-    pub max_feed_n: f64,
-    /// Largest radial deflection at the tool, mm.
-    pub max_deflection_mm: f64,
-    /// Upper bound of the diameter error of the tangential deflection (equation 3), µm: neglected
-    /// in the pass unless `process.bending.tangential_error` is set.
-    pub tangential_error_um: f64,
-    /// Height of the feed marks f²/8r, µm.
-    pub feed_mark_um: f64,
-    /// Where the models were used outside their range; empty if nowhere.
-    pub notes: Vec<String>,
-}
+use crate::plan::CutSummary;
 
 /// Inputs of a pass, borrowed, so that an error leaves the workpiece unchanged.
 pub(super) struct Cut<'a> {
@@ -81,7 +56,7 @@ impl Cut<'_> {
                 let aside = still[node] + compliance * force.cutting_n;
                 after[node] += tangential_error_mm(after[node], aside);
             }
-            summary.include(depth, &force, compliance);
+            include(&mut summary, depth, &force, compliance);
             softest = f64::max(softest, compliance);
             if let Some(behind) = behind {
                 right = self.extended(right, 0.5 * (behind + after[node]));
@@ -129,13 +104,12 @@ impl Cut<'_> {
     }
 }
 
-impl CutSummary {
-    fn include(&mut self, depth_mm: f64, force: &Components, compliance_mm_per_n: f64) {
-        self.min_depth_mm = self.min_depth_mm.min(depth_mm);
-        self.max_depth_mm = self.max_depth_mm.max(depth_mm);
-        self.max_force_n = self.max_force_n.max(force.passive_n);
-        self.max_cutting_n = self.max_cutting_n.max(force.cutting_n);
-        self.max_feed_n = self.max_feed_n.max(force.feed_n);
-        self.max_deflection_mm = self.max_deflection_mm.max(force.passive_n * compliance_mm_per_n);
-    }
+/// Adds a node to the extremes of the pass.
+fn include(summary: &mut CutSummary, depth_mm: f64, force: &Components, compliance_mm_per_n: f64) {
+    summary.min_depth_mm = summary.min_depth_mm.min(depth_mm);
+    summary.max_depth_mm = summary.max_depth_mm.max(depth_mm);
+    summary.max_force_n = summary.max_force_n.max(force.passive_n);
+    summary.max_cutting_n = summary.max_cutting_n.max(force.cutting_n);
+    summary.max_feed_n = summary.max_feed_n.max(force.feed_n);
+    summary.max_deflection_mm = summary.max_deflection_mm.max(force.passive_n * compliance_mm_per_n);
 }

@@ -34,15 +34,15 @@ mod tool;
 pub mod tool_factors;
 mod turning;
 
+pub use crate::plan::{CutSummary, FeedDirection};
 pub use bending::BendingSettings;
-pub use cut::CutSummary;
 pub use disturbance::{DisturbanceSettings, GuidewayPoint};
 pub use force::{DepthLaw, FITTED_TO, FittedRange, ForceLaw, PowerLaw};
 pub use force_components::Components;
 pub use section::Section;
 pub use settings::{
-    BelowMinimumChip, FeedDirection, MaterialSettings, PassSettings, ProcessSettings, SteadyRestSettings,
-    SupportSettings, TextureSettings,
+    BelowMinimumChip, MaterialSettings, PassSettings, ProcessSettings, SteadyRestSettings, SupportSettings,
+    TextureSettings,
 };
 pub use tool::ToolSettings;
 pub use turning::followed::{Contributions, FollowedPass};

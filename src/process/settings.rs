@@ -11,6 +11,7 @@ use super::disturbance::DisturbanceSettings;
 use super::force::ForceLaw;
 use super::material::{self, Material};
 use super::tool::ToolSettings;
+use crate::plan::FeedDirection;
 use crate::setting::SettingError;
 
 /// The `[process]` table.
@@ -175,17 +176,6 @@ pub enum BelowMinimumChip {
     Refuse,
     /// The force law is used below its limit (spring passes), and the summary says so.
     Extrapolate,
-}
-
-/// The way the tool travels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum FeedDirection {
-    /// From the tailstock to the chuck, as usual.
-    #[default]
-    TowardsChuck,
-    /// From the chuck to the tailstock.
-    TowardsTailstock,
 }
 
 /// Cut geometry and resolution of the simulated pass.

@@ -13,13 +13,13 @@ use thiserror::Error;
 
 use super::bending;
 use super::check::refuse;
-use super::cut::{Cut, CutSummary, Passed};
+use super::cut::{Cut, Passed};
 use super::force::DepthLaw;
 use super::material::Material;
 use super::section::Section;
-use super::settings::{BelowMinimumChip, FeedDirection, ProcessSettings};
+use super::settings::{BelowMinimumChip, ProcessSettings};
 use super::texture;
-use crate::plan::PassPlan;
+use crate::plan::{CutSummary, FeedDirection, PassPlan};
 use crate::shaft::{AxisKnot, Eccentricity, Features, Lobe, Pose, ProfileKnot, Shaft, SpindleMotion};
 
 /// Why a pass was not cut.

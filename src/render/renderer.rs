@@ -12,7 +12,8 @@ use crate::render::scene::request::FrameRequest;
 use crate::render::scene::scene::Scene;
 
 /// What renders.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum BackendChoice {
     /// A hardware adapter; the CPU twin where there is none.
     #[default]

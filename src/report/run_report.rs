@@ -172,7 +172,7 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
     page.heading("Passes").table(&header, &table);
     let finished = rows.passes.len() == view.job.part.passes();
     let last = profile_of(rows.passes.len() as u32, &rows.stations);
-    let verdict = part_verdict(view.job, &last).filter(|_| finished);
+    let verdict = part_verdict(&view.job.part, &last).filter(|_| finished);
     if let (Some(verdict), Some(tolerance)) = (verdict, view.job.part.tolerance) {
         page.text(&format!(
             "Finished part: {}. {} of {} stations are proven to lie within {} {:+.3}/{:+.3} mm (ISO 14253-1, {} %).",

@@ -6,17 +6,18 @@ use super::transfer::Transfer;
 use crate::frame::Buffer;
 
 /// A channel of a colour image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Channel {
     /// Red.
-    #[value(alias = "red")]
+    #[cfg_attr(feature = "cli", value(alias = "red"))]
     R,
     /// Green.
-    #[value(alias = "green")]
+    #[cfg_attr(feature = "cli", value(alias = "green"))]
     G,
     /// Blue.
-    #[value(alias = "blue")]
+    #[cfg_attr(feature = "cli", value(alias = "blue"))]
     B,
 }
 

@@ -110,7 +110,7 @@ fn turn(
     calibration: &mut Option<Calibrated>,
 ) -> Result<Vec<PassError>, LoopError> {
     let cell = SimulatedCell::new(job, renderer)?;
-    let mut turning = ClosedLoop::start(job, Box::new(cell), calibration.take())?;
+    let mut turning = ClosedLoop::start(job.checked_loop()?, Box::new(cell), calibration.take())?;
     *calibration = Some(turning.calibration().clone());
     let mut passes = Vec::new();
     while turning.next_pass().is_some() {

@@ -82,7 +82,7 @@ pub fn run(
     for way in &WAYS {
         let one = variant(job, way);
         let cell = SimulatedCell::new(&one, renderer)?;
-        let mut turning = ClosedLoop::start(&one, Box::new(cell), calibration.take())?;
+        let mut turning = ClosedLoop::start(one.checked_loop()?, Box::new(cell), calibration.take())?;
         calibration = Some(turning.calibration().clone());
         while turning.next_pass().is_some() {
             let row = row(way.0, &turning.run_pass(&mut |_, _| {})?);

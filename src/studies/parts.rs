@@ -136,7 +136,7 @@ fn turn(
     done: &mut dyn FnMut(u32),
 ) -> Result<Vec<PartPass>, LoopError> {
     let cell = SimulatedCell::new(job, renderer)?;
-    let mut turning = ClosedLoop::start(job, Box::new(cell), calibration.take())?;
+    let mut turning = ClosedLoop::start(job.checked_loop()?, Box::new(cell), calibration.take())?;
     *calibration = Some(turning.calibration().clone());
     let mut passes = Vec::new();
     for part in 1..=batch.parts {

@@ -9,7 +9,7 @@ use shadowgauge::render::{BackendChoice, Renderer};
 pub fn turn(job: &Job) -> Vec<PassResult> {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
     let cell = SimulatedCell::new(job, &renderer).unwrap();
-    let mut turning = ClosedLoop::start(job, Box::new(cell), None).unwrap();
+    let mut turning = ClosedLoop::start(job.checked_loop().unwrap(), Box::new(cell), None).unwrap();
     let mut passes = Vec::new();
     while turning.next_pass().is_some() {
         passes.push(turning.run_pass(&mut |_, _| {}).unwrap());

@@ -60,7 +60,7 @@ pub(crate) fn scene(job: &Job) -> Result<Scene, Failure> {
 
 /// Request number `index` of the scan, starting over at its end.
 pub(super) fn request(args: &RenderArgs, job: &Job, index: usize) -> FrameRequest {
-    let plan = job.scan_plan();
+    let plan = job.loop_job().scan_plan();
     let angles = plan.angle_deg.len().max(1);
     let place = index % plan.frames().max(1);
     let windows = job.camera.windows.map(|w| w.rois(job.camera.columns));

@@ -71,8 +71,8 @@ pub fn run(args: &RenderArgs) -> CommandResult {
 
 fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
     let scene = scene(job)?;
-    let count = args.frames.unwrap_or_else(|| job.scan_plan().frames());
-    for index in 0..count.min(job.scan_plan().frames()) {
+    let count = args.frames.unwrap_or_else(|| job.loop_job().scan_plan().frames());
+    for index in 0..count.min(job.loop_job().scan_plan().frames()) {
         scene.geometric_edges(&request(args, job, index)).map_err(Failure::refuse)?;
     }
     let folder = OutputFolder::claim(out)?;

@@ -56,7 +56,8 @@ impl<'a> Recorder<'a> {
             true => None,
             false => Some(read_calibration(folder)?),
         };
-        let mut chain = ClosedLoop::start(job, Box::new(cell), calibration).map_err(loop_failure)?;
+        let settings = job.checked_loop().map_err(|e| loop_failure(e.into()))?;
+        let mut chain = ClosedLoop::start(settings, Box::new(cell), calibration).map_err(loop_failure)?;
         let json = serde_json::to_string_pretty(chain.calibration()).map_err(Failure::fail)?;
         folder.write("calibration.json", json.as_bytes()).map_err(folder_failure)?;
         resume(&mut chain, &mut tables)?;
@@ -79,7 +80,7 @@ impl<'a> Recorder<'a> {
                 break;
             }
             self.chain.begin().map_err(loop_failure)?;
-            let bar = progress_bar(progress, &format!("pass {pass} of {}", self.job.passes()));
+            let bar = progress_bar(progress, &format!("pass {pass} of {}", self.job.loop_job().passes()));
             self.tables.add_offsets(&self.chain);
             let result = self
                 .chain
@@ -125,7 +126,9 @@ impl<'a> Recorder<'a> {
     fn verdict(&self) -> Option<Verdict> {
         let last = self.job.part.passes();
         let finished = self.tables.passes.len() == last;
-        finished.then(|| part_verdict(self.job, &profile_of(last as u32, &self.tables.stations))).flatten()
+        finished
+            .then(|| part_verdict(&self.job.part, &profile_of(last as u32, &self.tables.stations)))
+            .flatten()
     }
 }
 

@@ -50,7 +50,7 @@ pub fn run(args: &StudyControllersArgs) -> CommandResult {
     let names =
         if args.controllers.is_empty() { ControllerName::ALL.to_vec() } else { args.controllers.clone() };
     for controller in &names {
-        let mut settings = job.run_control();
+        let mut settings = job.loop_job().run_control();
         settings.controller = *controller;
         crate::control::build(&settings, &job.part.station_z_mm()).map_err(|e| text.refuse(e))?;
     }

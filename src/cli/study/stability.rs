@@ -48,7 +48,7 @@ struct Row {
 pub fn run(args: &StudyStabilityArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "slender_shaft.toml", config::SLENDER_SHAFT)?;
     let job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
-    let mut settings = job.run_control();
+    let mut settings = job.loop_job().run_control();
     settings.plant_gain = args.gain.unwrap_or(settings.plant_gain);
     settings.validate().map_err(|e| text.refuse(e))?;
     let study = stability::run(&settings, &job.part.station_z_mm());

@@ -3,12 +3,10 @@
 
 use super::super::beam::Supports;
 use super::super::bending::{BendingSettings, ForceAt, HeldShaft, axis_at, sum_of_lines};
-use super::super::cut::CutSummary;
 use super::super::force::DepthLaw;
 use super::super::force_components::Components;
-use super::super::settings::FeedDirection;
 use super::{ProcessError, TurningProcess};
-use crate::plan::PassPlan;
+use crate::plan::{CutSummary, FeedDirection, PassPlan};
 use crate::shaft::{AxisKnot, ProfileKnot, Shaft};
 
 /// Places of the tool at which the axis is solved for the half-cut shaft; between them the line is

@@ -253,7 +253,7 @@ impl CalibrationPlan {
     /// of the field.
     pub fn of_job(job: &Job, date: Date) -> Self {
         let pin = |(index, pin): (usize, &MasterCertificate)| {
-            let room_mm = 0.3 * (0.97 * job.field_height_mm() - pin.diameter_mm).max(0.0);
+            let room_mm = 0.3 * (0.97 * job.loop_job().field.height_mm() - pin.diameter_mm).max(0.0);
             PinPlan {
                 name: format!("masters.pins[{index}], {} mm", pin.diameter_mm),
                 diameter_mm: pin.diameter_mm,

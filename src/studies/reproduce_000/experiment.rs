@@ -108,7 +108,7 @@ fn part(job: &Job, compensated: bool, renderer: &Renderer) -> Result<Part, Exper
     let mut job = job.clone();
     job.control.controller = if compensated { ControllerName::Lsq } else { ControllerName::None };
     let cell = SimulatedCell::new(&job, renderer).map_err(LoopError::from)?;
-    let mut turning = ClosedLoop::start(&job, Box::new(cell), None)?;
+    let mut turning = ClosedLoop::start(job.checked_loop().map_err(LoopError::from)?, Box::new(cell), None)?;
     let mut part = Part { compensated, measured_mm: Vec::new(), worst_reading_mm: 0.0 };
     while turning.next_pass().is_some() {
         let pass = turning.run_pass(&mut |_, _| {})?;

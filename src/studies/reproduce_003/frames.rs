@@ -70,7 +70,7 @@ fn run(
     let mut job = job.clone();
     job.control.controller = controller;
     let cell = SimulatedCell::new(&job, renderer).map_err(LoopError::from)?;
-    let mut turning = ClosedLoop::start(&job, Box::new(cell), None)?;
+    let mut turning = ClosedLoop::start(job.checked_loop().map_err(LoopError::from)?, Box::new(cell), None)?;
     let mut found = FrameRun { error_mm: Vec::new(), profiles: Vec::new(), worst_reading_mm: 0.0 };
     while turning.next_pass().is_some() {
         let pass = turning.run_pass(&mut |_, _| {})?;

@@ -154,8 +154,8 @@ fn gain(job: &Job, input: &PidInput) -> Result<Row, ReproductionError> {
     let step_mm = 0.01;
     let second = |o_mm: f64| -> Result<f64, ReproductionError> {
         let mut process = workpiece(job)?;
-        process.cut_profile(&job.pass_plan(1, DiameterOffset::zero(stations)))?;
-        process.cut_profile(&job.pass_plan(2, DiameterOffset { o_mm: vec![o_mm; stations] }))?;
+        process.cut_profile(&job.loop_job().pass_plan(1, DiameterOffset::zero(stations)))?;
+        process.cut_profile(&job.loop_job().pass_plan(2, DiameterOffset { o_mm: vec![o_mm; stations] }))?;
         let step = job.part.length_mm / (process.diameter_mm().len() - 1) as f64;
         Ok(linear(process.diameter_mm(), input.position_mm / step))
     };
@@ -245,7 +245,7 @@ fn workpiece(job: &Job) -> Result<TurningProcess, ReproductionError> {
 
 fn first_error_mm(job: &Job, input: &PidInput) -> Result<f64, ReproductionError> {
     let mut process = workpiece(job)?;
-    let plan = job.pass_plan(1, DiameterOffset::zero(job.part.station_z_mm().len()));
+    let plan = job.loop_job().pass_plan(1, DiameterOffset::zero(job.part.station_z_mm().len()));
     process.cut_profile(&plan)?;
     let step = job.part.length_mm / (process.diameter_mm().len() - 1) as f64;
     Ok(linear(process.diameter_mm(), input.position_mm.min(job.part.length_mm) / step) - plan.nominal_mm)
@@ -266,7 +266,7 @@ fn profiles(job: &Job, input: &PidInput, compensation: Compensation) -> Result<P
     let mut offset = DiameterOffset::zero(stations.len());
     let mut profiles = Profiles::new();
     for pass in 1..=PASSES as u32 {
-        let plan = job.pass_plan(pass, offset.clone());
+        let plan = job.loop_job().pass_plan(pass, offset.clone());
         process.cut_profile(&plan)?;
         let step = job.part.length_mm / (process.diameter_mm().len() - 1) as f64;
         let error = |z: f64| linear(process.diameter_mm(), z / step) - plan.nominal_mm;
