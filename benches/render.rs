@@ -12,7 +12,9 @@ use shadowgauge::render::contamination::{
 };
 use shadowgauge::render::lens::FieldLight;
 use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
+use shadowgauge::render::{
+    BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene, frame_job,
+};
 use shadowgauge::shaft::Shaft;
 
 fn scene(set: impl FnOnce(&mut SetupSettings)) -> Result<Scene, RenderError> {
@@ -53,15 +55,15 @@ fn frames(c: &mut Criterion) -> Result<(), RenderError> {
     ];
     for (name, scene, request) in &cases {
         c.bench_function(&format!("job, {name}"), |b| {
-            b.iter(|| black_box(scene.job(request).map(|j| j.params.size.rows)));
+            b.iter(|| black_box(frame_job(scene, request, true).map(|j| j.params.size.rows)));
         });
-        let job = scene.job(request)?;
+        let job = frame_job(scene, request, true)?;
         let mut spare: Option<Buffer> = None;
         c.bench_function(&format!("frame, {name}"), |b| {
             b.iter(|| spare = twin.draw(&job, spare.take()).ok());
         });
     }
-    if let Ok(job) = level.job(&windows) {
+    if let Ok(job) = frame_job(&level, &windows, true) {
         let mut spare: Option<Buffer> = None;
         c.bench_function("frame, 2 x 32 rows", |b| b.iter(|| spare = twin.draw(&job, spare.take()).ok()));
     }

@@ -91,7 +91,6 @@ pub struct ClosedLoop<'a> {
     /// them.
     asked: DiameterOffset,
     held: Option<HeldReason>,
-    notes: Vec<String>,
     alarm: Option<String>,
     part: PartState,
 }
@@ -110,6 +109,31 @@ impl PartState {
     fn new(event: PartEvent) -> Self {
         Self { next_pass: 1, event: Some(event), stock: None, before: None }
     }
+}
+
+/// A pass that was cut and measured.
+struct CutPass {
+    /// As it was finally commanded.
+    plan: PassPlan,
+    scan: Scanned,
+    after_cut: AfterCut,
+    /// What could not be corrected within the pass.
+    notes: Vec<String>,
+}
+
+/// A measured pass with implausible stations as gaps, and what a decision on it rests on.
+struct JudgedPass {
+    plan: PassPlan,
+    scan: Scanned,
+    evidence: Evidence,
+    notes: Vec<String>,
+}
+
+/// A decision, in force.
+struct Decided {
+    /// `None` after the last pass.
+    decision: Option<Decision>,
+    notes: Vec<String>,
 }
 
 /// From where the gauge took a station's axis.
@@ -178,7 +202,6 @@ impl<'a> ClosedLoop<'a> {
             asked: offset.clone(),
             offset,
             held: None,
-            notes: Vec::new(),
             alarm: None,
             part: PartState::new(PartEvent::Continued),
         })
@@ -233,7 +256,7 @@ impl<'a> ClosedLoop<'a> {
             let stations = self.job.part.station_z_mm().len();
             let first = self.controller.begin_part(&start, stations);
             match self.put_in_force(first) {
-                Ok(()) => self.held = None,
+                Ok(_) => self.held = None,
                 Err(reason) => {
                     self.offset = DiameterOffset::zero(stations);
                     self.asked = self.offset.clone();
@@ -286,58 +309,81 @@ impl<'a> ClosedLoop<'a> {
     /// gaps.
     pub fn run_pass(&mut self, progress: Progress<'_>) -> Result<PassResult, LoopError> {
         self.begin()?;
-        let plan = self.plan();
-        self.notes.clear();
-        let (plan, mut scan, after_cut) = match self.job.scan.when {
+        let cut = self.cut_and_scan(self.plan(), progress)?;
+        let judged = self.judge(cut)?;
+        let judged = self.repeat(judged, progress)?;
+        let decided = self.conclude(&judged.plan, &judged.scan.profile, &judged.evidence);
+        Ok(self.result(judged, decided))
+    }
+
+    /// First stage: the pass is cut and its stations are measured, after the cut or during it.
+    fn cut_and_scan(&mut self, plan: PassPlan, progress: Progress<'_>) -> Result<CutPass, LoopError> {
+        match self.job.scan.when {
             ScanWhen::AfterPass => {
                 self.cell.cut(&plan)?;
                 let after_cut = AfterCut::of(self.cell.as_ref());
                 let scan = self.scan(plan.pass, progress)?;
-                (plan, scan, after_cut)
+                Ok(CutPass { plan, scan, after_cut, notes: Vec::new() })
             }
-            ScanWhen::DuringCut => self.cut_and_follow(&plan, progress)?,
-        };
-        let within = std::mem::take(&mut self.notes);
-        let implausible =
-            pass_before::compare(self.part.before.as_ref(), &plan, &mut scan.profile, &self.job.gauge);
+            ScanWhen::DuringCut => self.cut_and_follow(&plan, progress),
+        }
+    }
+
+    /// Second stage: implausible stations become gaps, and a master is read for the origin.
+    fn judge(&mut self, cut: CutPass) -> Result<JudgedPass, LoopError> {
+        let CutPass { plan, mut scan, after_cut, mut notes } = cut;
+        notes.extend(pass_before::compare(
+            self.part.before.as_ref(),
+            &plan,
+            &mut scan.profile,
+            &self.job.gauge,
+        ));
         let master = self.check_master()?;
-        let mut evidence = Evidence {
+        let evidence = Evidence {
             origin: after_cut.origin(self.cell.as_ref(), scan.ends, master),
             in_machine: self.cell.in_machine(),
             repeat: None,
             applied_mm: self.job.control.within_pass.map(|_| plan.offset.o_mm.clone()),
         };
-        if self.controller.needs_repeat(&plan, &scan.profile, &self.context(&evidence)) {
+        Ok(JudgedPass { plan, scan, evidence, notes })
+    }
+
+    /// Third stage: a second scan, where the controller needs one before it takes a large step.
+    fn repeat(&mut self, mut judged: JudgedPass, progress: Progress<'_>) -> Result<JudgedPass, LoopError> {
+        let JudgedPass { plan, scan, evidence, .. } = &mut judged;
+        if self.controller.needs_repeat(plan, &scan.profile, &self.context(evidence)) {
             let again = self.scan(plan.pass, progress)?;
-            scan.frames += again.frames;
-            scan.waited += again.waited;
-            scan.measured += again.measured;
-            scan.refused.extend(again.refused);
+            scan.tally.add(again.tally);
             evidence.repeat = Some(again.profile);
         }
-        let decision = self.conclude(&plan, &scan.profile, &evidence);
+        Ok(judged)
+    }
+
+    fn result(&self, judged: JudgedPass, decided: Decided) -> PassResult {
+        let JudgedPass { plan, scan, evidence, mut notes } = judged;
+        notes.extend(decided.notes);
         let half = self.job.part.station_mm / 2.0;
         let intervals: Vec<(f64, f64)> = plan.station_z_mm.iter().map(|z| (z - half, z + half)).collect();
         let seen: Vec<SeenStation> = intervals.iter().map(|i| seen_station(*i, &scan.axis)).collect();
-        Ok(PassResult {
+        PassResult {
             truth_mm: self.cell.true_stations_mm(&intervals),
             plan,
             profile: scan.profile,
             readings: scan.readings,
-            decision,
+            decision: decided.decision,
             evidence,
-            notes: within.into_iter().chain(implausible).chain(self.notes.iter().cloned()).collect(),
+            notes,
             alarm: self.alarm.clone(),
             cut: self.cell.last_cut(),
             true_axis: self.cell.true_axis(&seen),
             form: scan.form,
             axis: scan.axis,
             sample: scan.sample,
-            frames: scan.frames,
-            refused: scan.refused,
-            render: scan.waited,
-            gauge: scan.measured,
-        })
+            frames: scan.tally.frames,
+            refused: scan.tally.refused,
+            render: scan.tally.waited,
+            gauge: scan.tally.measured,
+        }
     }
 
     fn scan(&mut self, pass: u32, progress: Progress<'_>) -> Result<Scanned, LoopError> {
@@ -395,36 +441,32 @@ impl<'a> ClosedLoop<'a> {
         }
     }
 
-    fn conclude(
-        &mut self,
-        plan: &PassPlan,
-        measured: &DiameterProfile,
-        evidence: &Evidence,
-    ) -> Option<Decision> {
+    /// Last stage: the controller decides, and its offsets are put in force.
+    fn conclude(&mut self, plan: &PassPlan, measured: &DiameterProfile, evidence: &Evidence) -> Decided {
         let context = self.context(evidence);
         self.part.before = Some((plan.clone(), measured.clone()));
         self.part.next_pass += 1;
-        (self.notes, self.alarm) = (Vec::new(), None);
         // after the last pass there is no decision, but the controller is updated for the next part
         let decision = self.controller.decide_in(plan, measured, &context);
         if self.next_pass().is_none() {
             self.alarm = self.remeasured(plan, measured);
-            return None;
+            return Decided { decision: None, notes: Vec::new() };
         }
-        self.notes = self.controller.notes().to_vec();
+        let mut notes = self.controller.notes().to_vec();
         self.alarm = self.controller.alarm().map(str::to_owned);
-        let decision = match decision {
-            Decision::Offset(offset) => match self.put_in_force(offset) {
-                Ok(()) => Decision::Offset(self.offset.clone()),
-                Err(reason) => Decision::Held(reason),
-            },
-            held => held,
+        let put = match decision {
+            Decision::Offset(offset) => self.put_in_force(offset),
+            Decision::Held(reason) => Err(reason),
         };
-        self.held = match &decision {
-            Decision::Offset(_) => None,
-            Decision::Held(reason) => Some(reason.clone()),
+        self.held = put.as_ref().err().cloned();
+        let decision = match put {
+            Ok(rounded) => {
+                notes.extend(rounded);
+                Decision::Offset(self.offset.clone())
+            }
+            Err(reason) => Decision::Held(reason),
         };
-        Some(decision)
+        Decided { decision: Some(decision), notes }
     }
 
     /// Alarm of the re-measurement after the finishing pass, where a station is not proven to lie
@@ -436,25 +478,25 @@ impl<'a> ClosedLoop<'a> {
     }
 
     /// Puts offsets in force as the machine's program makes them: knots along z, rounded to the
-    /// control's increments. The controller gets these in the next plan. Offsets that no program
-    /// can apply are not put in force.
-    fn put_in_force(&mut self, asked: DiameterOffset) -> Result<(), HeldReason> {
+    /// control's increments, on which it returns a note. The controller gets these in the next
+    /// plan. Offsets that no program can apply are not put in force.
+    fn put_in_force(&mut self, asked: DiameterOffset) -> Result<Option<String>, HeldReason> {
         let Some(machine) = &self.job.nc else {
             self.offset = asked.clone();
             self.asked = asked;
-            return Ok(());
+            return Ok(None);
         };
         let plan = self.job.pass_plan(self.part.next_pass, asked);
         let path = nc::Path::new(&plan, &machine.machine, machine.dialect)
             .map_err(|refused| HeldReason::Guard(format!("program: {refused}")))?;
-        self.notes.push(format!(
+        let note = format!(
             "{} knots for {}, the program departs from the offsets by up to {:.2} µm",
             path.knots.len(),
             machine.dialect.as_str(),
             path.largest_departure(&plan) * 1e3
-        ));
+        );
         (self.offset, self.asked) = (path.in_force, plan.offset);
-        Ok(())
+        Ok(Some(note))
     }
 
     /// Offsets of the next pass as the controller decided them, before the machine's program

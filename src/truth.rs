@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::render::silhouette::Outline;
-use crate::render::{FrameRequest, RenderError, Scene};
+use crate::render::{FrameRequest, RenderError, Scene, geometric_edges};
 use crate::shaft::Shaft;
 
 /// Viewing directions over half a turn (the caliper diameter repeats after it).
@@ -28,8 +28,7 @@ pub struct TrueEdges {
 /// # Errors
 /// As the renderer's: a window outside the sensor, a shaft outside the field.
 pub fn true_edges(scene: &Scene, request: &FrameRequest) -> Result<Vec<TrueEdges>, RenderError> {
-    Ok(scene
-        .geometric_edges(request)?
+    Ok(geometric_edges(scene, request)?
         .into_iter()
         .map(|e| TrueEdges { top_px: e.top_px, bottom_px: e.bottom_px })
         .collect())

@@ -284,7 +284,7 @@ fn films_adhere_beside_a_shoulder_as_elsewhere() {
     let dark = |scene: &Scene| -> Vec<f64> {
         let frame = twin.render(scene, &request, None).unwrap();
         let Pixels::F32(pixels) = frame.view().pixels() else { panic!("not f32") };
-        let levels = scene.levels(PixelFormat::F32);
+        let levels = scene.setup().levels(PixelFormat::F32);
         let shade = |v: f32| (levels.bright - f64::from(v)) / (levels.bright - levels.shadow);
         (0..300).map(|c| (0..200).map(|r| shade(pixels[r * 300 + c])).sum()).collect()
     };

@@ -12,7 +12,9 @@ use shadowgauge::render::form::form_shaft;
 use shadowgauge::render::reference::GaussianReference;
 use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
 use shadowgauge::render::silhouette::Outline;
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
+use shadowgauge::render::{
+    BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene, geometric_edges,
+};
 use shadowgauge::shaft::{
     AxisKnot, Eccentricity, Lobe, Pose, ProfileKnot, Shaft, ShaftForm, SurfaceTexture, TextureForm,
 };
@@ -245,7 +247,7 @@ fn worst_against_reference(renderer: &Renderer) -> f64 {
             let setup = setup(rows, 9, sigma);
             let scene = Scene::new(&setup, cone(&setup, row, f64::to_radians(degrees).tan())).unwrap();
             let frame = renderer.render(&scene, &noise_free(0.0, PixelFormat::F32), None).unwrap();
-            let levels = scene.levels(PixelFormat::F32);
+            let levels = scene.setup().levels(PixelFormat::F32);
             let reference =
                 GaussianReference { sigma_px: sigma, shadow: levels.shadow, bright: levels.bright };
             let truth = reference.frame(rows as usize, 9, exact(&scene, 0.0, 0.0));
@@ -288,7 +290,7 @@ fn rough_edges_meet_the_two_dimensional_blur() {
     let scene = Scene::new(&setup, form_shaft(knots, &form, 20.0, 7).unwrap()).unwrap();
     let twin = Renderer::new(BackendChoice::Cpu).unwrap();
     let frame = twin.render(&scene, &noise_free(10.0, PixelFormat::F32), None).unwrap();
-    let levels = scene.levels(PixelFormat::F32);
+    let levels = scene.setup().levels(PixelFormat::F32);
     let reference = GaussianReference { sigma_px: 1.2, shadow: levels.shadow, bright: levels.bright };
     let truth = reference.frame(256, 300, exact(&scene, 10.0, 0.0));
     let worst = worst(&shifts(&counts(&frame), &truth, 300, levels.bright - levels.shadow));
@@ -424,6 +426,6 @@ fn shaft_larger_than_the_field_is_refused() {
     let mut shaft = Shaft::cylinder(1.0);
     shaft.pose.x_mm = 0.5;
     let scene = Scene::new(&setup, shaft).unwrap();
-    let error = scene.geometric_edges(&FrameRequest::default()).unwrap_err();
+    let error = geometric_edges(&scene, &FrameRequest::default()).unwrap_err();
     assert!(matches!(error, RenderError::Field { .. }), "{error}");
 }

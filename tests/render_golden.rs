@@ -76,7 +76,7 @@ fn light_of_a_golden_frame_adds_up_to_the_true_edges() {
             continue; // light from both sides overlaps in it, or is uneven
         }
         let Some((GoldenFrame(shot), truth)) = case.golden() else { panic!("{}", case.name) };
-        let shadow = case.scene.levels(shadowgauge::frame::PixelFormat::Mono16).shadow;
+        let shadow = case.scene.setup().levels(shadowgauge::frame::PixelFormat::Mono16).shadow;
         let mean: f64 = (0..shot.columns)
             .map(|c| {
                 let middle = ((truth.top_px[c] + truth.bottom_px[c]) / 2.0).round() as usize;

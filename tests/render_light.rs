@@ -65,7 +65,7 @@ fn twin() -> Renderer {
 }
 
 fn reference(scene: &Scene, factor: impl Fn(usize, usize) -> f64) -> Vec<f64> {
-    let levels = scene.levels(PixelFormat::F32);
+    let levels = scene.setup().levels(PixelFormat::F32);
     let judge = GaussianReference { sigma_px: 1.2, shadow: levels.shadow, bright: levels.bright };
     judge.lit_frame(scene.setup().rows(), scene.setup().columns(), exact(scene, 0.0, 0.0), factor)
 }

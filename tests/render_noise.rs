@@ -99,7 +99,7 @@ fn sample(renderer: &Renderer, bright: bool, format: PixelFormat) -> (Vec<Vec<f6
         );
         frame_id += 1;
     }
-    let levels = scene.levels(format);
+    let levels = scene.setup().levels(format);
     let mean = if bright { levels.bright } else { levels.shadow };
     let electrons = (mean - levels.black) * levels.electrons_per_count;
     (

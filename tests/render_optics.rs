@@ -13,7 +13,9 @@ use shadowgauge::render::esf_families::{
 };
 use shadowgauge::render::reference::StraightReference;
 use shadowgauge::render::settings::{Esf, SetupDeviations, SetupSettings};
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
+use shadowgauge::render::{
+    BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene, geometric_edges,
+};
 use shadowgauge::shaft::{AxisKnot, ProfileKnot, Shaft};
 use support::*;
 
@@ -130,8 +132,8 @@ fn worst_of_family(renderer: &Renderer, setup: &OpticalSetup, row: f64) -> f64 {
         let scene = Scene::new(setup, cone(setup, row, slope)).unwrap();
         let request = FrameRequest { format: Some(PixelFormat::F32), ..Default::default() };
         let frame = counts(&renderer.render(&scene, &request, None).unwrap());
-        let edges = scene.geometric_edges(&request).unwrap();
-        let levels = scene.levels(PixelFormat::F32);
+        let edges = geometric_edges(&scene, &request).unwrap();
+        let levels = scene.setup().levels(PixelFormat::F32);
         let table = scene.edge_spreads()[0].clone();
         let reference = StraightReference { esf: &table, pixel_um: setup.pixel_mm * 1e3 };
         let truth: Vec<f64> = (0..rows)
@@ -187,8 +189,8 @@ fn measured_edges_that_cannot_be_are_refused() {
 fn against_table(scene: &Scene, table: &EdgeSpread) -> f64 {
     let request = FrameRequest { format: Some(PixelFormat::F32), ..Default::default() };
     let frame = counts(&Renderer::new(BackendChoice::Cpu).unwrap().render(scene, &request, None).unwrap());
-    let edge = scene.geometric_edges(&request).unwrap()[4].top_px;
-    let levels = scene.levels(PixelFormat::F32);
+    let edge = geometric_edges(&scene, &request).unwrap()[4].top_px;
+    let levels = scene.setup().levels(PixelFormat::F32);
     let reference = StraightReference { esf: table, pixel_um: scene.setup().pixel_mm * 1e3 };
     (0..scene.setup().rows() / 2)
         .map(|r| {
@@ -274,7 +276,7 @@ fn an_edge_out_of_focus_is_blurred_by_half_the_aperture() {
     let twin = Renderer::new(BackendChoice::Cpu).unwrap();
     let scene = Scene::new(&setup, shaft).unwrap();
     let frame = counts(&twin.render(&scene, &request, None).unwrap());
-    let levels = scene.levels(PixelFormat::F32);
+    let levels = scene.setup().levels(PixelFormat::F32);
     // Variance of the line spread along a column less the pixel's 1/12: σ² + (y·NA)²/4.
     let light: Vec<f64> =
         (0..100).map(|r| (frame[r * 9 + 4] - levels.shadow) / (levels.bright - levels.shadow)).collect();
@@ -286,7 +288,7 @@ fn an_edge_out_of_focus_is_blurred_by_half_the_aperture() {
     let expected = 1.0 + (3.0 * 0.02 / 2.0 / setup.pixel_mm).powi(2);
     // Differences of pixels convolve the spread with a second box of one pixel.
     assert!((variance / expected - 1.0).abs() < 2e-3, "{variance} {expected}");
-    let edges = scene.geometric_edges(&request).unwrap()[4];
+    let edges = geometric_edges(&scene, &request).unwrap()[4];
     assert!((light.iter().sum::<f64>() - 0.5 - edges.top_px).abs() < 1e-4, "defocus must not move the edge");
 }
 

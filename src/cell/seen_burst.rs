@@ -8,11 +8,17 @@ use crate::shaft::{AxisKnot, Shaft};
 /// Step along z of an axis composed from fields, mm: well below the length of a station.
 const STEP_MM: f64 = 0.5;
 
-/// Field centres of the frames of a burst with the axis in each; no axis where the tool was clear.
+/// The frames of a burst.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SeenBurst {
-    field_z_mm: Vec<f64>,
-    axes: Vec<TrueAxis>,
+    frames: Vec<SeenFrame>,
+}
+
+/// Field centre of a frame, mm, with the axis in it; `None` where the tool was clear.
+#[derive(Clone, Debug)]
+struct SeenFrame {
+    field_z_mm: f64,
+    axis: Option<TrueAxis>,
 }
 
 /// The axis of a shaft: what stands still of it, and what turns with it.
@@ -28,25 +34,25 @@ pub(super) fn axis_of(shaft: &Shaft) -> TrueAxis {
 
 impl SeenBurst {
     pub(super) fn clear(field_z_mm: f64) -> Self {
-        Self { field_z_mm: vec![field_z_mm], axes: Vec::new() }
+        Self { frames: vec![SeenFrame { field_z_mm, axis: None }] }
     }
 
     /// Adds a frame: its field centre, mm, and the shaft in it.
     pub(super) fn add(&mut self, field_z_mm: f64, shaft: &Shaft) {
-        self.field_z_mm.push(field_z_mm);
-        self.axes.push(axis_of(shaft));
+        self.frames.push(SeenFrame { field_z_mm, axis: Some(axis_of(shaft)) });
     }
 
     fn distance_mm(&self, z_mm: f64) -> f64 {
-        (self.field_z_mm.iter().sum::<f64>() / self.field_z_mm.len() as f64 - z_mm).abs()
+        let sum = self.frames.iter().map(|f| f.field_z_mm).sum::<f64>();
+        (sum / self.frames.len() as f64 - z_mm).abs()
     }
 
     /// Mean over the frames at z, as the tool goes on between them: what stands still, what turns.
     fn at(&self, z_mm: f64, clear: &TrueAxis) -> [[f64; 2]; 2] {
-        let axes = if self.axes.is_empty() { std::slice::from_ref(clear) } else { &self.axes };
+        let axes = || self.frames.iter().map(|f| f.axis.as_ref().unwrap_or(clear));
         let mean = |of: &dyn Fn(&TrueAxis) -> [f64; 2]| {
-            let sum = axes.iter().map(of).fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
-            sum.map(|s| s / axes.len() as f64)
+            let sum = axes().map(of).fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
+            sum.map(|s| s / self.frames.len() as f64)
         };
         [mean(&|a| axis_at(&a.still, z_mm)), mean(&|a| axis_at(&a.turning, z_mm))]
     }

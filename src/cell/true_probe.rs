@@ -77,18 +77,6 @@ impl TrueProbe {
         1e-3 * self.settings.u_drift_um * draw
     }
 
-    /// Displacement of the carrier away from the part, mm, which the scale does not measure.
-    fn guideway_mm(&self, z: f64) -> f64 {
-        let points = &self.guideway;
-        let right = points.partition_point(|p| p.z_mm < z);
-        let away_um = match (right.checked_sub(1).and_then(|i| points.get(i)), points.get(right)) {
-            (Some(a), Some(b)) => a.away_um + (b.away_um - a.away_um) * (z - a.z_mm) / (b.z_mm - a.z_mm),
-            (Some(only), None) | (None, Some(only)) => only.away_um,
-            (None, None) => 0.0,
-        };
-        1e-3 * away_um
-    }
-
     /// Compliance of the part at z, mm/N: the shape of a beam clamped at 0 and supported at its end
     /// under a load that travels, u ∝ s³(1 − s)²(4 − s), largest at s = 2 − √2 (Euler-Bernoulli).
     fn yield_mm_per_n(&self, z: f64) -> f64 {
@@ -111,7 +99,8 @@ impl TrueProbe {
         let mut random =
             Pcg64::seed_from_u64(self.seed ^ PROBE_STREAM ^ id.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let draw: f64 = StandardNormal.sample(&mut random);
-        let guideway = if target.is_part { self.guideway_mm(order.z_mm) } else { 0.0 };
+        // The scale does not measure by how much the carrier stands away from the part.
+        let guideway = if target.is_part { GuidewayPoint::away_mm(&self.guideway, order.z_mm) } else { 0.0 };
         let x = ball_x - sign * on + 1e-3 * s.repeatability_um * draw + target.drift_mm - guideway;
         let step = 1e-3 * s.resolution_um;
         within.then(|| if step > 0.0 { step * (x / step).round() } else { x })

@@ -1,10 +1,10 @@
 //! A pass that is measured while it is cut, and whose stations ahead of the tool are corrected by
 //! those behind it.
 
-use super::ClosedLoop;
 use super::error::LoopError;
 use super::evidence::AfterCut;
-use super::scan::{Measured, Progress, Scanned};
+use super::scan::{Measured, Progress};
+use super::{ClosedLoop, CutPass};
 use crate::cell::FollowedCut;
 use crate::control::WithinPass;
 use crate::gauge::SettledStream;
@@ -13,14 +13,14 @@ use crate::nc;
 use crate::plan::{DiameterOffset, FeedDirection, PassPlan};
 
 impl ClosedLoop<'_> {
-    /// Cuts a pass with the gauge behind the tool. Returns the pass as it was finally commanded,
-    /// the measurement, and the machine's state at the start of the cut. Fields that the gauge does
-    /// not reach during the cut are scanned after it, with the tool clear.
+    /// Cuts a pass with the gauge behind the tool; the machine's state is that at the start of the
+    /// cut. Fields that the gauge does not reach during the cut are scanned after it, with the tool
+    /// clear.
     pub(super) fn cut_and_follow(
         &mut self,
         plan: &PassPlan,
         progress: Progress<'_>,
-    ) -> Result<(PassPlan, Scanned, AfterCut), LoopError> {
+    ) -> Result<CutPass, LoopError> {
         let follow = self.job.follow_plan(plan.pass);
         let frames = follow.all_frames();
         let of = self.cell.in_machine();
@@ -35,22 +35,23 @@ impl ClosedLoop<'_> {
         };
         let mut measured = Measured::new(&self.job, frames, self.of_part.camera()?, stream);
         let mut cut = self.cell.cut_followed(plan, &follow)?;
-        let begun = AfterCut::begun(of, cut.now_ns());
+        let after_cut = AfterCut::begun(of, cut.now_ns());
+        let mut notes = Vec::new();
         while let Some(frame) = measured.wait(cut.as_mut())? {
             if let Some(spent) = measured.take(frame) {
                 cut.recycle(spent);
             }
-            progress(measured.frames, frames);
-            let burst_done = measured.frames.is_multiple_of(follow.burst.max(1));
+            progress(measured.tally.frames, frames);
+            let burst_done = measured.tally.frames.is_multiple_of(follow.burst.max(1));
             if let Some(within) = within.as_mut().filter(|_| burst_done) {
-                self.notes.extend(correct_ahead(&self.job, within, plan, &measured, cut.as_mut())?);
+                notes.extend(correct_ahead(&self.job, within, plan, &measured, cut.as_mut())?);
             }
         }
         cut.finish()?;
         measured.scan(self.cell.as_mut(), &follow.rest, frames, progress)?;
-        let offset =
-            within.map_or_else(|| plan.offset.clone(), |w| DiameterOffset { o_mm: w.applied_mm().to_vec() });
-        Ok((PassPlan { offset, ..plan.clone() }, measured.finish(plan.pass), begun))
+        let offset = within.map_or_else(|| plan.offset.clone(), |w| DiameterOffset { o_mm: w.applied_mm() });
+        let scan = measured.finish(plan.pass);
+        Ok(CutPass { plan: PassPlan { offset, ..plan.clone() }, scan, after_cut, notes })
     }
 }
 
@@ -74,11 +75,11 @@ fn correct_ahead(
     let kept = within.clone();
     let read = measured.sums.averager.finish(plan.pass);
     let Some(offsets) = within.decide(plan.nominal_mm, &read, ahead) else { return Ok(None) };
-    let asked = PassPlan { offset: DiameterOffset { o_mm: offsets.to_vec() }, ..plan.clone() };
+    let asked = PassPlan { offset: DiameterOffset { o_mm: offsets }, ..plan.clone() };
     let refused = match rounded(job, &asked) {
         Ok(in_force) => {
             within.put_in_force(&in_force.o_mm, &plan.station_z_mm, ahead);
-            cut.command(&DiameterOffset { o_mm: within.applied_mm().to_vec() }).err().map(|e| e.to_string())
+            cut.command(&DiameterOffset { o_mm: within.applied_mm() }).err().map(|e| e.to_string())
         }
         Err(refused) => Some(format!("program: {refused}")),
     };

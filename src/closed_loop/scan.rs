@@ -45,6 +45,24 @@ pub struct Sample {
 /// Called after each frame: (frames done, frames in the pass).
 pub type Progress<'p> = &'p mut dyn FnMut(usize, usize);
 
+/// Frames of a scan, and the time they took.
+#[derive(Default)]
+pub(super) struct Tally {
+    pub(super) frames: usize,
+    pub(super) refused: Vec<String>,
+    pub(super) waited: Duration,
+    pub(super) measured: Duration,
+}
+
+impl Tally {
+    pub(super) fn add(&mut self, other: Self) {
+        self.frames += other.frames;
+        self.refused.extend(other.refused);
+        self.waited += other.waited;
+        self.measured += other.measured;
+    }
+}
+
 /// A scan, measured.
 pub(super) struct Scanned {
     pub(super) profile: DiameterProfile,
@@ -52,10 +70,7 @@ pub(super) struct Scanned {
     pub(super) axis: AxisLine,
     pub(super) readings: Vec<FrameReading>,
     pub(super) sample: Option<Sample>,
-    pub(super) frames: usize,
-    pub(super) refused: Vec<String>,
-    pub(super) waited: Duration,
-    pub(super) measured: Duration,
+    pub(super) tally: Tally,
     pub(super) ends: Option<(Stamp, Stamp)>,
 }
 
@@ -66,10 +81,7 @@ pub(super) struct Measured<'c> {
     pub(super) sums: Sums<'c>,
     sample_frame: usize,
     sample: Option<Sample>,
-    refused: Vec<String>,
-    pub(super) frames: usize,
-    waited: Duration,
-    measured: Duration,
+    pub(super) tally: Tally,
     /// First and last frame.
     ends: Option<(Stamp, Stamp)>,
 }
@@ -88,10 +100,7 @@ impl<'c> Measured<'c> {
             sums: Sums::new(job, calibration),
             sample_frame: frames / angles / 2 * angles,
             sample: None,
-            refused: Vec::new(),
-            frames: 0,
-            waited: Duration::ZERO,
-            measured: Duration::ZERO,
+            tally: Tally::default(),
             ends: None,
         }
     }
@@ -99,24 +108,24 @@ impl<'c> Measured<'c> {
     pub(super) fn wait(&mut self, source: &mut dyn FrameSource) -> Result<Option<Frame>, SourceError> {
         let start = Instant::now();
         let frame = source.next_frame();
-        self.waited += start.elapsed();
+        self.tally.waited += start.elapsed();
         frame
     }
 
     /// Measures a frame and returns it, unless it is kept as the sample.
     pub(super) fn take(&mut self, frame: Frame) -> Option<Frame> {
         let start = Instant::now();
-        let index = self.frames;
-        self.frames += 1;
+        let index = self.tally.frames;
+        self.tally.frames += 1;
         let stamp = Stamp::of(&frame.meta);
         self.ends = Some((self.ends.map_or(stamp, |e| e.0), stamp));
         let Self { stream, edges, sums, .. } = self;
         let measured =
             stream.measure(&frame.view(), edges, frame.meta.clone(), |meta, edges| sums.add(&meta, edges));
         if let Err(refused) = &measured {
-            self.refused.push(format!("frame {}: {refused}", frame.meta.frame_id));
+            self.tally.refused.push(format!("frame {}: {refused}", frame.meta.frame_id));
         }
-        self.measured += start.elapsed();
+        self.tally.measured += start.elapsed();
         if measured.is_ok() && index == self.sample_frame {
             self.sample = Some(Sample { frame, edges: self.edges.clone() });
             return None;
@@ -183,7 +192,7 @@ impl Measured<'_> {
             if let Some(spent) = self.take(frame) {
                 source.recycle(spent);
             }
-            progress(self.frames, of);
+            progress(self.tally.frames, of);
         }
         Ok(())
     }
@@ -201,10 +210,7 @@ impl Measured<'_> {
             axis,
             readings: sums.readings,
             sample: self.sample,
-            frames: self.frames,
-            refused: self.refused,
-            waited: self.waited,
-            measured: self.measured,
+            tally: self.tally,
             ends: self.ends,
         }
     }

@@ -6,7 +6,7 @@ use super::ClosedLoop;
 use super::error::LoopError;
 use super::evidence::Stamp;
 use super::instrument::Calibrated;
-use super::scan::{FrameReading, Progress, Scanned};
+use super::scan::{FrameReading, Progress, Scanned, Tally};
 use crate::frame::FrameMeta;
 use crate::gauge::axis_line::AxisLine;
 use crate::gauge::diameter::sections::TurnAverager;
@@ -72,10 +72,12 @@ impl ClosedLoop<'_> {
             axis: AxisLine::default(),
             readings: readings.collect(),
             sample: None,
-            frames: touches.len(),
-            refused: missed.map(said).collect(),
-            waited,
-            measured: Duration::ZERO,
+            tally: Tally {
+                frames: touches.len(),
+                refused: missed.map(said).collect(),
+                waited,
+                measured: Duration::ZERO,
+            },
             ends: touches.first().map(stamp).zip(touches.last().map(stamp)),
         })
     }

@@ -50,14 +50,14 @@ impl<L: Law> Compensator<L> {
         guards::check_origin(&self.settings.guards, plan, measured, context, self.used_scan)?;
         self.used_scan = context.origin.map(|o| o.scan).or(self.used_scan);
         let errors = readings::errors(plan, measured, &self.settings.gaps)?;
-        if !errors.interpolated.is_empty() {
-            let at: Vec<String> =
-                errors.interpolated.iter().map(|&i| format!("{}", plan.station_z_mm[i])).collect();
+        let filled = errors.stations.iter().zip(&plan.station_z_mm).filter(|(s, _)| s.interpolated);
+        let at: Vec<String> = filled.map(|(_, z_mm)| z_mm.to_string()).collect();
+        if !at.is_empty() {
             self.notes.push(format!("interpolated between neighbours at z = {} mm", at.join(", ")));
         }
         let (outcome, alarm) = self.consider(plan, &errors, context);
         self.alarm = alarm;
-        self.history.push(GuardState { pass: plan.pass, e_mm: errors.e_mm, o_mm: plan.offset.o_mm.clone() });
+        self.history.push(GuardState::new(plan, &errors));
         let (o_mm, law) = outcome?;
         self.law = law;
         Ok(DiameterOffset { o_mm })
@@ -82,7 +82,7 @@ impl<L: Law> Compensator<L> {
         };
         let mut law = self.law.clone();
         let outcome = guards::check_measured(&guarded).and_then(|()| {
-            parts.record(plan.pass, &plan.offset.o_mm, &errors.e_mm, settings.plant_gain);
+            parts.record(plan.pass, &plan.offset.o_mm, &errors.e_mm(), settings.plant_gain);
             let proposal = law.propose(&Observation { plan, errors, next: context.next });
             notes.extend(proposal.notes);
             let mut offsets = proposal.o_mm;

@@ -19,8 +19,22 @@ const OUTLIER_SCATTERS: f64 = 5.0;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GuardState {
     pub pass: u32,
-    pub e_mm: Vec<f64>,
-    pub o_mm: Vec<f64>,
+    pub stations: Vec<ErrorAndOffset>,
+}
+
+/// A station's error, and the offset that it was cut with, mm of diameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ErrorAndOffset {
+    pub e_mm: f64,
+    pub o_mm: f64,
+}
+
+impl GuardState {
+    pub(crate) fn new(plan: &PassPlan, errors: &Errors) -> Self {
+        let pairs = errors.stations.iter().zip(&plan.offset.o_mm);
+        let stations = pairs.map(|(s, o_mm)| ErrorAndOffset { e_mm: s.e_mm, o_mm: *o_mm });
+        Self { pass: plan.pass, stations: stations.collect() }
+    }
 }
 
 /// A refusal, and whether the cell must stop for it.
@@ -113,13 +127,13 @@ pub(crate) fn check_measured(g: &Guarded<'_>) -> Result<(), Refusal> {
 
 fn check_plausible(g: &Guarded<'_>) -> Result<(), Refusal> {
     let (z, limits) = (&g.plan.station_z_mm, g.limits);
-    if let Some((i, e)) = first_above(&g.errors.e_mm, limits.plausible_error_mm) {
+    if let Some((i, e)) = first_above(g.errors.stations.iter().map(|s| s.e_mm), limits.plausible_error_mm) {
         return Err(guard(format!(
             "plausible reading: the diameter at z = {} mm is {e:.4} mm off the nominal {} mm, limit {} mm",
             z[i], g.plan.nominal_mm, limits.plausible_error_mm
         )));
     }
-    if let Some((i, u)) = first_above(&g.errors.u_mm, limits.uncertainty_limit_mm) {
+    if let Some((i, u)) = first_above(g.errors.stations.iter().map(|s| s.u_mm), limits.uncertainty_limit_mm) {
         return Err(guard(format!(
             "uncertainty: the reading at z = {} mm has a standard uncertainty of {u:.5} mm, limit {} mm",
             z[i], limits.uncertainty_limit_mm
@@ -129,7 +143,7 @@ fn check_plausible(g: &Guarded<'_>) -> Result<(), Refusal> {
 }
 
 fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
-    let (z, e, limits) = (&g.plan.station_z_mm, &g.errors.e_mm, g.limits);
+    let (z, e, limits) = (&g.plan.station_z_mm, &g.errors.e_mm(), g.limits);
     let bends = second_differences(z, e);
     let scatter = robust_scatter(&bends);
     if scatter > limits.scatter_limit_mm {
@@ -155,12 +169,14 @@ fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
 /// Guard on the ratio of observed to commanded change, which is about g. Taking a radius for a
 /// diameter gives 2 g or ½ g, a wrong sign −g, an offset written to another register 0.
 fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
-    let alike = |m: &&GuardState| m.pass + 1 == g.plan.pass && m.e_mm.len() == g.errors.e_mm.len();
+    let alike = |m: &&GuardState| m.pass + 1 == g.plan.pass && m.stations.len() == g.errors.stations.len();
     let Some(last) = g.history.last().filter(alike) else {
         return Ok(());
     };
-    let commanded: Vec<f64> = g.plan.offset.o_mm.iter().zip(&last.o_mm).map(|(o, p)| o - p).collect();
-    let observed: Vec<f64> = g.errors.e_mm.iter().zip(&last.e_mm).map(|(e, p)| p - e).collect();
+    let commanded: Vec<f64> =
+        g.plan.offset.o_mm.iter().zip(&last.stations).map(|(o, p)| o - p.o_mm).collect();
+    let observed: Vec<f64> =
+        g.errors.stations.iter().zip(&last.stations).map(|(s, p)| p.e_mm - s.e_mm).collect();
     let Some((ratio, varying)) = response(&commanded, &observed, g.limits.response_from_mm) else {
         return Ok(());
     };
@@ -202,7 +218,7 @@ pub(crate) fn check_proposed(g: &Guarded<'_>, proposed_mm: &[f64]) -> Result<(),
     if !within(step, limits.step_limit_mm) {
         return Err(HeldReason::StepLimit { step_mm: step, limit_mm: limits.step_limit_mm }.into());
     }
-    if let Some((i, o)) = first_above(proposed_mm, limits.cumulative_limit_mm) {
+    if let Some((i, o)) = first_above(proposed_mm.iter().copied(), limits.cumulative_limit_mm) {
         return Err(guard(format!(
             "cumulative limit: the offset at z = {} mm would be {o:.4} mm, limit {} mm",
             g.plan.station_z_mm[i], limits.cumulative_limit_mm
@@ -229,13 +245,10 @@ fn check_repeat(g: &Guarded<'_>, step: f64) -> Result<(), Refusal> {
         return Err(guard(text));
     };
     let again: Vec<Option<f64>> = repeat.stations.iter().map(|s| s.reading.value().map(|d| d.d_mm)).collect();
-    let same = repeat.pass == g.plan.pass && again.len() == g.errors.e_mm.len();
-    let apart = |(i, e): (usize, &f64)| again[i].map_or(f64::NAN, |d| d - g.plan.nominal_mm - e);
-    let worst = if same {
-        largest(&g.errors.e_mm.iter().enumerate().map(apart).collect::<Vec<_>>())
-    } else {
-        f64::NAN
-    };
+    let same = repeat.pass == g.plan.pass && again.len() == g.errors.stations.len();
+    let pairs = again.iter().zip(&g.errors.stations);
+    let apart = pairs.map(|(again, s)| again.map_or(f64::NAN, |d| d - g.plan.nominal_mm - s.e_mm));
+    let worst = if same { largest(&apart.collect::<Vec<_>>()) } else { f64::NAN };
     if within(worst, limit) {
         return Ok(());
     }
@@ -261,8 +274,8 @@ fn check_cutting(g: &Guarded<'_>, next: &NextPass) -> Result<(), Refusal> {
 
 fn check_depth(g: &Guarded<'_>, next: &NextPass, proposed_mm: &[f64]) -> Result<(), Refusal> {
     let (least, most) = (g.limits.min_depth_mm, g.limits.max_depth_mm);
-    for (i, (e, o)) in g.errors.e_mm.iter().zip(proposed_mm).enumerate() {
-        let diameter = g.plan.nominal_mm + e;
+    for (i, (s, o)) in g.errors.stations.iter().zip(proposed_mm).enumerate() {
+        let diameter = g.plan.nominal_mm + s.e_mm;
         let cut = 0.5 * (diameter - next.nominal_mm);
         let set = 0.5 * (diameter - (next.nominal_mm - o));
         let z = g.plan.station_z_mm[i];
@@ -288,7 +301,7 @@ fn check_undersize(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Resu
     };
     let kept = g.limits.coverage;
     let predicted = predicted_mm(g, next, offsets_mm);
-    let worst = predicted.iter().zip(&g.errors.u_mm).map(|(d, u)| d - kept * u).enumerate();
+    let worst = predicted.iter().zip(&g.errors.stations).map(|(d, s)| d - kept * s.u_mm).enumerate();
     match worst.min_by(|a, b| a.1.total_cmp(&b.1)) {
         Some((i, d)) if d.is_nan() || d < limit => Err(guard(format!(
             "undersize: {:.4} mm is predicted at z = {} mm less {kept} u = {d:.4} mm, lower limit {limit} mm",
@@ -302,19 +315,24 @@ fn check_undersize(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Resu
 /// disturbance besides offset and copying, w(k) = e(k) − (1 − g) e(k−1) + g o(k), is extrapolated
 /// by its growth since the pass before.
 fn predicted_mm(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Vec<f64> {
-    let (e, o, gain) = (&g.errors.e_mm, &g.plan.offset.o_mm, g.plant_gain);
+    let (e, o, gain) = (g.errors.e_mm(), &g.plan.offset.o_mm, g.plant_gain);
     let before = |passes: u32| {
         let pass = g.plan.pass.checked_sub(passes)?;
-        g.history.iter().find(|m| m.pass == pass && m.e_mm.len() == e.len())
+        g.history.iter().find(|m| m.pass == pass && m.stations.len() == e.len())
     };
     let besides = |e: f64, copied: f64, o: f64| e - (1.0 - gain) * copied + gain * o;
     (0..offsets_mm.len())
         .map(|i| {
-            let e1 = before(1).map_or(0.0, |m| m.e_mm[i]);
+            let e1 = before(1).map_or(0.0, |m| m.stations[i].e_mm);
             let w = if before(1).is_some() { besides(e[i], e1, o[i]) } else { gain * (e[i] + o[i]) };
             let grew = match (before(1), before(2)) {
-                (Some(m1), Some(m2)) => w - besides(m1.e_mm[i], m2.e_mm[i], m1.o_mm[i]),
-                (Some(m1), None) if m1.pass == 1 => w - besides(m1.e_mm[i], 0.0, m1.o_mm[i]),
+                (Some(m1), Some(m2)) => {
+                    let ErrorAndOffset { e_mm, o_mm } = m1.stations[i];
+                    w - besides(e_mm, m2.stations[i].e_mm, o_mm)
+                }
+                (Some(m1), None) if m1.pass == 1 => {
+                    w - besides(m1.stations[i].e_mm, 0.0, m1.stations[i].o_mm)
+                }
                 _ => 0.0,
             };
             next.nominal_mm + (1.0 - gain) * e[i] - gain * offsets_mm[i] + w + grew
@@ -386,8 +404,8 @@ fn parabola(points: [(f64, f64); 3], at: f64) -> f64 {
 }
 
 /// Index and value of the first element whose magnitude is not within the limit.
-fn first_above(values: &[f64], limit: f64) -> Option<(usize, f64)> {
-    values.iter().copied().enumerate().find(|(_, v)| !within(*v, limit))
+fn first_above(values: impl Iterator<Item = f64>, limit: f64) -> Option<(usize, f64)> {
+    values.enumerate().find(|(_, v)| !within(*v, limit))
 }
 
 /// |value| ≤ limit; false for NaN.

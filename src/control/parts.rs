@@ -8,22 +8,21 @@
 use super::context::PartEvent;
 use super::settings::PartsSettings;
 
-/// Ideal offset of a station and its change from part to part, mm.
-#[derive(Clone, Copy, Debug, Default)]
-struct LevelTrend {
+/// Ideal offset of a station, mm.
+#[derive(Clone, Copy, Debug)]
+struct IdealOffset {
     level: f64,
+    /// Change from part to part.
     trend: f64,
+    /// That of the first part after each kind of event.
+    after_insert: f64,
+    after_cold: f64,
 }
 
 /// The pass of one number, across the parts.
 #[derive(Clone, Debug, Default)]
 struct PassMemory {
-    stations: Vec<LevelTrend>,
-    /// Ideal offsets of the first part after each kind of event.
-    after_insert: Option<Vec<f64>>,
-    after_cold: Option<Vec<f64>>,
-    /// Number of parts since the last event.
-    since: u32,
+    stations: Vec<IdealOffset>,
 }
 
 impl PassMemory {
@@ -32,46 +31,37 @@ impl PassMemory {
     }
 
     fn restart(&mut self, event: PartEvent) {
-        let known = match event {
-            PartEvent::Continued => return,
-            PartEvent::InsertChanged => &self.after_insert,
-            PartEvent::ColdStart => &self.after_cold,
-        };
-        let parts = f64::from(self.since);
-        match known {
-            Some(first) => {
-                for (station, first) in self.stations.iter_mut().zip(first) {
-                    station.level = first - station.trend;
-                }
-            }
-            None => self.stations.iter_mut().for_each(|s| s.level -= parts * s.trend),
+        for station in &mut self.stations {
+            let first = match event {
+                PartEvent::Continued => return,
+                PartEvent::InsertChanged => station.after_insert,
+                PartEvent::ColdStart => station.after_cold,
+            };
+            station.level = first - station.trend;
         }
-        self.since = 0;
     }
 
     fn record(&mut self, ideal: &[f64], event: PartEvent, settings: &PartsSettings) {
         if self.stations.is_empty() {
-            self.stations = ideal.iter().map(|&level| LevelTrend { level, trend: 0.0 }).collect();
             // the very first part stands for both events until one occurs
-            self.after_insert = Some(ideal.to_vec());
-            self.after_cold = Some(ideal.to_vec());
-            self.since = 1;
+            let first = |&i: &f64| IdealOffset { level: i, trend: 0.0, after_insert: i, after_cold: i };
+            self.stations = ideal.iter().map(first).collect();
             return;
-        }
-        match event {
-            PartEvent::Continued => {}
-            PartEvent::InsertChanged => self.after_insert = Some(ideal.to_vec()),
-            PartEvent::ColdStart => self.after_cold = Some(ideal.to_vec()),
         }
         // the step at an event is no evidence of a trend
         let trend_weight = if event == PartEvent::Continued { settings.trend_weight } else { 0.0 };
-        for (LevelTrend { level, trend }, i) in self.stations.iter_mut().zip(ideal) {
+        for (IdealOffset { level, trend, after_insert, after_cold }, i) in self.stations.iter_mut().zip(ideal)
+        {
+            match event {
+                PartEvent::Continued => {}
+                PartEvent::InsertChanged => *after_insert = *i,
+                PartEvent::ColdStart => *after_cold = *i,
+            }
             let forecast = *level + *trend;
             let next = forecast + settings.level_weight * (i - forecast);
             *trend += trend_weight * (next - *level - *trend);
             *level = next;
         }
-        self.since += 1;
     }
 }
 

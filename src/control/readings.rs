@@ -7,17 +7,31 @@ use crate::profile::{Diameter, DiameterProfile};
 /// Largest deviation of a station from its place in the plan, mm.
 const STATION_TOLERANCE_MM: f64 = 1e-6;
 
-/// Errors of one pass, one per station, none missing.
+/// Error of one station in a pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StationError {
+    /// e = D - r, mm of diameter.
+    pub e_mm: f64,
+    /// Standard uncertainty of e that is independent from station to station, mm.
+    pub u_random_mm: f64,
+    /// Combined standard uncertainty of e, mm.
+    pub u_mm: f64,
+    /// Whether the value was interpolated between neighbours.
+    pub interpolated: bool,
+}
+
+/// Errors of one pass.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Errors {
-    /// e = D - r, mm of diameter.
-    pub e_mm: Vec<f64>,
-    /// Standard uncertainty of e that is independent from station to station, mm.
-    pub u_random_mm: Vec<f64>,
-    /// Combined standard uncertainty of e, mm.
-    pub u_mm: Vec<f64>,
-    /// Stations whose value was interpolated.
-    pub interpolated: Vec<usize>,
+    /// One per station of the plan, none missing.
+    pub stations: Vec<StationError>,
+}
+
+impl Errors {
+    /// e of every station, mm of diameter.
+    pub(crate) fn e_mm(&self) -> Vec<f64> {
+        self.stations.iter().map(|s| s.e_mm).collect()
+    }
 }
 
 /// Computes the errors of a pass, filling gaps where the settings allow it.
@@ -37,14 +51,14 @@ pub(crate) fn errors(
             plan.station_z_mm[index]
         )));
     }
-    let interpolated = fill(&plan.station_z_mm, &mut values, gaps)?;
-    let values: Vec<Diameter> = values.into_iter().flatten().collect();
-    Ok(Errors {
-        e_mm: values.iter().map(|d| d.d_mm - plan.nominal_mm).collect(),
-        u_random_mm: values.iter().map(|d| d.u_random_mm).collect(),
-        u_mm: values.iter().map(Diameter::u_mm).collect(),
-        interpolated,
-    })
+    fill(&plan.station_z_mm, &mut values, gaps)?;
+    let stations = values.into_iter().flatten().zip(&measured.stations).map(|(d, read)| StationError {
+        e_mm: d.d_mm - plan.nominal_mm,
+        u_random_mm: d.u_random_mm,
+        u_mm: d.u_mm(),
+        interpolated: read.reading.value().is_none(),
+    });
+    Ok(Errors { stations: stations.collect() })
 }
 
 fn is_number(d: &Diameter) -> bool {
@@ -72,14 +86,13 @@ fn check_stations(plan: &PassPlan, measured: &DiameterProfile) -> Result<(), Hel
     }
 }
 
-/// Interpolates linearly in z inside runs of gaps that are short enough; returns the stations
-/// filled.
-fn fill(z: &[f64], values: &mut [Option<Diameter>], gaps: &GapSettings) -> Result<Vec<usize>, HeldReason> {
-    let missing: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_none()).collect();
+/// Interpolates linearly in z inside runs of gaps that are short enough.
+fn fill(z: &[f64], values: &mut [Option<Diameter>], gaps: &GapSettings) -> Result<(), HeldReason> {
+    let missing = values.iter().filter(|v| v.is_none()).count();
     let of = values.len();
-    let held = Err(HeldReason::Gaps { missing: missing.len(), of });
-    if missing.len() as f64 > gaps.interpolate_share * of as f64 {
-        return if missing.is_empty() { Ok(missing) } else { held };
+    let held = Err(HeldReason::Gaps { missing, of });
+    if missing as f64 > gaps.interpolate_share * of as f64 {
+        return if missing == 0 { Ok(()) } else { held };
     }
     let measured: Vec<(usize, Diameter)> =
         values.iter().enumerate().filter_map(|(i, v)| v.map(|d| (i, d))).collect();
@@ -94,7 +107,7 @@ fn fill(z: &[f64], values: &mut [Option<Diameter>], gaps: &GapSettings) -> Resul
     }
     let ends_measured =
         values.first().is_some_and(Option::is_some) && values.last().is_some_and(Option::is_some);
-    if ends_measured { Ok(missing) } else { held }
+    if ends_measured { Ok(()) } else { held }
 }
 
 /// Linear interpolation with the uncertainty propagated (GUM 5.1.2; the common part is common).

@@ -18,36 +18,38 @@ use crate::profile::DiameterProfile;
 pub struct WithinPass {
     settings: WithinPassSettings,
     plant_gain: f64,
-    planned_mm: Vec<f64>,
-    /// Offsets in force when each station was or will be cut.
-    applied_mm: Vec<f64>,
-    /// Stations read so far.
-    read: Vec<bool>,
+    stations: Vec<StationOffset>,
+}
+
+/// The offset of a station in a pass.
+#[derive(Clone, Copy, Debug)]
+struct StationOffset {
+    planned_mm: f64,
+    /// In force when the station was or will be cut.
+    applied_mm: f64,
+    /// Whether the station was read.
+    read: bool,
 }
 
 impl WithinPass {
     /// Begins a pass with the planned offsets.
     pub fn begin(settings: WithinPassSettings, plant_gain: f64, planned_mm: &[f64]) -> Self {
-        Self {
-            settings,
-            plant_gain,
-            planned_mm: planned_mm.to_vec(),
-            applied_mm: planned_mm.to_vec(),
-            read: vec![false; planned_mm.len()],
-        }
+        let planned = |o: &f64| StationOffset { planned_mm: *o, applied_mm: *o, read: false };
+        Self { settings, plant_gain, stations: planned_mm.iter().map(planned).collect() }
     }
 
-    /// Offsets as they were applied.
-    pub fn applied_mm(&self) -> &[f64] {
-        &self.applied_mm
+    /// Offsets as they were applied, mm of diameter.
+    pub fn applied_mm(&self) -> Vec<f64> {
+        self.stations.iter().map(|s| s.applied_mm).collect()
     }
 
     /// Puts the offsets in force as the machine rounds them: stations that may still be changed are
     /// cut with these.
     pub fn put_in_force(&mut self, in_force_mm: &[f64], stations_z_mm: &[f64], ahead: impl Fn(f64) -> bool) {
-        for (k, (in_force, z_mm)) in in_force_mm.iter().zip(stations_z_mm).enumerate() {
-            if !self.read[k] && ahead(*z_mm) {
-                self.applied_mm[k] = *in_force;
+        for (station, (in_force, z_mm)) in self.stations.iter_mut().zip(in_force_mm.iter().zip(stations_z_mm))
+        {
+            if !station.read && ahead(*z_mm) {
+                station.applied_mm = *in_force;
             }
         }
     }
@@ -59,23 +61,23 @@ impl WithinPass {
         nominal_mm: f64,
         measured: &DiameterProfile,
         ahead: impl Fn(f64) -> bool,
-    ) -> Option<&[f64]> {
+    ) -> Option<Vec<f64>> {
         let mut deviations = Vec::new();
-        for (k, station) in measured.stations.iter().enumerate() {
-            let Some(d) = station.reading.value().filter(|_| !self.read[k]) else { continue };
-            self.read[k] = true;
-            let changed = self.applied_mm[k] - self.planned_mm[k];
+        for (station, seen) in self.stations.iter_mut().zip(&measured.stations) {
+            let Some(d) = seen.reading.value().filter(|_| !station.read) else { continue };
+            station.read = true;
+            let changed = station.applied_mm - station.planned_mm;
             deviations.push(d.d_mm - nominal_mm + self.plant_gain * changed);
         }
         let middle = central_median(&mut deviations)?;
         let limit = self.settings.limit_mm;
         let shift = (self.settings.gain * middle / self.plant_gain).clamp(-limit, limit);
-        for (k, station) in measured.stations.iter().enumerate() {
-            if !self.read[k] && ahead(station.z_mm) {
-                self.applied_mm[k] = self.planned_mm[k] + shift;
+        for (station, seen) in self.stations.iter_mut().zip(&measured.stations) {
+            if !station.read && ahead(seen.z_mm) {
+                station.applied_mm = station.planned_mm + shift;
             }
         }
-        Some(&self.applied_mm)
+        Some(self.applied_mm())
     }
 }
 

@@ -1,5 +1,5 @@
-//! Mathematics without state, for every module: distributions, lines, normal equations, a smoothing
-//! spline, robust statistics, a median network.
+//! Mathematics without state, for every module: distributions, lines, neighbours in a list, normal
+//! equations, a smoothing spline, robust statistics, a median network.
 //!
 //! In: numbers and slices of them. Out: numbers, or a fit that can be evaluated. No type here has a
 //! unit, keeps state between calls or depends on another module, and the same arguments give the
@@ -13,6 +13,7 @@
 pub(crate) mod distributions;
 pub(crate) mod line;
 pub(crate) mod median_network;
+pub(crate) mod neighbours;
 pub(crate) mod normal_equations;
 pub(crate) mod normal_table;
 pub(crate) mod robust;

@@ -15,6 +15,7 @@ use super::force_components::Components;
 use super::line::{Action, PointForce, Span, deflection_line_mm};
 use super::material::Material;
 use super::section::Section;
+use crate::numerics::neighbours::neighbours;
 use crate::setting::SettingError;
 use crate::shaft::AxisKnot;
 
@@ -257,8 +258,7 @@ pub fn sum_of_lines(a: &[AxisKnot], b: &[AxisKnot]) -> Vec<AxisKnot> {
 
 /// A line at z, mm along x and y: linear between its knots, constant beyond; zero without knots.
 pub fn axis_at(knots: &[AxisKnot], z_mm: f64) -> [f64; 2] {
-    let after = knots.partition_point(|k| k.z_mm <= z_mm);
-    match (after.checked_sub(1).and_then(|i| knots.get(i)), knots.get(after)) {
+    match neighbours(knots, |k| k.z_mm <= z_mm) {
         (Some(a), Some(b)) => {
             let share = (z_mm - a.z_mm) / (b.z_mm - a.z_mm);
             [a.x_mm + share * (b.x_mm - a.x_mm), a.y_mm + share * (b.y_mm - a.y_mm)]

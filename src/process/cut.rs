@@ -8,26 +8,41 @@ use super::material::Material;
 use super::section::Section;
 use crate::plan::CutSummary;
 
+/// A node of the workpiece before the tool reaches it, mm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct UncutNode {
+    /// Diameter.
+    pub before: f64,
+    /// Diameter that is commanded.
+    pub commanded: f64,
+    /// Tangential displacement of the axis without the force.
+    pub aside: f64,
+}
+
+/// A node of the workpiece behind the tool, mm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CutNode {
+    /// Diameter.
+    pub after: f64,
+    /// Depth that was cut.
+    pub depth: f64,
+}
+
 /// Inputs of a pass, borrowed, so that an error leaves the workpiece unchanged.
 pub(super) struct Cut<'a> {
-    pub before: &'a [f64],
-    pub commanded: &'a [f64],
+    pub nodes: &'a [UncutNode],
     pub law: DepthLaw,
     pub step_mm: f64,
     pub supports: Supports,
     pub material: &'a Material,
-    /// Tangential displacement of the axis at every node without the force, mm, where the diameter
-    /// carries the tangential error.
-    pub tangential_mm: Option<&'a [f64]>,
+    /// Whether the diameter carries the tangential error.
+    pub tangential_error: bool,
 }
 
-/// The result of a cut, node by node.
+/// The result of a cut.
 #[derive(Clone, Debug)]
 pub(super) struct Passed {
-    /// Diameter, mm.
-    pub after: Vec<f64>,
-    /// Depth that was cut, mm.
-    pub depth_mm: Vec<f64>,
+    pub nodes: Vec<CutNode>,
     /// Extremes over the pass.
     pub summary: CutSummary,
 }
@@ -38,49 +53,44 @@ impl Cut<'_> {
     pub(super) fn towards_first(&self) -> Passed {
         let lefts = self.uncut_left_parts();
         let mut right = self.supports.tailstock;
-        let mut after = self.before.to_vec();
-        let mut depth_mm = vec![0.0; after.len()];
+        let mut cut: Vec<CutNode> =
+            self.nodes.iter().map(|n| CutNode { after: n.before, depth: 0.0 }).collect();
         let mut softest = 0.0;
         let mut summary = CutSummary { min_depth_mm: f64::INFINITY, ..CutSummary::default() };
-        for node in (0..after.len()).rev() {
-            let behind = after.get(node + 1).copied();
+        for (node, uncut) in self.nodes.iter().enumerate().rev() {
+            let behind = cut.get(node + 1).map(|n| n.after);
             // The element behind the tool: the diameter of its near end results from the cut at
             // this node.
             let probe = behind.map_or(right, |d| self.extended(right, d));
             let compliance = compliance_at_joint(&lefts[node], &probe);
-            let depth = self.law.depth_mm(0.5 * (self.before[node] - self.commanded[node]), compliance);
+            let depth = self.law.depth_mm(0.5 * (uncut.before - uncut.commanded), compliance);
             let force = self.law.components(depth);
-            after[node] = self.before[node] - 2.0 * depth;
-            depth_mm[node] = depth;
-            if let Some(still) = self.tangential_mm {
-                let aside = still[node] + compliance * force.cutting_n;
-                after[node] += tangential_error_mm(after[node], aside);
+            let mut after = uncut.before - 2.0 * depth;
+            if self.tangential_error {
+                after += tangential_error_mm(after, uncut.aside + compliance * force.cutting_n);
             }
+            cut[node] = CutNode { after, depth };
             include(&mut summary, depth, &force, compliance);
             softest = f64::max(softest, compliance);
             if let Some(behind) = behind {
-                right = self.extended(right, 0.5 * (behind + after[node]));
+                right = self.extended(right, 0.5 * (behind + after));
             }
             self.supports.rests_at(node, self.step_mm).for_each(|rest| right.support(rest));
         }
         // The product of both maxima is an upper bound of the largest product.
         let tangential = softest * self.law.components(summary.max_depth_mm).cutting_n;
-        let thinnest = after.iter().copied().fold(f64::INFINITY, f64::min);
+        let thinnest = cut.iter().map(|n| n.after).fold(f64::INFINITY, f64::min);
         summary.tangential_error_um = 1e3 * tangential_error_mm(thinnest, tangential);
-        Passed { after, depth_mm, summary }
+        Passed { nodes: cut, summary }
     }
 
     /// The same with the tool travelling from the first node to the last: the mirror image.
     pub(super) fn towards_last(&self) -> Passed {
-        let mirrored = |values: &[f64]| values.iter().rev().copied().collect::<Vec<f64>>();
-        let length = self.step_mm * (self.before.len() - 1) as f64;
+        let mirrored: Vec<UncutNode> = self.nodes.iter().rev().copied().collect();
+        let length = self.step_mm * (self.nodes.len() - 1) as f64;
         let rest = |rest: &SteadyRest| SteadyRest { z_mm: length - rest.z_mm, ..*rest };
-        let (before, commanded) = (mirrored(self.before), mirrored(self.commanded));
-        let tangential = self.tangential_mm.map(mirrored);
         let image = Cut {
-            before: &before,
-            commanded: &commanded,
-            tangential_mm: tangential.as_deref(),
+            nodes: &mirrored,
             supports: Supports {
                 chuck: self.supports.tailstock,
                 tailstock: self.supports.chuck,
@@ -88,8 +98,9 @@ impl Cut<'_> {
             },
             ..*self
         };
-        let passed = image.towards_first();
-        Passed { after: mirrored(&passed.after), depth_mm: mirrored(&passed.depth_mm), ..passed }
+        let mut passed = image.towards_first();
+        passed.nodes.reverse();
+        passed
     }
 
     fn extended(&self, mut part: Part, diameter_mm: f64) -> Part {
@@ -98,8 +109,9 @@ impl Cut<'_> {
     }
 
     fn uncut_left_parts(&self) -> Vec<Part> {
-        let element = |pair: &[f64]| Section::circular(0.5 * (pair[0] + pair[1]), self.material);
-        let sections: Vec<Section> = self.before.windows(2).map(element).collect();
+        let element =
+            |pair: &[UncutNode]| Section::circular(0.5 * (pair[0].before + pair[1].before), self.material);
+        let sections: Vec<Section> = self.nodes.windows(2).map(element).collect();
         left_parts(self.step_mm, &sections, &self.supports)
     }
 }

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::check::Range;
 use super::random::{Stream, generator, smoothing_kernel};
+use crate::numerics::neighbours::{linear_between, neighbours};
 use crate::setting::SettingError;
 use crate::shaft::Lobe;
 
@@ -21,6 +22,14 @@ pub struct GuidewayPoint {
     pub z_mm: f64,
     /// Displacement of the tool away from the workpiece, µm (radial).
     pub away_um: f64,
+}
+
+impl GuidewayPoint {
+    /// Displacement at `z_mm` away from the workpiece, mm (radial); zero without points.
+    pub fn away_mm(points: &[Self], z_mm: f64) -> f64 {
+        let pair = neighbours(points, |p| p.z_mm < z_mm);
+        linear_between(pair, z_mm, |p| (p.z_mm, p.away_um)).unwrap_or(0.0) * 1e-3
+    }
 }
 
 /// `[process.disturbance]`; everything is zero by default.
@@ -106,14 +115,7 @@ impl DisturbanceSettings {
 
     /// Displacement of the tool away from the workpiece by the guideway, mm (radial).
     pub(super) fn guideway_mm(&self, z_mm: f64) -> f64 {
-        let upper = self.guideway.partition_point(|point| point.z_mm < z_mm);
-        let at = |index: usize| self.guideway.get(index).map(|p| (p.z_mm, p.away_um));
-        let away_um = match (upper.checked_sub(1).and_then(at), at(upper)) {
-            (Some((z0, v0)), Some((z1, v1))) => v0 + (v1 - v0) * (z_mm - z0) / (z1 - z0),
-            (Some((_, v)), None) | (None, Some((_, v))) => v,
-            (None, None) => 0.0,
-        };
-        away_um * 1e-3
+        GuidewayPoint::away_mm(&self.guideway, z_mm)
     }
 
     /// Deviation of the blank's diameter at `nodes` nodes `step_mm` apart, mm.

@@ -31,37 +31,45 @@ fn element(h: f64, section: &Section) -> [Matrix2<f64>; 3] {
     ]
 }
 
+/// A node: its block on the diagonal, and its load.
+#[derive(Clone)]
+struct Node {
+    diagonal: Matrix2<f64>,
+    load: Vector2<f64>,
+}
+
 struct System {
-    diagonal: Vec<Matrix2<f64>>,
+    nodes: Vec<Node>,
+    /// Blocks that couple a node to the next.
     upper: Vec<Matrix2<f64>>,
-    load: Vec<Vector2<f64>>,
 }
 
 impl System {
     fn assemble(step_mm: f64, sections: &[Section]) -> Self {
-        let nodes = sections.len() + 1;
-        let mut diagonal = vec![Matrix2::zeros(); nodes];
+        let free = Node { diagonal: Matrix2::zeros(), load: Vector2::zeros() };
+        let mut nodes = vec![free; sections.len() + 1];
         let mut upper = Vec::with_capacity(sections.len());
         for (node, section) in sections.iter().enumerate() {
             let [near, across, far] = element(step_mm, section);
-            diagonal[node] += near;
-            diagonal[node + 1] += far;
+            nodes[node].diagonal += near;
+            nodes[node + 1].diagonal += far;
             upper.push(across);
         }
-        Self { diagonal, upper, load: vec![Vector2::zeros(); nodes] }
+        Self { nodes, upper }
     }
 
     /// A spring of compliance `compliance` on degree of freedom `dof` (0 deflection, 1 rotation);
     /// zero fixes it.
     fn support(&mut self, node: usize, dof: usize, compliance: f64) {
+        let Node { diagonal, load } = &mut self.nodes[node];
         if compliance > 0.0 {
-            self.diagonal[node][(dof, dof)] += 1.0 / compliance;
+            diagonal[(dof, dof)] += 1.0 / compliance;
             return;
         }
-        self.diagonal[node].fill_row(dof, 0.0);
-        self.diagonal[node].fill_column(dof, 0.0);
-        self.diagonal[node][(dof, dof)] = 1.0;
-        self.load[node][dof] = 0.0;
+        diagonal.fill_row(dof, 0.0);
+        diagonal.fill_column(dof, 0.0);
+        diagonal[(dof, dof)] = 1.0;
+        load[dof] = 0.0;
         if let Some(across) = self.upper.get_mut(node) {
             across.fill_row(dof, 0.0);
         }
@@ -82,18 +90,16 @@ impl System {
 
     /// Block elimination; `None` for a mechanism.
     fn solve(mut self) -> Option<Vec<Vector2<f64>>> {
-        let nodes = self.diagonal.len();
-        for node in 1..nodes {
-            let across = self.upper[node - 1];
-            let factor = across.transpose() * self.diagonal[node - 1].try_inverse()?;
-            self.diagonal[node] -= factor * across;
-            let carried = factor * self.load[node - 1];
-            self.load[node] -= carried;
+        for (i, across) in self.upper.iter().enumerate() {
+            let factor = across.transpose() * self.nodes[i].diagonal.try_inverse()?;
+            self.nodes[i + 1].diagonal -= factor * across;
+            let carried = factor * self.nodes[i].load;
+            self.nodes[i + 1].load -= carried;
         }
-        let mut q = vec![Vector2::zeros(); nodes];
-        for node in (0..nodes).rev() {
+        let mut q = vec![Vector2::zeros(); self.nodes.len()];
+        for (node, Node { diagonal, load }) in self.nodes.iter().enumerate().rev() {
             let beyond = q.get(node + 1).map_or(Vector2::zeros(), |next| self.upper[node] * next);
-            q[node] = self.diagonal[node].try_inverse()? * (self.load[node] - beyond);
+            q[node] = diagonal.try_inverse()? * (load - beyond);
         }
         Some(q)
     }
@@ -110,7 +116,7 @@ pub fn deflection_line_mm(
 ) -> Option<Vec<f64>> {
     let mut system = System::assemble(step_mm, sections);
     for (node, force) in forces {
-        system.load.get_mut(*node)?[0] += force;
+        system.nodes.get_mut(*node)?.load[0] += force;
     }
     system.support_end(0, &supports.chuck);
     system.support_end(sections.len(), &supports.tailstock);

@@ -13,7 +13,7 @@ use thiserror::Error;
 
 use super::bending;
 use super::check::refuse;
-use super::cut::{Cut, Passed};
+use super::cut::{Cut, CutNode, Passed, UncutNode};
 use super::force::DepthLaw;
 use super::material::Material;
 use super::section::Section;
@@ -235,8 +235,8 @@ impl TurningProcess {
     /// # Errors
     /// As [`Self::cut`].
     pub fn cut_profile(&mut self, plan: &PassPlan) -> Result<&CutSummary, ProcessError> {
-        let Passed { after, summary, .. } = self.passed(plan)?.0;
-        self.diameter_mm = after;
+        let Passed { nodes, summary } = self.passed(plan)?.0;
+        self.diameter_mm = nodes.iter().map(|n| n.after).collect();
         self.wear_mm += 1e-3 * self.settings.disturbance.wear_um_per_pass;
         self.cuts += 1;
         self.since_cold += 1;
@@ -249,26 +249,28 @@ impl TurningProcess {
         let law = self.settings.force.at(&plan.cutting, &self.settings.tool, &self.material);
         let law = law.scaled(self.force_factor);
         let heat = self.heat_growth();
-        let before: Vec<f64> = self.diameter_mm.iter().zip(&heat).map(|(d, h)| d * h).collect();
-        let mut commanded = self.tool_path(plan);
-        let tangential = self.displace(&mut commanded);
+        let commanded = self.tool_path(plan);
+        let warm = self.diameter_mm.iter().zip(&heat).map(|(d, h)| d * h);
+        let uncut =
+            warm.zip(commanded).map(|(before, commanded)| UncutNode { before, commanded, aside: 0.0 });
+        let mut nodes: Vec<UncutNode> = uncut.collect();
+        self.displace(&mut nodes);
         let cut = Cut {
-            before: &before,
-            commanded: &commanded,
+            nodes: &nodes,
             law,
             step_mm: self.step_mm,
             supports: self.settings.support.supports(),
             material: &self.material,
-            tangential_mm: tangential.as_deref().filter(|_| self.settings.bending.tangential_error),
+            tangential_error: self.settings.bending.tangential_error,
         };
         let mut passed = match self.settings.pass.feed_direction {
             FeedDirection::TowardsChuck => cut.towards_first(),
             FeedDirection::TowardsTailstock => cut.towards_last(),
         };
         let summary = &mut passed.summary;
-        summary.notes.extend(self.check_chip(plan.pass, &before, &commanded, &passed.after)?);
-        self.check_buckling(plan.pass, &passed.after, law.components(summary.max_depth_mm).feed_n)?;
-        passed.after.iter_mut().zip(&heat).for_each(|(d, h)| *d /= h);
+        summary.notes.extend(self.check_chip(plan.pass, &nodes, &passed.nodes)?);
+        self.check_buckling(plan.pass, &passed.nodes, law.components(summary.max_depth_mm).feed_n)?;
+        passed.nodes.iter_mut().zip(&heat).for_each(|(n, h)| n.after /= h);
         summary.pass = plan.pass;
         summary.feed_mark_um =
             1e3 * plan.cutting.feed_mm_per_rev.powi(2) / (8.0 * self.settings.tool.nose_radius_mm);
@@ -279,24 +281,22 @@ impl TurningProcess {
     }
 
     /// Displaces the tool's path by the displacement of the axis away from the tool without any
-    /// cutting force (weight, tailstock), and returns its displacement across, mm; `None` where the
-    /// axis is straight without force.
-    fn displace(&self, commanded: &mut [f64]) -> Option<Vec<f64>> {
+    /// cutting force (weight, tailstock), and puts its displacement across into the nodes.
+    fn displace(&self, nodes: &mut [UncutNode]) {
         let bending = &self.settings.bending;
         let still = !bending.self_weight && bending.tailstock_x_um == 0.0 && bending.tailstock_y_um == 0.0;
         if still {
-            return bending.tangential_error.then(|| vec![0.0; commanded.len()]);
+            return;
         }
-        let at_tool = self.axis_at_tool(commanded);
+        let commanded: Vec<f64> = nodes.iter().map(|n| n.commanded).collect();
+        let at_tool = self.axis_at_tool(&commanded);
         let [x, y] = bending.towards_tool();
-        let mut across = Vec::with_capacity(commanded.len());
-        for (node, diameter) in commanded.iter_mut().enumerate() {
+        for (node, uncut) in nodes.iter_mut().enumerate() {
             let [ux, uy] = bending::axis_at(&at_tool, node as f64 * self.step_mm);
-            *diameter -= 2.0 * (ux * x + uy * y);
+            uncut.commanded -= 2.0 * (ux * x + uy * y);
             // In the direction of the tangential force: against the surface's motion.
-            across.push(ux * y - uy * x);
+            uncut.aside = ux * y - uy * x;
         }
-        Some(across)
     }
 
     /// Share of the pass that is cut when the tool reaches z.
@@ -347,13 +347,12 @@ impl TurningProcess {
     fn check_chip(
         &self,
         pass: u32,
-        before: &[f64],
-        commanded: &[f64],
-        after: &[f64],
+        uncut: &[UncutNode],
+        cut: &[CutNode],
     ) -> Result<Option<String>, ProcessError> {
         let minimum_chip_mm = self.settings.pass.minimum_chip_mm;
-        let depth = |node: usize| 0.5 * (before[node] - after[node]);
-        let least = (0..after.len()).min_by(|a, b| depth(*a).total_cmp(&depth(*b)));
+        let depth = |node: usize| 0.5 * (uncut[node].before - cut[node].after);
+        let least = (0..cut.len()).min_by(|a, b| depth(*a).total_cmp(&depth(*b)));
         let Some(node) = least.filter(|node| depth(*node) < minimum_chip_mm) else {
             return Ok(None);
         };
@@ -364,19 +363,19 @@ impl TurningProcess {
                  the edge may rub there"
             )));
         }
-        let set_mm = 0.5 * (before[node] - commanded[node]);
+        let set_mm = 0.5 * (uncut[node].before - uncut[node].commanded);
         Err(ProcessError::BelowMinimumChip { pass, z_mm, depth_mm, set_mm, minimum_chip_mm })
     }
 
     /// Euler's load of the thinnest diameter over the whole length, clamped and hinged:
     /// 2.0457·π²·EI/L².
-    fn check_buckling(&self, pass: u32, after: &[f64], feed_n: f64) -> Result<(), ProcessError> {
+    fn check_buckling(&self, pass: u32, cut: &[CutNode], feed_n: f64) -> Result<(), ProcessError> {
         let support = &self.settings.support;
         if support.tailstock_n_per_um == 0.0 {
             return Ok(());
         }
-        let diameter_mm = after.iter().copied().fold(f64::INFINITY, f64::min);
-        let length = self.step_mm * (after.len() - 1) as f64;
+        let diameter_mm = cut.iter().map(|n| n.after).fold(f64::INFINITY, f64::min);
+        let length = self.step_mm * (cut.len() - 1) as f64;
         let bending = Section::circular(diameter_mm, &self.material).bending_n_mm2;
         let critical_n = 2.0457 * std::f64::consts::PI.powi(2) * bending / (length * length);
         let axial_n = support.tailstock_thrust_n + feed_n;

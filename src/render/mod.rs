@@ -3,7 +3,7 @@
 //! In: a [`Shaft`](crate::shaft::Shaft), the settings of an optical setup ([`settings`]) and the
 //! seed of its departures. Out: frames in counts, with the true rows of both edges.
 //! [`OpticalSetup::resolve`] draws the true setup, [`Scene::new`] places a shaft in it,
-//! [`Renderer::render`] renders a frame.
+//! [`frame_job`] computes what the kernel needs of a frame, [`Renderer::render`] renders it.
 //!
 //! From the body to the pixel: [`form`] (a body from the `[shaft]` table), [`silhouette`] (its
 //! outline in f64), [`optics`] (edge spread, lens), [`motion`], [`contamination`], `sensor`;
@@ -30,4 +30,4 @@ pub use error::RenderError;
 pub use kernel::{column_edges as columns, light_map, noise, params, reference, shadowgraph};
 pub use optics::{edge_spread as esf_families, esf_table as esf, lens};
 pub use renderer::{BackendChoice, Renderer};
-pub use scene::{FrameRequest, OpticalSetup, Scene};
+pub use scene::{FrameRequest, OpticalSetup, Scene, frame_job, geometric_edges};

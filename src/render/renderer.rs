@@ -8,6 +8,7 @@ use super::gpu::{Api, Gpu, Work};
 use crate::frame::{Buffer, Frame, PixelFormat};
 use crate::render::kernel::cpu;
 use crate::render::kernel::job::Job;
+use crate::render::scene::frame_job::frame_job;
 use crate::render::scene::request::FrameRequest;
 use crate::render::scene::scene::Scene;
 
@@ -203,13 +204,13 @@ impl Renderer {
         reuse: Option<Frame>,
         with_mask: bool,
     ) -> Result<(Frame, Option<Vec<u8>>), RenderError> {
-        let mut job = scene.job_with(request, with_mask)?;
+        let mut job = frame_job(scene, request, with_mask)?;
         let buffer = self.draw(&job, reuse.map(Frame::into_buffer))?;
         let (rows, columns) = (job.params.size.rows as usize, job.params.size.columns as usize);
-        let frame = Frame::new(buffer, job.format, rows, columns, scene.meta(request))
+        let frame = Frame::new(buffer, job.format, rows, columns, scene.setup().meta(request))
             .map_err(|e| RenderError::Device { what: e.to_string() })?;
         let contamination = job.contamination.take();
-        Ok((frame, contamination.map(|map| scene.recycle(map))))
+        Ok((frame, contamination.map(|map| scene.setup().recycle(map))))
     }
 
     /// Renders a job into a buffer of its format.

@@ -156,17 +156,17 @@ fn picture(study: &WashersStudy, outlier: &Outlier, part: &Part) -> Result<Strin
 
 fn outline(edge: &EdgeCircle, scale: f64) -> String {
     let base = 0.5 * edge.diameter_px;
-    let n = edge.outline.radius_px.len();
+    let points = &edge.outline.points;
     let at = |k: usize| {
-        let radius = base + MAGNIFIED * (edge.outline.radius_px[k] - base);
+        let radius = base + MAGNIFIED * (points[k].radius_px - base);
         let (s, c) = edge.outline.angle(k).sin_cos();
         [edge.centre_px[0] + radius * c, edge.centre_px[1] + radius * s].map(|v| (v + 0.5) * scale)
     };
     let (mut line, mut dots) = (String::new(), String::new());
-    for k in 0..n {
+    for (k, point) in points.iter().enumerate() {
         let [x, y] = at(k);
         let _ = write!(line, "{x:.1},{y:.1} ");
-        if edge.outline.seen[k] != PointOrigin::Fitted {
+        if point.origin != PointOrigin::Fitted {
             let _ = write!(dots, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.2\" fill=\"#d55e00\"/>");
         }
     }

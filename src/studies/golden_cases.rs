@@ -189,7 +189,7 @@ pub fn compare(case: &GoldenCase, test: &Renderer, judge: &Renderer) -> Result<F
     let [a, b] = frames;
     let (a, b) = (a?, b?);
     let edges = true_edges(&scene, &request)?;
-    let levels = scene.levels(PixelFormat::Mono16);
+    let levels = scene.setup().levels(PixelFormat::Mono16);
     match (a.view().pixels(), b.view().pixels()) {
         (Pixels::U16(test), Pixels::U16(judge)) => Ok(FrameDifference::of(
             test,

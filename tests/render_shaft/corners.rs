@@ -42,7 +42,7 @@ fn stepped() -> Shaft {
 /// Worst shift of any column and worst pixel of a frame against the f64 integral.
 fn apart(scene: &Scene, renderer: &Renderer, truth: impl Fn(&GaussianReference) -> Vec<f64>) -> (f64, f64) {
     let frame = counts(&renderer.render(scene, &request(), None).unwrap());
-    let levels = scene.levels(PixelFormat::F32);
+    let levels = scene.setup().levels(PixelFormat::F32);
     let sigma_px =
         if let Esf::Gaussian(g) = &scene.setup().esf { g.sigma_px } else { panic!("not Gaussian") };
     let truth = truth(&GaussianReference { sigma_px, shadow: levels.shadow, bright: levels.bright });
@@ -63,7 +63,7 @@ fn a_shoulder_is_the_closed_form() {
         ProfileKnot { z_mm: z, radius_mm: r2 * setup.pixel_mm },
     ];
     let scene = Scene::new(&setup, shaft).unwrap();
-    let levels = scene.levels(PixelFormat::F32);
+    let levels = scene.setup().levels(PixelFormat::F32);
     let step = |u: f64| {
         let v = u / sigma;
         u * 0.5 * libm::erfc(-v / std::f64::consts::SQRT_2)
@@ -251,7 +251,7 @@ fn corner_light(esf: Esf, pixel_um: f64) -> (Vec<f64>, OpticalSetup) {
     shaft.profile = vec![knot(330.0), knot(8.0)];
     let scene = Scene::new(&setup, shaft).unwrap();
     let frame = counts(&Renderer::new(BackendChoice::Cpu).unwrap().render(&scene, &request(), None).unwrap());
-    let levels = scene.levels(PixelFormat::F32);
+    let levels = scene.setup().levels(PixelFormat::F32);
     let light = frame.iter().map(|c| (c - levels.shadow) / (levels.bright - levels.shadow)).collect();
     (light, setup)
 }

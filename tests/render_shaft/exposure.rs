@@ -4,7 +4,7 @@ use shadowgauge::frame::PixelFormat;
 use shadowgauge::render::esf_families::PartiallyCoherentEdge;
 use shadowgauge::render::motion::{Motion, Strobe, Vibration};
 use shadowgauge::render::settings::{Esf, SetupDeviations, SetupSettings};
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene, geometric_edges};
 use shadowgauge::shaft::{Eccentricity, Flat, Pose, Shaft};
 
 use crate::close;
@@ -61,7 +61,7 @@ fn averaged(
         let high = (lift != 0.0).then(|| lifted(lift));
         let scene = high.as_ref().unwrap_or(&level);
         let frame = counts(&twin.render(scene, &request(angle, z), None).unwrap());
-        let top = scene.geometric_edges(&request(angle, z)).unwrap();
+        let top = geometric_edges(&scene, &request(angle, z)).unwrap();
         sum.resize(frame.len(), 0.0);
         edges.resize(top.len(), 0.0);
         sum.iter_mut().zip(&frame).for_each(|(s, v)| *s += v / f64::from(n));
@@ -116,7 +116,7 @@ fn a_moving_edge_is_the_mean_of_its_images() {
         let worst = counts(&frame).iter().zip(&mean).map(|(a, b)| (a - b).abs() / 1890.0).fold(0.0, f64::max);
         println!("{name}: {worst:.1e} of full intensity against 800 instants");
         assert!(worst < limit, "{name}: {worst}");
-        let truth = scene.geometric_edges(&request(60.0, 0.0)).unwrap();
+        let truth = geometric_edges(&scene, &request(60.0, 0.0)).unwrap();
         let off = truth.iter().zip(&edges).map(|(e, m)| (e.top_px - m).abs()).fold(0.0, f64::max);
         assert!(off < limit, "{name}: truth is off the mean by {off} px");
         if let Some(device) = device() {
@@ -140,6 +140,6 @@ fn a_strobe_freezes_what_moves() {
     let b = counts(&twin.render(&frozen, &request(67.2, 0.0), None).unwrap());
     let worst = a.iter().zip(&b).map(|(x, y)| (x - y).abs() / 1890.0).fold(0.0, f64::max);
     assert!(worst < 2e-3, "{worst}");
-    let e = scene.geometric_edges(&request(60.0, 0.0)).unwrap()[3];
-    close(e.top_px, frozen.geometric_edges(&request(67.2018, 0.0)).unwrap()[3].top_px, 1e-3, "truth");
+    let e = geometric_edges(&scene, &request(60.0, 0.0)).unwrap()[3];
+    close(e.top_px, geometric_edges(&frozen, &request(67.2018, 0.0)).unwrap()[3].top_px, 1e-3, "truth");
 }

@@ -6,7 +6,7 @@ use shadowgauge::render::lens::entocentric::{edges_mm, entocentric_half_height_m
 use shadowgauge::render::reference::GaussianReference;
 use shadowgauge::render::settings::Entocentric;
 use shadowgauge::render::silhouette::{Outline, View};
-use shadowgauge::render::{BackendChoice, FrameRequest, Renderer, Scene};
+use shadowgauge::render::{BackendChoice, FrameRequest, Renderer, Scene, geometric_edges};
 use shadowgauge::shaft::{AxisKnot, Flat, Keyway, Lobe, Pose, ProfileKnot, Shaft};
 
 use crate::close;
@@ -133,9 +133,9 @@ fn a_chief_ray_at_an_angle_moves_an_edge_by_its_depth() {
     let y_mm = 0.7;
     shaft.deflection = vec![AxisKnot { z_mm: 0.0, x_mm: 0.0, y_mm }];
     let straight =
-        Scene::new(&setup, shaft.clone()).unwrap().geometric_edges(&FrameRequest::default()).unwrap();
+        geometric_edges(&Scene::new(&setup, shaft.clone()).unwrap(), &FrameRequest::default()).unwrap();
     setup.nominal.optics.telecentricity_mrad = 5.0;
-    let seen = Scene::new(&setup, shaft).unwrap().geometric_edges(&FrameRequest::default()).unwrap();
+    let seen = geometric_edges(&Scene::new(&setup, shaft).unwrap(), &FrameRequest::default()).unwrap();
     let half_diagonal = 0.5 * 400f64.hypot(60.0);
     // y tan ε with ε in proportion to the height: 2 y tan ε of diameter.
     let shift_px = y_mm / setup.pixel_mm * (5e-3f64).tan() * radius_px / half_diagonal;
@@ -162,10 +162,10 @@ fn distorted_edges_are_drawn_where_the_lens_puts_them() {
         let (row, at) = setup.nominal.optics.distortion.distort_px(straight(column)[0], column, 500, 400);
         close(seen(at)[0], row, 1e-8, "a point of the edge");
     }
-    let truth = scene.geometric_edges(&request).unwrap();
+    let truth = geometric_edges(&scene, &request).unwrap();
     close(truth[17].bottom_px, seen(17.0)[1], 1e-12, "truth holds the distorted rows");
     let frame = counts(&Renderer::new(BackendChoice::Cpu).unwrap().render(&scene, &request, None).unwrap());
-    let levels = scene.levels(PixelFormat::F32);
+    let levels = scene.setup().levels(PixelFormat::F32);
     let reference = GaussianReference { sigma_px: 1.2, shadow: levels.shadow, bright: levels.bright };
     let wanted = reference.frame(500, 400, seen);
     let shift = worst(&shifts(&frame, &wanted, 400, levels.bright - levels.shadow));

@@ -114,7 +114,7 @@ impl GoldenScene {
         let case: GoldenCase = toml::from_str(&text).unwrap();
         let (scene, request) = (case.scene().unwrap(), case.request());
         let edges = shadowgauge::truth::true_edges(&scene, &request).unwrap();
-        let levels = scene.levels(PixelFormat::Mono16);
+        let levels = scene.setup().levels(PixelFormat::Mono16);
         let sigma_px = match &scene.setup().esf {
             Esf::Gaussian(g) => Some(g.sigma_px),
             _ => None,
@@ -145,7 +145,7 @@ impl GoldenScene {
     /// assumptions of a gauge.
     pub fn is_plain(&self) -> bool {
         let setup = self.scene.setup();
-        let levels = self.scene.levels(PixelFormat::Mono16);
+        let levels = self.scene.setup().levels(PixelFormat::Mono16);
         self.sigma_px.is_some()
             && setup.contamination.is_none()
             && setup.nominal.light.field.is_even()
@@ -155,7 +155,7 @@ impl GoldenScene {
     /// Counts by the f64 reference, its edges moved down by `shift_px`.
     pub fn reference(&self, shift_px: f64) -> Vec<f64> {
         let setup = self.scene.setup();
-        let levels = self.scene.levels(PixelFormat::Mono16);
+        let levels = self.scene.setup().levels(PixelFormat::Mono16);
         let (rows, columns) = (setup.rows(), setup.columns());
         let clear = self.clear_light();
         let factor = |r: usize, c: usize| {
@@ -214,7 +214,7 @@ impl GoldenScene {
     /// A frame of straight edges of any family.
     fn straight(&self, edges: impl Fn(f64) -> [f64; 2], factor: impl Fn(usize, usize) -> f64) -> Vec<f64> {
         let setup = self.scene.setup();
-        let levels = self.scene.levels(PixelFormat::Mono16);
+        let levels = self.scene.setup().levels(PixelFormat::Mono16);
         let esf = self.scene.edge_spreads().first().expect("a family has a table");
         let judge = StraightReference { esf, pixel_um: setup.pixel_mm * 1e3 };
         let mut counts = vec![0.0; setup.rows() * setup.columns()];

@@ -24,7 +24,7 @@ use std::path::Path;
 use crate::config;
 use crate::files::OutputFolder;
 use crate::job::Job;
-use crate::render::{Renderer, Scene};
+use crate::render::{Renderer, Scene, geometric_edges};
 use crate::truth;
 
 use self::args::request;
@@ -73,7 +73,7 @@ fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
     let scene = scene(job)?;
     let count = args.frames.unwrap_or_else(|| job.loop_job().scan_plan().frames());
     for index in 0..count.min(job.loop_job().scan_plan().frames()) {
-        scene.geometric_edges(&request(args, job, index)).map_err(Failure::refuse)?;
+        geometric_edges(&scene, &request(args, job, index)).map_err(Failure::refuse)?;
     }
     let folder = OutputFolder::claim(out)?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::frame::{Frame, Roi};
 use crate::job::Job;
-use crate::render::{FrameRequest, Renderer, Scene};
+use crate::render::{FrameRequest, Renderer, Scene, frame_job, geometric_edges};
 
 use super::args::{RenderArgs, request, scene};
 use super::folder_files::of_render;
@@ -103,15 +103,16 @@ fn one(
 ) -> Result<(f64, f64, Frame), Failure> {
     let ms = |start: Instant| start.elapsed().as_secs_f64() * 1e3;
     let start = Instant::now();
-    let job = scene.job_with(request, false).map_err(of_render)?;
+    let job = frame_job(scene, request, false).map_err(of_render)?;
     let buffer = renderer.draw(&job, spare.map(Frame::into_buffer)).map_err(of_render)?;
     let frame_ms = ms(start);
     let start = Instant::now();
     let buffer = renderer.draw_constant(&job, Some(buffer)).map_err(of_render)?;
     let floor_ms = ms(start);
     let (rows, columns) = (job.params.size.rows as usize, job.params.size.columns as usize);
-    let frame = Frame::new(buffer, job.format, rows, columns, scene.meta(request)).map_err(Failure::fail)?;
-    scene.give_back(job);
+    let frame =
+        Frame::new(buffer, job.format, rows, columns, scene.setup().meta(request)).map_err(Failure::fail)?;
+    scene.setup().give_back(job);
     Ok((frame_ms, floor_ms, frame))
 }
 
@@ -152,8 +153,8 @@ fn print(args: &RenderArgs, run: &Timing, renderer: &Renderer) {
 
 /// Windows of `rows` rows about the middle of either edge.
 pub(crate) fn edge_windows(scene: &Scene, request: &FrameRequest, rows: u32) -> Result<[Roi; 2], Failure> {
-    let edges = scene.geometric_edges(request).map_err(of_render)?;
-    let all = scene.window(request).map_err(of_render)?;
+    let edges = geometric_edges(scene, request).map_err(of_render)?;
+    let all = scene.setup().windows(request).map_err(of_render)?.first;
     let about = |row: fn(&crate::render::kernel::column_edges::ColumnEdges) -> f64| {
         let (low, high) =
             edges.iter().map(row).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| (l.min(r), h.max(r)));

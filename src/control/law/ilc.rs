@@ -28,8 +28,8 @@ impl Law for IlcLaw {
     fn begin(&mut self, _stock_mm: Option<Vec<f64>>) {}
 
     fn propose(&mut self, seen: &Observation<'_>) -> Proposal {
-        let learnt = seen.in_force().iter().zip(&seen.errors.e_mm).map(|(o, e)| o + self.learning_gain * e);
-        let learnt: Vec<f64> = learnt.collect();
+        let pairs = seen.in_force().iter().zip(&seen.errors.stations);
+        let learnt: Vec<f64> = pairs.map(|(o, s)| o + self.learning_gain * s.e_mm).collect();
         match &self.q {
             None => learnt.into(),
             Some(q) => (q * DVector::from_vec(learnt)).iter().copied().collect::<Vec<_>>().into(),

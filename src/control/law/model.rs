@@ -23,6 +23,7 @@
 //! both errors.
 
 use super::proposal::{Feedforward, Law, Observation, Proposal};
+use crate::control::readings::StationError;
 use crate::control::settings::{ModelSettings, Workpiece};
 use crate::plan::CuttingData;
 use nalgebra::{DMatrix, DVector};
@@ -89,7 +90,7 @@ impl ModelLaw {
     }
 
     fn remember(&mut self, seen: &Observation<'_>) {
-        let count = seen.errors.e_mm.len();
+        let count = seen.errors.stations.len();
         let index = (seen.plan.pass as usize).saturating_sub(1);
         let last = self.passes.last().filter(|p| p.index + 1 == index);
         let last = last.map(|p| p.stations.iter().map(|s| s.after_mm).collect());
@@ -100,13 +101,12 @@ impl ModelLaw {
             (_, None, _) => (Before::Nominal, vec![self.one_more(seen); count]),
         };
         let repeatability = self.settings.repeatability_mm;
-        let errors = seen.errors.e_mm.iter().zip(&seen.errors.u_random_mm);
-        let stations = errors.zip(seen.plan.commanded_mm()).zip(before_mm);
-        let station = |(((e, u), commanded), before_mm): (((&f64, &f64), f64), f64)| {
-            let after_mm = e + seen.plan.nominal_mm;
+        let stations = seen.errors.stations.iter().zip(seen.plan.commanded_mm()).zip(before_mm);
+        let station = |((s, commanded), before_mm): ((&StationError, f64), f64)| {
+            let after_mm = s.e_mm + seen.plan.nominal_mm;
             PassStation {
                 pushed_mm: 0.5 * (after_mm - commanded),
-                u_mm: repeatability.hypot(0.5 * u),
+                u_mm: repeatability.hypot(0.5 * s.u_random_mm),
                 before_mm,
                 after_mm,
             }
@@ -136,7 +136,7 @@ impl Law for ModelLaw {
         };
         let j = seen.plan.pass as usize;
         let mut gains = (f64::INFINITY, 0.0_f64);
-        let after = seen.errors.e_mm.iter().map(|e| e + seen.plan.nominal_mm);
+        let after = seen.errors.stations.iter().map(|s| s.e_mm + seen.plan.nominal_mm);
         let o_mm = after
             .zip(&carried)
             .enumerate()

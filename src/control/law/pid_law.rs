@@ -27,7 +27,7 @@ impl PidLaw {
 
     fn output(&mut self, seen: &Observation<'_>) -> Vec<f64> {
         let Some(design) = &self.design else {
-            return self.pid.step(&seen.errors.e_mm);
+            return self.pid.step(&seen.errors.e_mm());
         };
         let amplitudes = match project(design, seen.errors) {
             Some(fit) => fit.coefficients.iter().copied().collect(),

@@ -66,14 +66,15 @@ pub(crate) trait Law: Clone {
 }
 
 pub(super) fn y(errors: &Errors) -> DVector<f64> {
-    DVector::from_column_slice(&errors.e_mm)
+    DVector::from_vec(errors.e_mm())
 }
 
 /// Standard uncertainty that is independent from station to station; the combined one where it is
 /// not stated.
 pub(super) fn independent_u(errors: &Errors) -> DVector<f64> {
-    let stated = errors.u_random_mm.iter().all(|&u| u > 0.0);
-    DVector::from_column_slice(if stated { &errors.u_random_mm } else { &errors.u_mm })
+    let stated = errors.stations.iter().all(|s| s.u_random_mm > 0.0);
+    let u = errors.stations.iter().map(|s| if stated { s.u_random_mm } else { s.u_mm });
+    DVector::from_vec(u.collect())
 }
 
 /// Fits shapes to the errors, weighted by the uncertainties that are independent from station to

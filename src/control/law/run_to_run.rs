@@ -30,7 +30,7 @@ impl EwmaLaw {
 
 /// m(k) per station.
 fn disturbance<'a>(seen: &'a Observation<'_>, gain: f64) -> impl Iterator<Item = f64> + 'a {
-    seen.errors.e_mm.iter().zip(seen.in_force()).map(move |(e, o)| e + gain * o)
+    seen.errors.stations.iter().zip(seen.in_force()).map(move |(s, o)| s.e_mm + gain * o)
 }
 
 impl Law for EwmaLaw {

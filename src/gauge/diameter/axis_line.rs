@@ -36,6 +36,7 @@ use serde::Serialize;
 use super::bursts::{AtOnePlace, Bursts, Shown, Whole};
 use super::column_diameters::ColumnDiameters;
 use super::station_mean::{StationColumns, StationMean};
+use super::station_row::{Gathered, StationRow};
 use super::stations::{StationLimits, variance_of_mean};
 use crate::frame::FrameMeta;
 use crate::gauge::calibration::axis_zero::AxisZero;
@@ -174,12 +175,6 @@ impl AxisLine {
             .collect()
     }
 
-    /// The station with the largest run-out of the axis.
-    pub fn largest_run_out(&self) -> Option<(f64, TurningOffset)> {
-        let turning = self.stations.iter().filter_map(|s| Some((s.z_mm, s.turning?)));
-        turning.max_by(|a, b| a.1.amplitude_mm().total_cmp(&b.1.amplitude_mm()))
-    }
-
     /// What stands still towards the camera, where a second camera sees the same shaft with its own
     /// upward direction turned by `view_deg` from x towards y: x' = x·cos ψ + y·sin ψ. The two
     /// optical axes' distance along y stays in it as a constant. Nothing where the directions are
@@ -243,16 +238,13 @@ impl Sums {
 /// Averages the middles of a scan's frames into the axis of the part.
 #[derive(Clone, Debug)]
 pub struct AxisAverager {
-    z_mm: Vec<f64>,
-    station_mm: f64,
+    /// What each burst of frames shows of a station.
+    row: StationRow<Bursts<Sums>>,
     zero: AxisZero,
-    pitch_mm: f64,
-    /// Per station: what each burst of frames shows of it.
-    sums: Vec<Bursts<Sums>>,
 }
 
-/// One station before its uncertainty is known.
-struct Fit {
+/// What a station's middles show over the angles.
+struct Harmonics {
     x_mm: f64,
     turning: Option<(f64, f64)>,
     /// Variances of x and of the turning components over that of one angle.
@@ -263,6 +255,11 @@ struct Fit {
     left: Vec<(f64, f64)>,
     /// Of the middle over the carriage's way, mm a mm.
     drift: f64,
+}
+
+/// One station before its uncertainty is known.
+struct Fit {
+    over_angles: Harmonics,
     noise: f64,
     /// Variances of x and of the turning components by what was not seen of the station, mm².
     rest: [f64; 2],
@@ -276,27 +273,20 @@ struct Fit {
 impl AxisAverager {
     /// Stations by their middles, ascending, and their common length.
     pub fn new(z_mm: Vec<f64>, station_mm: f64, zero: AxisZero) -> Self {
-        let sums = vec![Bursts::default(); z_mm.len()];
-        Self { z_mm, station_mm, zero, pitch_mm: 0.0, sums }
+        Self { row: StationRow::new(z_mm, station_mm), zero }
     }
 
     /// Adds a frame's columns.
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         let stream_limits = StreamLimits::get();
-        self.pitch_mm = diameters.pitch_mm;
+        self.row.pitch_mm = diameters.pitch_mm;
         let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64 % 360_000_000;
-        let half = 0.5 * self.station_mm;
         let mut of_frame: BTreeMap<usize, Sums> = BTreeMap::new();
         for (index, column) in diameters.columns.iter().enumerate() {
             let Reading::Value(d) = column.reading else { continue };
-            let z_mm = diameters.z_mm(meta, index);
-            let after = self.z_mm.partition_point(|middle| *middle + half <= z_mm);
-            if after >= self.z_mm.len() || z_mm < self.z_mm[after] - half {
-                continue;
-            }
-            let sums = of_frame.entry(after).or_default();
+            let Some((station, t)) = self.row.place(diameters.z_mm(meta, index)) else { continue };
+            let sums = of_frame.entry(station).or_default();
             let shared = column.shared_mm.powi(2);
-            let t = (z_mm - self.z_mm[after]) / half;
             sums.columns += 1;
             sums.seen.add(t, column.middle_mm - self.zero.height_mm);
             sums.common_mm += column.u_middle_common_mm;
@@ -305,27 +295,28 @@ impl AxisAverager {
             sums.length = diameters.shared_length;
             sums.narrow = diameters.columns.len() < stream_limits.least_columns;
         }
+        let half = 0.5 * self.row.station_mm();
         for (station, sums) in of_frame {
-            let bursts = &mut self.sums[station];
+            let bursts = self.row.sums(station);
             match sums.narrow {
                 true => bursts.join(angle, meta.z_mm, &sums),
-                false => bursts.add(angle, meta.z_mm, &sums, 0.5 * self.station_mm),
+                false => bursts.add(angle, meta.z_mm, &sums, half),
             }
         }
     }
 
     /// Ends the scan.
     pub fn finish(&self) -> AxisLine {
-        let columns = self.station_mm / self.pitch_mm.max(1e-12);
-        let taken = |(z_mm, bursts): (&f64, &Bursts<Sums>)| {
-            bursts.at_one_place(&Whole { z_mm: *z_mm, station_mm: self.station_mm, columns })
+        let (station_mm, columns) = (self.row.station_mm(), self.row.columns());
+        let taken = |station: &Gathered<Bursts<Sums>>| {
+            station.sums.at_one_place(&Whole { z_mm: station.z_mm, station_mm, columns })
         };
-        let fits: Vec<Result<Fit, Reason>> =
-            self.z_mm.iter().zip(&self.sums).map(taken).map(|t| self.fit(&t)).collect();
-        let pooled = pooled_variance(fits.iter().flatten());
-        let pooled = pooled.map(|variance| (variance, shared_by_stations(fits.iter().flatten(), variance)));
+        let fits: Vec<Result<Fit, Reason>> = self.row.iter().map(|s| self.fit(&taken(s))).collect();
+        let found = || fits.iter().flatten().map(|f| &f.over_angles);
+        let pooled = pooled_variance(found());
+        let pooled = pooled.map(|variance| (variance, shared_by_stations(found(), variance)));
         let mut line = AxisLine::default();
-        for (z_mm, fit) in self.z_mm.iter().zip(&fits) {
+        for (Gathered { z_mm, .. }, fit) in self.row.iter().zip(&fits) {
             match fit {
                 Ok(fit) => line.stations.push(fit.station(*z_mm, pooled, self.zero.u_scale)),
                 Err(reason) => line.gaps.push((*z_mm, *reason)),
@@ -339,7 +330,8 @@ impl AxisAverager {
         if sums.is_empty() {
             return Err(Reason::NotScanned);
         }
-        let least = (AxisLimits::get().least_fill * self.station_mm / self.pitch_mm.max(1e-12)).max(1.0);
+        let least =
+            (AxisLimits::get().least_fill * self.row.station_mm() / self.row.pitch_mm.max(1e-12)).max(1.0);
         let good: Vec<(Middle, &Sums)> = sums
             .iter()
             .filter(|(_, s)| s.columns as f64 >= least)
@@ -366,64 +358,47 @@ impl AxisAverager {
         ];
         let common_mm = good.iter().map(|(_, s)| s.common_mm / s.columns as f64).sum::<f64>() / n;
         let middles: Vec<Middle> = good.iter().zip(&means).map(|(s, m)| s.0.reads(m.mean)).collect();
-        let whole = self.station_mm / self.pitch_mm.max(1e-12);
+        let whole = self.row.columns();
         let part = |s: &Sums, m: &StationMean| (m.gain * whole / s.columns as f64).max(1.0);
         let narrow = good.iter().any(|(_, s)| s.narrow);
         let share = good.iter().zip(&means).map(|((_, s), m)| part(s, m)).sum::<f64>() / n;
         let share = if narrow { 1.0 } else { share };
-        let found = harmonics(&middles);
-        Ok(Fit {
-            noise,
-            rest,
-            share,
-            common_mm,
-            field_z_mm: taken.field_z_mm,
-            angles: good.len(),
-            residual: found.residual / share,
-            ..found
-        })
+        let mut over_angles = harmonics(&middles);
+        over_angles.residual /= share;
+        let (field_z_mm, angles) = (taken.field_z_mm, good.len());
+        Ok(Fit { over_angles, noise, rest, share, common_mm, field_z_mm, angles })
+    }
+}
+
+impl Harmonics {
+    /// The mean over `angles` alone.
+    fn of_mean(x_mm: f64, angles: usize) -> Self {
+        let gains = [1.0 / angles as f64; 2];
+        Self { x_mm, turning: None, gains, residual: 0.0, freedom: 0.0, left: Vec::new(), drift: 0.0 }
     }
 }
 
 impl Fit {
-    /// The mean over `angles` alone, its uncertainty left open.
-    fn of_mean(x_mm: f64, angles: usize) -> Self {
-        Self {
-            x_mm,
-            turning: None,
-            gains: [1.0 / angles as f64; 2],
-            residual: 0.0,
-            freedom: 0.0,
-            left: Vec::new(),
-            drift: 0.0,
-            noise: 0.0,
-            rest: [0.0; 2],
-            share: 1.0,
-            common_mm: 0.0,
-            field_z_mm: f64::NAN,
-            angles,
-        }
-    }
-
     fn station(&self, z_mm: f64, pooled: Option<(f64, f64)>, u_scale: f64) -> AxisStation {
+        let Harmonics { x_mm, turning, gains, residual, freedom, .. } = self.over_angles;
         // What one station's freedom alone shows is widened as Student's t is, so that 2u covers
         // what it should.
-        let widened = few_freedom(self.freedom);
+        let widened = few_freedom(freedom);
         let scatter = match pooled {
-            Some((pooled, _)) if self.freedom > 0.0 && self.residual > StationLimits::get().far * pooled => {
-                self.residual * widened
+            Some((pooled, _)) if freedom > 0.0 && residual > StationLimits::get().far * pooled => {
+                residual * widened
             }
             Some((pooled, shared)) => pooled + shared * (widened - 1.0),
             None => 0.0,
         };
         let one_angle = (scatter * self.share).max(self.noise);
-        let u = |k: usize| (self.gains[k] * one_angle + self.rest[k]).sqrt();
+        let u = |k: usize| (gains[k] * one_angle + self.rest[k]).sqrt();
         AxisStation {
             z_mm,
-            x_mm: self.x_mm,
+            x_mm,
             u_random_mm: u(0),
-            u_common_mm: self.common_mm.hypot(u_scale * self.x_mm),
-            turning: self.turning.map(|(x_mm, y_mm)| TurningOffset { x_mm, y_mm, u_mm: u(1) }),
+            u_common_mm: self.common_mm.hypot(u_scale * x_mm),
+            turning: turning.map(|(x_mm, y_mm)| TurningOffset { x_mm, y_mm, u_mm: u(1) }),
             angles: self.angles,
             field_z_mm: self.field_z_mm,
         }
@@ -461,7 +436,7 @@ pub(super) fn drift(middles: &[Middle]) -> f64 {
 /// Still part and first harmonic, with as many odd harmonics beside them as the angles allow, and
 /// where the carriage moved a steady drift if it leaves two degrees of freedom; the mean alone
 /// where the angles span too little.
-fn harmonics(middles: &[Middle]) -> Fit {
+fn harmonics(middles: &[Middle]) -> Harmonics {
     let limits = AxisLimits::get();
     let n = middles.len();
     let start = middles[0].mm;
@@ -482,7 +457,7 @@ fn harmonics(middles: &[Middle]) -> Fit {
         let solution = &inverse * design.transpose() * &observed;
         let freedom = (n - columns) as f64;
         let square = (&observed - &design * &solution).norm_squared();
-        return Fit {
+        return Harmonics {
             x_mm: start + solution[0],
             turning: Some((solution[1], solution[2])),
             gains: [inverse[(0, 0)], inverse[(1, 1)].max(inverse[(2, 2)])],
@@ -490,10 +465,9 @@ fn harmonics(middles: &[Middle]) -> Fit {
             freedom,
             left: (&observed - &design * &solution).iter().zip(middles).map(|(e, m)| (m.angle, *e)).collect(),
             drift: if drifts > 0 { solution[columns - 1] } else { 0.0 },
-            ..Fit::of_mean(start, n)
         };
     }
-    Fit::of_mean(middles.iter().map(|m| m.mm).sum::<f64>() / n as f64, n)
+    Harmonics::of_mean(middles.iter().map(|m| m.mm).sum::<f64>() / n as f64, n)
 }
 
 /// Column `column` of the design at a middle: 1, cosine and sine of each odd harmonic, the way.
@@ -509,7 +483,7 @@ fn term(at: &Middle, orders: usize, column: usize) -> f64 {
 
 /// Variance of one angle's middle, mm², pooled over the stations without those far beyond the
 /// median; `None` without freedom.
-fn pooled_variance<'a>(fits: impl Iterator<Item = &'a Fit>) -> Option<f64> {
+fn pooled_variance<'a>(fits: impl Iterator<Item = &'a Harmonics>) -> Option<f64> {
     let station_limits = StationLimits::get();
     let mut all: Vec<(f64, f64)> =
         fits.filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
@@ -527,7 +501,7 @@ fn pooled_variance<'a>(fits: impl Iterator<Item = &'a Fit>) -> Option<f64> {
 /// turned part, and the more stations show them the less is learnt. It is the variance of the mean
 /// of what the stations' fits leave angle by angle, less what independent scatter makes of such a
 /// mean.
-fn shared_by_stations<'a>(fits: impl Iterator<Item = &'a Fit>, pooled: f64) -> f64 {
+fn shared_by_stations<'a>(fits: impl Iterator<Item = &'a Harmonics>, pooled: f64) -> f64 {
     let station_limits = StationLimits::get();
     let mut by_angle: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
     let (mut stations, mut freedom) = (0.0, 0.0);

@@ -19,6 +19,7 @@ pub mod reading_scatter;
 pub mod reading_series;
 pub mod sections;
 pub(crate) mod station_mean;
+mod station_row;
 pub(crate) mod stations;
 pub(crate) mod turn_scatter;
 pub mod turning_depth;

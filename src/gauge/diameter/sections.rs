@@ -26,6 +26,7 @@ use super::bursts::{AtOnePlace, Bursts, Shown as _, Whole};
 use super::column_diameters::ColumnDiameters;
 use super::reading_scatter::ScatterTest;
 use super::station_mean::StationColumns;
+use super::station_row::StationRow;
 use super::stations::variance_of_mean;
 use super::turn_scatter::{TurnScatter, axis_of_half_turn, of_half_turn, of_whole_turn};
 use crate::frame::FrameMeta;
@@ -63,13 +64,16 @@ struct Sums {
 /// Gathers a scan's frames by station and angle.
 #[derive(Clone, Debug)]
 pub struct TurnAverager {
-    z_mm: Vec<f64>,
-    station_mm: f64,
-    pitch_mm: f64,
-    /// Per station: sums by angle in microdegrees.
-    sums: Vec<BTreeMap<i64, Sums>>,
-    /// Per station: middles of both edges, burst by burst.
-    middles: Vec<Bursts<StationColumns>>,
+    row: StationRow<StationSums>,
+}
+
+/// What is gathered of a station.
+#[derive(Clone, Debug, Default)]
+struct StationSums {
+    /// By angle in microdegrees.
+    angles: BTreeMap<i64, Sums>,
+    /// Middles of both edges, burst by burst.
+    middles: Bursts<StationColumns>,
 }
 
 /// Form and size of one section.
@@ -176,36 +180,29 @@ struct Section {
 impl TurnAverager {
     /// Stations by their middles, ascending, and their common length.
     pub fn new(z_mm: Vec<f64>, station_mm: f64) -> Self {
-        let sums = vec![BTreeMap::new(); z_mm.len()];
-        let middles = vec![Bursts::default(); z_mm.len()];
-        Self { z_mm, station_mm, pitch_mm: 0.0, sums, middles }
+        Self { row: StationRow::new(z_mm, station_mm) }
     }
 
     /// Adds a frame's diameters.
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64 % 360_000_000;
-        let half = 0.5 * self.station_mm;
-        self.pitch_mm = diameters.pitch_mm;
+        self.row.pitch_mm = diameters.pitch_mm;
         let mut of_frame: BTreeMap<usize, StationColumns> = BTreeMap::new();
         for (index, column) in diameters.columns.iter().enumerate() {
             let Reading::Value(d) = column.reading else { continue };
-            let z_mm = diameters.z_mm(meta, index);
-            let after = self.z_mm.partition_point(|middle| *middle + half <= z_mm);
-            if after >= self.z_mm.len() || z_mm < self.z_mm[after] - half {
-                continue;
-            }
-            let sums = self.sums[after].entry(angle).or_default();
+            let Some((station, t)) = self.row.place(diameters.z_mm(meta, index)) else { continue };
+            let sums = self.row.sums(station).angles.entry(angle).or_default();
             sums.n += 1.0;
-            let t = (z_mm - self.z_mm[after]) / half;
             sums.d_mm.add(t, d.d_mm);
-            of_frame.entry(after).or_default().add(t, column.middle_mm);
+            of_frame.entry(station).or_default().add(t, column.middle_mm);
             let shared = column.shared_mm.powi(2);
             sums.own += (d.u_random_mm * d.u_random_mm - shared).max(0.0);
             sums.shared += shared;
             sums.length = diameters.shared_length;
         }
+        let half = 0.5 * self.row.station_mm();
         for (station, middles) in of_frame {
-            let bursts = &mut self.middles[station];
+            let bursts = &mut self.row.sums(station).middles;
             match diameters.columns.len() < StreamLimits::get().least_columns {
                 true => bursts.join(angle, meta.z_mm, &middles),
                 false => bursts.add(angle, meta.z_mm, &middles, half),
@@ -216,11 +213,12 @@ impl TurnAverager {
     /// Every station: its middle, its sums, and the middles of its edges by angle. While a pass is
     /// cut those of one burst: another saw the shaft bent otherwise.
     fn stations(&self) -> impl Iterator<Item = (f64, Station<'_>)> {
-        let columns = self.station_mm / self.pitch_mm.max(1e-12);
-        self.z_mm.iter().zip(&self.sums).zip(&self.middles).map(move |((z_mm, sums), bursts)| {
-            let whole = Whole { z_mm: *z_mm, station_mm: self.station_mm, columns };
+        let (station_mm, columns) = (self.row.station_mm(), self.row.columns());
+        self.row.iter().map(move |station| {
+            let StationSums { angles: sums, middles: bursts } = &station.sums;
+            let whole = Whole { z_mm: station.z_mm, station_mm, columns };
             let taken = if bursts.moved() { bursts.at_one_place(&whole) } else { bursts.all() };
-            (*z_mm, Station { sums, middles: middles(&taken) })
+            (station.z_mm, Station { sums, middles: middles(&taken) })
         })
     }
 
@@ -238,14 +236,14 @@ impl TurnAverager {
             samples.extend(support.iter().enumerate().map(|(i, h)| [z_mm, TAU * i as f64 / n, *h]));
             u_edge_mm = u_edge_mm.max(seen.stated_mm);
         }
-        if self.z_mm.len() < 3 {
-            return Err(format!("{} sections are seen, and three at least show an axis", self.z_mm.len()));
+        if self.row.len() < 3 {
+            return Err(format!("{} sections are seen, and three at least show an axis", self.row.len()));
         }
         let cylinder = circumscribed_cylinder(&samples).map_err(|e| e.to_string())?;
         Ok(Envelope {
             diameter_mm: 2.0 * cylinder.radius,
             u_random_mm: std::f64::consts::SQRT_2 * u_edge_mm,
-            sections: self.z_mm.len(),
+            sections: self.row.len(),
         })
     }
 

@@ -21,6 +21,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::column_diameters::ColumnDiameters;
 use super::station_mean::{StationColumns, StationMean};
+use super::station_row::StationRow;
 use crate::frame::FrameMeta;
 use crate::gauge::edge::stream::StreamLimits;
 use crate::gauge::limit::limits;
@@ -79,12 +80,9 @@ pub(crate) fn variance_of_mean(n: f64, own: f64, shared: f64, length: f64) -> f6
 /// Averages a scan's frames into stations.
 #[derive(Clone, Debug)]
 pub struct StationAverager {
-    z_mm: Vec<f64>,
-    station_mm: f64,
+    /// Sums by angle in microdegrees.
+    row: StationRow<BTreeMap<i64, AngleSums>>,
     settings: StationSettings,
-    /// Per station: sums by angle in microdegrees.
-    sums: Vec<BTreeMap<i64, AngleSums>>,
-    pitch_mm: f64,
     /// Whether the frames are single readings of a line camera: how many a station has is the
     /// scan's affair.
     readings: bool,
@@ -134,25 +132,23 @@ struct AngleFit {
 impl StationAverager {
     /// Stations by their middles, ascending, and their common length.
     pub fn new(settings: &StationSettings, z_mm: Vec<f64>, station_mm: f64) -> Self {
-        let sums = vec![BTreeMap::new(); z_mm.len()];
-        Self { z_mm, station_mm, settings: *settings, sums, pitch_mm: 0.0, readings: false }
+        Self { row: StationRow::new(z_mm, station_mm), settings: *settings, readings: false }
     }
 
     /// Adds a frame's diameters.
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
-        self.pitch_mm = diameters.pitch_mm;
+        self.row.pitch_mm = diameters.pitch_mm;
         self.readings = diameters.columns.len() < StreamLimits::get().least_columns;
         let angle = (meta.angle_deg * 1e6).round() as i64;
         for (index, column) in diameters.columns.iter().enumerate() {
-            let z_mm = diameters.z_mm(meta, index);
-            let Some(station) = self.station_at(z_mm) else { continue };
-            let sums = self.sums[station].entry(angle).or_default();
+            let Some((station, t)) = self.row.place(diameters.z_mm(meta, index)) else { continue };
+            let sums = self.row.sums(station).entry(angle).or_default();
             match column.reading {
                 Reading::Gap(_) => sums.gaps += 1,
                 Reading::Value(d) => {
                     let shared = column.shared_mm.powi(2);
                     sums.columns += 1;
-                    sums.seen.add((z_mm - self.z_mm[station]) / (0.5 * self.station_mm), d.d_mm);
+                    sums.seen.add(t, d.d_mm);
                     sums.common_mm += d.u_common_mm;
                     sums.own += (d.u_random_mm.powi(2) - shared).max(0.0);
                     sums.shared += shared;
@@ -162,27 +158,23 @@ impl StationAverager {
         }
     }
 
-    fn station_at(&self, z_mm: f64) -> Option<usize> {
-        let half = 0.5 * self.station_mm;
-        let after = self.z_mm.partition_point(|middle| *middle + half <= z_mm);
-        (after < self.z_mm.len() && z_mm >= self.z_mm[after] - half).then_some(after)
-    }
-
     /// Ends the scan: one reading a station.
     pub fn finish(&self, pass: u32) -> DiameterProfile {
         let limits = StationLimits::get();
         let mut fits: Vec<Result<AngleFit, Reason>> =
-            self.sums.iter().map(|sums| self.fit(sums, None)).collect();
+            self.row.iter().map(|s| self.fit(&s.sums, None)).collect();
         let pooled = pooled_variance(fits.iter().flatten());
         if let Some((pooled, _)) = pooled {
-            for (fit, sums) in fits.iter_mut().zip(&self.sums) {
+            for (fit, station) in fits.iter_mut().zip(self.row.iter()) {
                 let far = fit.as_ref().is_ok_and(|f| f.lobes.residual > limits.far * pooled);
-                if let Some(better) = far.then(|| self.without_outlying_angle(sums, pooled)).flatten() {
+                if let Some(better) =
+                    far.then(|| self.without_outlying_angle(&station.sums, pooled)).flatten()
+                {
                     *fit = Ok(better);
                 }
             }
         }
-        let stations = self.z_mm.iter().zip(&fits).map(|(z_mm, fit)| station(*z_mm, fit, pooled)).collect();
+        let stations = self.row.iter().zip(&fits).map(|(s, fit)| station(s.z_mm, fit, pooled)).collect();
         DiameterProfile { pass, stations }
     }
 
@@ -195,7 +187,7 @@ impl StationAverager {
 
     /// Columns of a whole station; 0 where a scan's readings make them.
     fn whole(&self) -> f64 {
-        if self.readings { 0.0 } else { self.station_mm / self.pitch_mm.max(1e-12) }
+        if self.readings { 0.0 } else { self.row.columns() }
     }
 
     fn fit(&self, sums: &BTreeMap<i64, AngleSums>, but: Option<i64>) -> Result<AngleFit, Reason> {

@@ -17,6 +17,7 @@ use super::axis_line::{AxisLine, TurningOffset};
 use super::column_diameters::ColumnDiameters;
 use crate::frame::FrameMeta;
 use crate::gauge::calibration::gauge_calibration::Calibration;
+use crate::numerics::neighbours::neighbours;
 use crate::profile::{Diameter, DiameterProfile, Reading};
 
 /// The telecentricity error of a lens, 1/mm: positive where what comes closer looks smaller.
@@ -88,8 +89,7 @@ fn mean_depth_mm(turning: &TurningOffset, angle_deg: &[f64]) -> f64 {
 
 /// What turns at the station nearest to z.
 fn nearest(axis: &AxisLine, z_mm: f64) -> Option<TurningOffset> {
-    let stations = &axis.stations;
-    let after = stations.partition_point(|s| s.z_mm < z_mm);
-    let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|i| stations.get(i));
+    let (before, after) = neighbours(&axis.stations, |s| s.z_mm < z_mm);
+    let near = before.into_iter().chain(after);
     near.min_by(|a, b| (a.z_mm - z_mm).abs().total_cmp(&(b.z_mm - z_mm).abs()))?.turning
 }

@@ -168,8 +168,8 @@ fn ideal_point(lens: Option<&LensModel>, point_px: [f64; 2]) -> DVec2 {
 /// Centre and radius of the least-squares circle of the trusted points as a perfect lens would show
 /// them, px.
 fn ideal_circle(outline: &Outline, lens: Option<&LensModel>) -> Result<(DVec2, f64), FormError> {
-    let points: Vec<DVec2> = (0..outline.seen.len())
-        .filter(|k| outline.seen[*k] == PointOrigin::Fitted)
+    let points: Vec<DVec2> = (0..outline.points.len())
+        .filter(|k| outline.points[*k].origin == PointOrigin::Fitted)
         .map(|k| ideal_point(lens, outline.point_px(k)))
         .collect();
     let circle = least_squares_circle(&points)?.fit.circle;
@@ -178,6 +178,7 @@ fn ideal_circle(outline: &Outline, lens: Option<&LensModel>) -> Result<(DVec2, f
 
 /// Radii of the trusted outline about a centre as a perfect lens would show them, px.
 fn ideal_radii(outline: &Outline, lens: Option<&LensModel>, centre: DVec2) -> Vec<f64> {
-    let trusted = Outline { radius_px: outline.trusted_radii(), ..outline.clone() };
-    (0..trusted.radius_px.len()).map(|k| ideal_point(lens, trusted.point_px(k)).distance(centre)).collect()
+    let mut trusted = outline.clone();
+    trusted.points.iter_mut().zip(outline.trusted_radii()).for_each(|(p, r)| p.radius_px = r);
+    (0..trusted.points.len()).map(|k| ideal_point(lens, trusted.point_px(k)).distance(centre)).collect()
 }

@@ -28,7 +28,7 @@ mod settings;
 
 pub use error::RingError;
 pub use measurement::measure_ring;
-pub use outline::{Outline, PointOrigin};
+pub use outline::{Outline, OutlinePoint, PointOrigin};
 pub use result::EdgeMillimetres;
 pub use result::{Concentricity, EdgeCircle, RingMeasurement};
 pub use settings::{RingScale, RingSettings};

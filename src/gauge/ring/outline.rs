@@ -25,12 +25,19 @@ pub enum PointOrigin {
 pub struct Outline {
     /// Centre that the angles and radii count from: x the column, y the row, px.
     pub centre_px: [f64; 2],
-    /// Radii with the curvature bias corrected, px.
-    pub radius_px: Vec<f64>,
-    /// How each was found.
-    pub seen: Vec<PointOrigin>,
+    /// The points, one a caliper.
+    pub points: Vec<OutlinePoint>,
     /// Whether the part lies within: an outline and no bore.
     pub outer: bool,
+}
+
+/// A point of an outline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutlinePoint {
+    /// Radius with the curvature bias corrected, px.
+    pub radius_px: f64,
+    /// How it was found.
+    pub origin: PointOrigin,
 }
 
 /// Least ratio of a part's diameter to the radius of the stylus tip, for a Gaussian filter of so
@@ -45,37 +52,31 @@ impl Outline {
     pub(super) fn new(outer: bool, followed: &Circle, fit: &EdgeFit, curvature: f64) -> Self {
         let sign = if outer { 1.0 } else { -1.0 };
         let at = |shift: f64| followed.radius + sign * shift + curvature;
-        let found: Vec<Option<f64>> = fit
-            .calipers
-            .iter()
-            .map(|c| if c.good { Some(at(c.shift)) } else { c.crossing.map(at) })
-            .collect();
-        let seen = fit
-            .calipers
-            .iter()
-            .map(|c| match (c.good, c.crossing) {
-                (true, _) => PointOrigin::Fitted,
-                (false, Some(_)) => PointOrigin::Crossing,
-                (false, None) => PointOrigin::Bridged,
-            })
-            .collect();
-        Self { centre_px: followed.centre.to_array(), radius_px: bridged(&found), seen, outer }
+        let found = fit.calipers.iter().map(|c| match (c.good, c.crossing) {
+            (true, _) => (Some(at(c.shift)), PointOrigin::Fitted),
+            (false, Some(crossing)) => (Some(at(crossing)), PointOrigin::Crossing),
+            (false, None) => (None, PointOrigin::Bridged),
+        });
+        let (radii, origins): (Vec<_>, Vec<_>) = found.unzip();
+        let point = |(radius_px, origin)| OutlinePoint { radius_px, origin };
+        let points = bridged(&radii).into_iter().zip(origins).map(point).collect();
+        Self { centre_px: followed.centre.to_array(), points, outer }
     }
 
     /// Angle of point k, radians.
     pub fn angle(&self, k: usize) -> f64 {
-        TAU * (k as f64 + 0.5) / self.radius_px.len() as f64
+        TAU * (k as f64 + 0.5) / self.points.len() as f64
     }
 
     /// Point k: x the column, y the row, px.
     pub fn point_px(&self, k: usize) -> [f64; 2] {
-        (DVec2::from(self.centre_px) + DVec2::from_angle(self.angle(k)) * self.radius_px[k]).to_array()
+        (DVec2::from(self.centre_px) + DVec2::from_angle(self.angle(k)) * self.points[k].radius_px).to_array()
     }
 
     /// Radii with straight lines over what is refused.
     pub(super) fn trusted_radii(&self) -> Vec<f64> {
-        let trusted = self.seen.iter().zip(&self.radius_px);
-        bridged(&trusted.map(|(s, r)| (*s == PointOrigin::Fitted).then_some(*r)).collect::<Vec<_>>())
+        let trusted = |p: &OutlinePoint| (p.origin == PointOrigin::Fitted).then_some(p.radius_px);
+        bridged(&self.points.iter().map(trusted).collect::<Vec<_>>())
     }
 
     /// RONt of the filtered profile of the trusted calipers about the least-squares circle, px.
@@ -90,7 +91,8 @@ impl Outline {
     /// A ball that does not fit the bore.
     pub fn felt_diameter_px(&self, tip_radius_px: f64) -> Result<f64, FormError> {
         let outward = if self.outer { 1.0 } else { -1.0 };
-        let mean = self.radius_px.iter().sum::<f64>() / self.radius_px.len().max(1) as f64;
+        let radii = || self.points.iter().map(|p| p.radius_px);
+        let mean = radii().sum::<f64>() / self.points.len().max(1) as f64;
         // A ball against a convex outline parts from it as 1/tip + 1/R, in a bore as 1/tip - 1/R.
         let curvature = 1.0 / tip_radius_px + outward / mean;
         if !(curvature > 0.0) {
@@ -100,7 +102,7 @@ impl Outline {
                 right: "below the radius of the bore",
             });
         }
-        let heights: Vec<f64> = self.radius_px.iter().map(|r| outward * (r - mean)).collect();
+        let heights: Vec<f64> = radii().map(|r| outward * (r - mean)).collect();
         let arc = TAU * mean / heights.len() as f64;
         let felt: Vec<f64> =
             mechanical_closing(&heights, arc, curvature).iter().map(|h| mean + outward * h).collect();

@@ -177,6 +177,27 @@ impl Budget {
     }
 }
 
+/// Standard uncertainties of a width by what the edges of its frame are uncertain by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EdgesUncertainty {
+    /// By noise alone, px.
+    pub noise_px: f64,
+    /// Share of quantisation in that noise' variance: (1/12)/σ_n².
+    pub quantisation_share: f64,
+    /// By the levels of light and shadow, px.
+    pub levels_px: f64,
+    /// By the edge model, beyond the systematic residual of the calibration's masters, px.
+    pub misfit_px: f64,
+    /// By light or shadow beyond the end of the grey scale, px.
+    pub clipped_px: f64,
+    /// By rounding that repeats in neighbouring columns and in every frame, px.
+    pub rounding_px: f64,
+    /// By the blur's uncertainty, px.
+    pub blur_px: f64,
+    /// Standard uncertainty of the blur itself, px.
+    pub sigma_px: f64,
+}
+
 /// A width in the image, input of a diameter's budget.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WidthReading {
@@ -188,24 +209,8 @@ pub struct WidthReading {
     pub rows_px: (f64, f64),
     /// Chord factor of the axis' tilt.
     pub chord: f64,
-    /// Standard uncertainty of the width by noise alone, px.
-    pub u_noise_px: f64,
-    /// Share of quantisation in that noise' variance: (1/12)/σ_n².
-    pub quantisation_share: f64,
-    /// Standard uncertainty of the width by the levels of light and shadow, px.
-    pub u_levels_px: f64,
-    /// Standard uncertainty of the width by the edge model, beyond the systematic residual of the
-    /// calibration's masters, px.
-    pub u_misfit_px: f64,
-    /// Standard uncertainty of the width by light or shadow beyond the end of the grey scale, px.
-    pub u_clipped_px: f64,
-    /// Standard uncertainty of the width by rounding that repeats in neighbouring columns and in
-    /// every frame, px.
-    pub u_rounding_px: f64,
-    /// Standard uncertainty of the width by the blur's, px.
-    pub u_blur_px: f64,
-    /// Standard uncertainty of the blur, px.
-    pub u_sigma_px: f64,
+    /// What the frame's edges are uncertain by.
+    pub u: EdgesUncertainty,
     /// The frame's figures, for the ambiguity of its edge-spread function.
     pub figures: FrameFigures,
     /// Form, texture and sampling: scatter of the widths averaged.
@@ -218,25 +223,24 @@ impl WidthReading {
         let over = ColumnMeans::over(edges, columns)?;
         let chord = AxisSlope::of(edges).factor(over.column_px as usize);
         let clipped = edges.clipped_variance().min(over.u_shared_px.powi(2));
-        let (u_blur_px, u_sigma_px) = u_blur_px(edges, &over.used);
+        let rounding = edges.figures.rounding_variance();
+        let levels = over.u_shared_px.powi(2) - over.u_misfit_px.powi(2) - clipped - rounding;
+        let (blur_px, sigma_px) = u_blur_px(edges, &over.used);
         Some(Self {
             column_px: over.column_px,
             column_variance_px2: over.column_variance_px2,
             rows_px: over.rows_px,
             chord,
-            u_noise_px: over.own_variance_px2.sqrt(),
-            quantisation_share: quantisation_share(edges),
-            u_levels_px: (over.u_shared_px.powi(2)
-                - over.u_misfit_px.powi(2)
-                - clipped
-                - edges.figures.rounding_variance())
-            .max(0.0)
-            .sqrt(),
-            u_misfit_px: over.u_misfit_px,
-            u_clipped_px: clipped.sqrt(),
-            u_rounding_px: edges.figures.rounding_variance().sqrt(),
-            u_blur_px,
-            u_sigma_px,
+            u: EdgesUncertainty {
+                noise_px: over.own_variance_px2.sqrt(),
+                quantisation_share: quantisation_share(edges),
+                levels_px: levels.max(0.0).sqrt(),
+                misfit_px: over.u_misfit_px,
+                clipped_px: clipped.sqrt(),
+                rounding_px: rounding.sqrt(),
+                blur_px,
+                sigma_px,
+            },
             figures: edges.figures,
             form: Scatter::of_blocks(edges, &over),
         })
@@ -292,8 +296,9 @@ impl WidthReading {
     }
 
     fn add_edges(&self, budget: &mut Budget, mm_per_px: f64, lens: Option<&LensModel>) {
-        let (u_form_px, form_freedom) = self.form.u_px(lens, self.u_noise_px);
-        let share = self.quantisation_share.clamp(0.0, 1.0);
+        let u = &self.u;
+        let (u_form_px, form_freedom) = self.form.u_px(lens, u.noise_px);
+        let share = u.quantisation_share.clamp(0.0, 1.0);
         let width = |u_px: f64| format!("{u_px:.5} px of width");
         let mut random = |source: &str, input: String, u_px: f64, freedom: Option<f64>| {
             budget.push(Contribution {
@@ -305,19 +310,19 @@ impl WidthReading {
                 u_mm: mm_per_px * u_px,
             });
         };
-        let (noise, quantisation) = (self.u_noise_px * (1.0 - share).sqrt(), self.u_noise_px * share.sqrt());
+        let (noise, quantisation) = (u.noise_px * (1.0 - share).sqrt(), u.noise_px * share.sqrt());
         random("noise of the edges", width(noise), noise, None);
         random("quantisation", width(quantisation), quantisation, None);
-        random("levels of light and shadow", width(self.u_levels_px), self.u_levels_px, None);
+        random("levels of light and shadow", width(u.levels_px), u.levels_px, None);
         random("form, texture and sampling", width(u_form_px), u_form_px, Some(form_freedom));
         // All columns share the frame's blur; a stream estimates it from every frame anew.
-        random("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px, None);
+        random("blur", format!("{:.5} px of blur", u.sigma_px), u.blur_px, None);
         // The same light falls on every frame: it does not average.
-        let misfit = format!("{:.5} px beyond the masters'", self.u_misfit_px);
+        let misfit = format!("{:.5} px beyond the masters'", u.misfit_px);
         for (source, input, u_px) in [
-            ("misfit of the edge model", misfit, self.u_misfit_px),
-            ("light beyond the end of the grey scale", width(self.u_clipped_px), self.u_clipped_px),
-            ("quantisation that repeats", width(self.u_rounding_px), self.u_rounding_px),
+            ("misfit of the edge model", misfit, u.misfit_px),
+            ("light beyond the end of the grey scale", width(u.clipped_px), u.clipped_px),
+            ("quantisation that repeats", width(u.rounding_px), u.rounding_px),
         ] {
             budget.push(Contribution {
                 source: source.to_owned(),
@@ -445,14 +450,7 @@ mod tests {
             column_variance_px2: 0.0,
             rows_px: (10.0, 1410.0),
             chord: 1.0,
-            u_noise_px: 0.01,
-            quantisation_share: 0.25,
-            u_levels_px: 0.0,
-            u_misfit_px: 0.0,
-            u_clipped_px: 0.0,
-            u_rounding_px: 0.0,
-            u_blur_px: 0.0,
-            u_sigma_px: 0.0,
+            u: EdgesUncertainty { noise_px: 0.01, quantisation_share: 0.25, ..EdgesUncertainty::default() },
             form: Scatter::Known { u_px: 0.0, freedom: 1.0 },
         };
         let budget = reading.budget(&calibration, &Conditions::default());
@@ -460,8 +458,8 @@ mod tests {
         assert!((budget.u_random_mm() - 0.01 * calibration.scale_mm_per_px).abs() < 1e-12);
         assert!(budget.to_table(Some(2.0)).contains("quantisation"));
         assert!(!budget.to_table(Some(2.0)).contains("misfit"));
-        let misfitting =
-            WidthReading { u_misfit_px: 0.02, ..reading }.budget(&calibration, &Conditions::default());
+        let u = EdgesUncertainty { misfit_px: 0.02, ..reading.u };
+        let misfitting = WidthReading { u, ..reading }.budget(&calibration, &Conditions::default());
         let misfit_mm = 0.02 * calibration.scale_mm_per_px;
         assert!((misfitting.u_common_mm() / budget.u_common_mm().hypot(misfit_mm) - 1.0).abs() < 1e-9);
         assert!(misfitting.to_table(Some(2.0)).contains("misfit of the edge model"));

@@ -1,6 +1,6 @@
 //! The largest diameter of a frame as a reading, input of its budget.
 
-use super::budget::{WidthReading, quantisation_share};
+use super::budget::{EdgesUncertainty, WidthReading, quantisation_share};
 use super::form_scatter::{FormScatterLimits, Scatter};
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::edges::FrameEdges;
@@ -41,7 +41,7 @@ impl WidthReading {
             }
             false => largest.u_noise_px.powi(2).min(own_u),
         };
-        let (u_blur_px, u_sigma_px) = u_blur_px(edges, &used);
+        let (blur_px, sigma_px) = u_blur_px(edges, &used);
         let shared = (largest.u_px.powi(2) - own_u).max(0.0);
         let misfit = mean(&|c| edges.model_variance(c)).min(shared);
         let clipped = edges.clipped_variance().min(shared - misfit);
@@ -54,14 +54,16 @@ impl WidthReading {
             column_variance_px2: 0.0,
             rows_px: (middle - half, middle + half),
             chord: 1.0,
-            u_noise_px: noise.sqrt(),
-            quantisation_share: quantisation_share(edges),
-            u_levels_px: (shared - misfit - clipped - rounding).max(0.0).sqrt(),
-            u_misfit_px: misfit.sqrt(),
-            u_clipped_px: clipped.sqrt(),
-            u_rounding_px: rounding.sqrt(),
-            u_blur_px,
-            u_sigma_px,
+            u: EdgesUncertainty {
+                noise_px: noise.sqrt(),
+                quantisation_share: quantisation_share(edges),
+                levels_px: (shared - misfit - clipped - rounding).max(0.0).sqrt(),
+                misfit_px: misfit.sqrt(),
+                clipped_px: clipped.sqrt(),
+                rounding_px: rounding.sqrt(),
+                blur_px,
+                sigma_px,
+            },
             figures: edges.figures,
             form: Scatter::Known { u_px: (own_u - noise).max(0.0).sqrt(), freedom: freedom.max(1.0) },
         })

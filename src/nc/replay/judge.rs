@@ -9,6 +9,7 @@ use crate::nc::error::NcError;
 use crate::nc::machine::{ChangePosition, Travel};
 use crate::nc::probe::QUALIFIED;
 use crate::nc::settings::NcSettings;
+use crate::numerics::neighbours::{linear_between, neighbours};
 
 /// Deviation from the commanded diameter allowed for rounding and interpolation between knots, mm
 /// of diameter.
@@ -297,12 +298,7 @@ impl WorkingSpace<'_> {
     }
 
     fn commanded_at(&self, z: f64) -> f64 {
-        let right = self.cut.commanded.partition_point(|p| p.0 < z);
-        match (right.checked_sub(1).and_then(|i| self.cut.commanded.get(i)), self.cut.commanded.get(right)) {
-            (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (z - a.0) / (b.0 - a.0),
-            (Some(only), None) | (None, Some(only)) => only.1,
-            (None, None) => f64::INFINITY,
-        }
+        linear_between(neighbours(&self.cut.commanded, |p| p.0 < z), z, |p| *p).unwrap_or(f64::INFINITY)
     }
 
     fn tolerance_mm(&self) -> f64 {

@@ -1,5 +1,7 @@
 //! The surface that a probe touches.
 
+use crate::numerics::neighbours::{linear_between, neighbours};
+
 /// The surface that the probe touches: diameters over Z, linear between points, constant beyond.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
@@ -27,10 +29,5 @@ impl Surface {
 }
 
 fn at(points: &[(f64, f64)], z: f64) -> f64 {
-    let right = points.partition_point(|p| p.0 < z);
-    match (right.checked_sub(1).and_then(|i| points.get(i)), points.get(right)) {
-        (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (z - a.0) / (b.0 - a.0),
-        (Some(only), None) | (None, Some(only)) => only.1,
-        (None, None) => f64::NEG_INFINITY,
-    }
+    linear_between(neighbours(points, |p| p.0 < z), z, |p| *p).unwrap_or(f64::NEG_INFINITY)
 }

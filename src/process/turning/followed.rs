@@ -3,6 +3,7 @@
 
 use super::super::beam::Supports;
 use super::super::bending::{BendingSettings, ForceAt, HeldShaft, axis_at, sum_of_lines};
+use super::super::cut::CutNode;
 use super::super::force::DepthLaw;
 use super::super::force_components::Components;
 use super::{ProcessError, TurningProcess};
@@ -19,8 +20,7 @@ pub struct FollowedPass {
     process: TurningProcess,
     /// The shaft as the pass leaves it.
     surface: Shaft,
-    after: Vec<f64>,
-    depth_mm: Vec<f64>,
+    nodes: Vec<CutNode>,
     law: DepthLaw,
     summary: CutSummary,
 }
@@ -115,12 +115,11 @@ impl TurningProcess {
     pub fn followed(&self, plan: &PassPlan) -> Result<FollowedPass, ProcessError> {
         let (passed, law) = self.passed(plan)?;
         let mut left = self.clone();
-        left.diameter_mm.clone_from(&passed.after);
+        left.diameter_mm = passed.nodes.iter().map(|n| n.after).collect();
         Ok(FollowedPass {
             process: self.clone(),
             surface: left.shaft(plan),
-            after: passed.after,
-            depth_mm: passed.depth_mm,
+            nodes: passed.nodes,
             law,
             summary: passed.summary,
         })
@@ -136,19 +135,19 @@ impl FollowedPass {
     /// Thermal growth of the radius at the tool while it stands at `tool_z_mm`, mm.
     pub fn warm_radius_mm(&self, tool_z_mm: f64) -> f64 {
         let process = &self.process;
-        let node = (tool_z_mm / process.step_mm).clamp(0.0, (self.after.len() - 1) as f64) as usize;
+        let node = (tool_z_mm / process.step_mm).clamp(0.0, (self.nodes.len() - 1) as f64) as usize;
         let share = process.share_cut(tool_z_mm.clamp(0.0, process.length_mm()));
-        0.5 * self.after[node] * (process.growth(process.rise_k(share)) - 1.0)
+        0.5 * self.nodes[node].after * (process.growth(process.rise_k(share)) - 1.0)
     }
 
     /// Components of the force with the tool at `tool_z_mm`, N; zero beyond the shaft.
     pub fn force(&self, tool_z_mm: f64) -> Components {
         let node = tool_z_mm / self.process.step_mm;
-        let last = self.depth_mm.len() - 1;
+        let last = self.nodes.len() - 1;
         if !(0.0..=last as f64).contains(&node) {
             return Components::default();
         }
-        let (a, b) = (self.depth_mm[node as usize], self.depth_mm[(node as usize + 1).min(last)]);
+        let (a, b) = (self.nodes[node as usize].depth, self.nodes[(node as usize + 1).min(last)].depth);
         self.law.components(a + node.fract() * (b - a))
     }
 
@@ -158,7 +157,7 @@ impl FollowedPass {
         let process = &self.process;
         let bending = &process.settings.bending;
         let supports = process.settings.support.supports();
-        let (before, after) = (elements(&process.diameter_mm), elements(&self.after));
+        let (before, after) = (elements(&process.diameter_mm), elements(&self.after()));
         let held = process.held(&supports, process.half_cut(&before, &after, tool_z_mm));
         let force = ForceAt { z_mm: tool_z_mm, force: self.force(tool_z_mm) };
         let deflection = held.still_mm(Some(&force)).unwrap_or_default();
@@ -177,7 +176,7 @@ impl FollowedPass {
     pub fn contributions(&self, tool_z_mm: Option<f64>) -> Contributions {
         let process = &self.process;
         let supports = process.settings.support.supports();
-        let (before, after) = (elements(&process.diameter_mm), elements(&self.after));
+        let (before, after) = (elements(&process.diameter_mm), elements(&self.after()));
         let half_cut = tool_z_mm.map_or_else(|| after.clone(), |z| process.half_cut(&before, &after, z));
         let all = process.settings.bending;
         let none = BendingSettings {
@@ -209,9 +208,14 @@ impl FollowedPass {
         }
     }
 
+    /// Diameter of every node after the pass, mm.
+    fn after(&self) -> Vec<f64> {
+        self.nodes.iter().map(|n| n.after).collect()
+    }
+
     /// Radii with the shoulder under the tool.
     fn profile(&self, tool_z_mm: f64) -> Vec<ProfileKnot> {
-        let (before, after) = (&self.process.diameter_mm, &self.after);
+        let (before, after) = (&self.process.diameter_mm, &self.after());
         let towards_chuck = self.process.settings.pass.feed_direction == FeedDirection::TowardsChuck;
         let (low, high) = if towards_chuck { (before, after) } else { (after, before) };
         let z = |node: usize| node as f64 * self.process.step_mm;

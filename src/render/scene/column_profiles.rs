@@ -89,16 +89,16 @@ pub(crate) struct Profiles<'a> {
     pub kernel_segments: usize,
 }
 
-impl Scene {
+impl Profiles<'_> {
     /// Upper and lower row of the light beneath an overhang of either edge at a fractional column,
     /// in rows of the full sensor.
     fn gaps_at(&self, turned: &Turned<'_>, field_z_mm: f64, sensor_column: f64) -> [Option<[f64; 2]>; 2] {
-        if !(self.is_straight() && self.setup.nominal.optics.distortion.is_none()) {
+        if !(self.scene.is_straight() && self.scene.setup.nominal.optics.distortion.is_none()) {
             return [None; 2];
         }
-        let z = self.setup.column_z_mm(field_z_mm, sensor_column);
+        let z = self.scene.setup.column_z_mm(field_z_mm, sensor_column);
         let rows = |ends: [f64; 2]| {
-            let [a, b] = ends.map(|x| self.setup.row_of_x(x));
+            let [a, b] = ends.map(|x| self.scene.setup.row_of_x(x));
             [a.min(b), a.max(b)]
         };
         [true, false].map(|top| turned.gap(z, top).map(rows))
@@ -106,37 +106,37 @@ impl Scene {
 
     /// Straight-edge equivalent of an edge (0 upper, 1 lower) of a column at an instant.
     fn straight(&self, instant: &Instant<'_>, column: usize, side: usize) -> Straight {
-        let window = instant.edges[column..column + 2 * self.blur.reach() + 1].iter();
-        self.blur.straight(window.map(|e| if side == 0 { e.top_px } else { e.bottom_px }))
+        let window = instant.edges[column..column + 2 * self.scene.blur.reach() + 1].iter();
+        self.scene.blur.straight(window.map(|e| if side == 0 { e.top_px } else { e.bottom_px }))
     }
 
     /// Whether a corner of the outline lies within the blur about a column of a frame.
-    fn is_broken(&self, frame: &Profiles<'_>, column: usize) -> bool {
-        if !self.outline.has_breaks() {
+    fn is_broken(&self, column: usize) -> bool {
+        if !self.scene.outline.has_breaks() {
             return false;
         }
-        let mut reach_px = 5.25 * self.largest_sigma_px + 1.0;
-        if let Some(laser) = self.laser_shoulders() {
-            reach_px = reach_px.max(SEEN_UNITS * laser.unit_um() * 1e-3 / self.setup.pixel_mm);
+        let mut reach_px = 5.25 * self.scene.largest_sigma_px + 1.0;
+        if let Some(laser) = self.scene.laser_shoulders() {
+            reach_px = reach_px.max(SEEN_UNITS * laser.unit_um() * 1e-3 / self.scene.setup.pixel_mm);
         }
-        let reach_mm = reach_px * self.setup.pixel_mm + self.margin_mm;
-        let column = f64::from(frame.window.column) + column as f64;
-        frame.instants.iter().any(|i| {
-            let z = self.setup.column_z_mm(i.field_z_mm, column);
-            self.outline.is_broken(z - reach_mm, z + reach_mm)
+        let reach_mm = reach_px * self.scene.setup.pixel_mm + self.scene.margin_mm;
+        let column = f64::from(self.window.column) + column as f64;
+        self.instants.iter().any(|i| {
+            let z = self.scene.setup.column_z_mm(i.field_z_mm, column);
+            self.scene.outline.is_broken(z - reach_mm, z + reach_mm)
         })
     }
 
     /// Columns of the full sensor at which the visible outline has corners at an instant, and
     /// whether the list is complete.
     fn corners(&self, instant: &Instant<'_>, low: f64, high: f64) -> (Vec<f64>, bool) {
-        let setup = &self.setup;
+        let setup = &self.scene.setup;
         let (rows, columns) = (setup.rows(), setup.columns());
         let distortion = &setup.nominal.optics.distortion;
         let z = |column: f64| setup.column_z_mm(instant.field_z_mm, column);
-        let (from, to) = (z(low) - self.margin_mm, z(high) + self.margin_mm);
+        let (from, to) = (z(low) - self.scene.margin_mm, z(high) + self.scene.margin_mm);
         let mut corners = Vec::new();
-        for s in self.outline.breaks_mm(from, to) {
+        for s in self.scene.outline.breaks_mm(from, to) {
             for (z_mm, x_mm) in instant.turned.corner_seen(s) {
                 let column = setup.centre_column() + (z_mm - instant.field_z_mm) / setup.pixel_mm;
                 let row = setup.row_of_x(x_mm);
@@ -149,16 +149,14 @@ impl Scene {
         }
         corners.sort_by(f64::total_cmp);
         corners.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-        let helices = &self.outline.shaft().features.helices;
-        let known = self.is_straight() && !helices.iter().any(|h| h.from_mm <= to && h.to_mm >= from);
+        let helices = &self.scene.outline.shaft().features.helices;
+        let known = self.scene.is_straight() && !helices.iter().any(|h| h.from_mm <= to && h.to_mm >= from);
         (corners, known)
     }
-}
 
-impl Profiles<'_> {
     /// Computes profiles for the columns that need them and returns these, four rows per element.
     pub(crate) fn add(&self, columns: &mut [Column]) -> Vec<[f32; 4]> {
-        let broken: Vec<bool> = (0..columns.len()).map(|c| self.scene.is_broken(self, c)).collect();
+        let broken: Vec<bool> = (0..columns.len()).map(|c| self.is_broken(c)).collect();
         let moved = |c: usize| {
             let at = |i: &Instant<'_>| i.edges[c + self.halo];
             let first = at(&self.instants[0]);
@@ -239,7 +237,7 @@ impl Profiles<'_> {
             let low = f64::from(self.window.column) + c as f64 - reach;
             let low = low.max(covered);
             let high = f64::from(self.window.column) + (end - 1) as f64 + reach;
-            let (corners, known) = self.scene.corners(instant, low, high);
+            let (corners, known) = self.corners(instant, low, high);
             if known {
                 let inner = corners.into_iter().filter(|c| *c > low && *c < high);
                 let ends: Vec<f64> = std::iter::once(low).chain(inner).chain([high]).collect();
@@ -259,7 +257,7 @@ impl Profiles<'_> {
     fn point(&self, instant: &Instant<'_>, column: f64, weight: f64) -> Point {
         let row0 = f64::from(self.window.row);
         let e = self.scene.edges_at(&instant.turned, instant.field_z_mm, column);
-        let gaps = self.scene.gaps_at(&instant.turned, instant.field_z_mm, column);
+        let gaps = self.gaps_at(&instant.turned, instant.field_z_mm, column);
         let gaps = gaps.map(|gap| gap.map(|rows| rows.map(|r| r - row0)));
         let rise = instant.rise_at(column - f64::from(self.window.column) + self.halo as f64);
         let rows = [e.top_px - rise.top_px - row0, e.bottom_px + rise.bottom_px - row0];
@@ -296,8 +294,7 @@ impl Profiles<'_> {
     /// Mean over the instants of a straight edge's images.
     fn straight_line(&self, column: usize, side: usize) -> Option<Line> {
         let sign = if side == 0 { -1.0 } else { 1.0 };
-        let straights: Vec<Straight> =
-            self.instants.iter().map(|i| self.scene.straight(i, column, side)).collect();
+        let straights: Vec<Straight> = self.instants.iter().map(|i| self.straight(i, column, side)).collect();
         let range = straights
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s.row), b.max(s.row)));
@@ -324,7 +321,7 @@ impl Profiles<'_> {
     /// The outline's level pieces about a column, each at its row nearest to the column.
     fn pieces(&self, instant: &Instant<'_>, laser: &LaserShoulder, at: f64, side: usize) -> Pieces {
         let (low, high) = laser.about(at);
-        let (mut corners, _) = self.scene.corners(instant, low, high);
+        let (mut corners, _) = self.corners(instant, low, high);
         corners.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
         let ends = [&[f64::NEG_INFINITY][..], &corners, &[f64::INFINITY]].concat();
         let row = |e: &[f64]| {
@@ -338,7 +335,7 @@ impl Profiles<'_> {
     fn laser_line(&self, column: usize, side: usize, laser: &LaserShadow) -> Option<Line> {
         let at = f64::from(self.window.column) + column as f64;
         let place = self.table(column, 0.0);
-        let laser = LaserShoulder::new(laser, self.scene.setup().pixel_mm * 1e3, place.scale_px);
+        let laser = LaserShoulder::new(laser, self.scene.setup.pixel_mm * 1e3, place.scale_px);
         let pieces: Vec<Pieces> = self.instants.iter().map(|i| self.pieces(i, &laser, at, side)).collect();
         let seen = pieces.iter().flat_map(|p| laser.rows_seen(p, at));
         let range = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), row| (a.min(row), b.max(row)));

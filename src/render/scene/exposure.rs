@@ -1,13 +1,15 @@
-//! A frame in time: the edges at the instants of its exposure.
+//! A frame in time: the edges at the instants of its exposure, raised by films on the shaft.
 
 use rayon::prelude::*;
 
+use super::contamination_layer::{self, WindowView};
 use super::request::FrameRequest;
 use super::scene::Scene;
+use crate::frame::PixelFormat;
 use crate::render::contamination::Rise;
 use crate::render::error::RenderError;
-use crate::render::kernel::column_edges::ColumnEdges;
-use crate::render::kernel::params::Window;
+use crate::render::kernel::column_edges::{Bands, ColumnEdges};
+use crate::render::kernel::params::{Window, Windows};
 use crate::render::silhouette::Turned;
 
 /// Columns of a task; the result does not depend on the number of threads.
@@ -40,21 +42,90 @@ impl Instant<'_> {
     }
 }
 
+/// What a request reads of the sensor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RequestedFrame {
+    pub windows: Windows,
+    /// From the upper window's first row to the lower one's last.
+    pub window: Window,
+    pub format: PixelFormat,
+    /// Columns computed beyond the frame's own at either side.
+    pub halo: usize,
+}
+
+/// Where the edges of a frame stand while it is exposed, with the halo, in rows of its window.
+pub(crate) struct ExposedEdges<'a> {
+    pub instants: Vec<Instant<'a>>,
+    /// Mean over the instants.
+    pub mean: Vec<ColumnEdges>,
+    /// The mean with the lower edges in the rows that a second window has in the frame.
+    pub stacked: Vec<ColumnEdges>,
+}
+
+impl RequestedFrame {
+    /// The windows and the format of a request.
+    pub(crate) fn of(scene: &Scene, request: &FrameRequest) -> Result<Self, RenderError> {
+        let windows = scene.setup.windows(request)?;
+        let (format, halo) = (scene.setup.format(request), scene.blur.reach());
+        Ok(Self { windows, window: windows.span(), format, halo })
+    }
+}
+
+impl ExposedEdges<'_> {
+    /// The frame's own columns as contamination meets them.
+    pub(crate) fn view(&self, frame: &RequestedFrame, blur_px: f64, bands: &Bands) -> WindowView<'_> {
+        let rises = self.instants.last().map_or(&[][..], |i| &i.rises);
+        let (edges, rises) = (within_halo(&self.stacked, frame.halo), within_halo(rises, frame.halo));
+        WindowView { edges, rises, blur_px, dark: bands.dark.clone() }
+    }
+}
+
+/// Exact edges of the silhouette at every column, in rows of the requested frame: the mean over the
+/// exposure where they move, distorted by the lens.
+///
+/// # Errors
+/// Refuses a window outside the sensor and a shaft that leaves the field.
+pub fn geometric_edges(scene: &Scene, request: &FrameRequest) -> Result<Vec<ColumnEdges>, RenderError> {
+    let windows = scene.setup.windows(request)?;
+    let mut edges = mean(&instants(scene, request, windows.span(), 0)?);
+    stack(&mut edges, windows)?;
+    Ok(edges)
+}
+
+/// The edges of a frame over its exposure, raised by the films that adhere to the part.
+pub(crate) fn expose<'a>(
+    scene: &'a Scene,
+    request: &FrameRequest,
+    frame: &RequestedFrame,
+) -> Result<ExposedEdges<'a>, RenderError> {
+    let mut instants = instants(scene, request, frame.window, frame.halo)?;
+    if !scene.wiped {
+        let (setup, shaft) = (&scene.setup, scene.outline.shaft());
+        for Instant { edges, rises, .. } in &mut instants {
+            *rises = contamination_layer::raise_edges(setup, shaft, request, frame.window, edges)?;
+        }
+    }
+    let mean = mean(&instants);
+    let mut stacked = mean.clone();
+    stack(&mut stacked, frame.windows)?;
+    Ok(ExposedEdges { instants, mean, stacked })
+}
+
 /// The instants of a request's exposure; a single one where nothing moves.
-pub(crate) fn instants<'a>(
+fn instants<'a>(
     scene: &'a Scene,
     request: &FrameRequest,
     window: Window,
     halo: usize,
 ) -> Result<Vec<Instant<'a>>, RenderError> {
-    let nominal = &scene.setup().nominal;
+    let nominal = &scene.setup.nominal;
     let shifted_rows = nominal.optics.distortion.is_none() && scene.is_straight();
-    let poses = nominal.motion.instants(nominal.camera.exposure_us, scene.outline().undulations());
+    let poses = nominal.motion.instants(nominal.camera.exposure_us, scene.outline.undulations());
     let mut instants: Vec<Instant<'a>> = Vec::with_capacity(poses.len());
     let mut before: Option<(f64, f64, f64)> = None;
     for pose in poses {
         let (angle, z) = (request.angle_deg + pose.angle_deg, request.z_mm + pose.z_mm);
-        let lift_px = pose.lift_mm / scene.setup().pixel_mm;
+        let lift_px = pose.lift_mm / scene.setup.pixel_mm;
         let turned = scene.turned(request, angle).shifted(pose.lift_mm, 0.0);
         let same = before.filter(|b| shifted_rows && (b.0, b.1) == (angle, z)).map(|b| b.2);
         let edges = match (same, instants.last()) {
@@ -74,7 +145,7 @@ pub(crate) fn instants<'a>(
 }
 
 /// Mean edges over the instants.
-pub(crate) fn mean(instants: &[Instant<'_>]) -> Vec<ColumnEdges> {
+fn mean(instants: &[Instant<'_>]) -> Vec<ColumnEdges> {
     if let [only] = instants {
         return only.edges.clone();
     }
@@ -110,7 +181,7 @@ fn edges_over(
 
 fn check_field(scene: &Scene, edges: &[ColumnEdges], window: Window) -> Result<(), RenderError> {
     let row0 = f64::from(window.row);
-    let last = scene.setup().rows() as f64 - 1.0;
+    let last = scene.setup.rows() as f64 - 1.0;
     let outside = edges.iter().position(|e| !(e.top_px + row0 >= 0.0 && e.bottom_px + row0 <= last));
     let Some(column) = outside else { return Ok(()) };
     let e = edges[column];
@@ -122,4 +193,28 @@ fn check_field(scene: &Scene, edges: &[ColumnEdges], window: Window) -> Result<(
             e.bottom_px + row0
         ),
     })
+}
+
+/// The elements of the frame's own columns, without the `halo` on either side.
+fn within_halo<T>(all: &[T], halo: usize) -> &[T] {
+    let first = halo.min(all.len());
+    &all[first..all.len().saturating_sub(halo).max(first)]
+}
+
+/// Moves the lower edges into the rows that a second window has in the frame.
+fn stack(edges: &mut [ColumnEdges], windows: Windows) -> Result<(), RenderError> {
+    if windows.second.is_none() {
+        return Ok(());
+    }
+    let (split, rows) = (f64::from(windows.first.rows), f64::from(windows.frame().rows));
+    for e in &mut *edges {
+        e.bottom_px -= f64::from(windows.skip());
+    }
+    let apart =
+        |e: &ColumnEdges| e.top_px >= 0.0 && e.top_px < split && e.bottom_px >= split && e.bottom_px < rows;
+    if edges.iter().all(apart) {
+        return Ok(());
+    }
+    let right = "each window must hold one edge of the shaft in every column: move it, or give it more rows";
+    Err(RenderError::setting("second_roi", &format!("{windows:?}"), right))
 }

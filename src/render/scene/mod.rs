@@ -1,13 +1,17 @@
-//! Scene: one instant of a shaft in front of a camera, and the exposure as a sum of instants.
+//! Scene: a shaft in front of a camera, and a frame of it as the mean over the instants of its
+//! exposure.
 //!
 //! In: a shaft, an [`OpticalSetup`] (the true optical setup, drawn once from settings and seed) and
 //! a [`FrameRequest`] (spindle angle, axial field, seed of the noise). Out: the true rows of both
-//! edges of every column, and the [`Job`](super::kernel::job::Job) that the kernel computes.
+//! edges of every column ([`geometric_edges`]), and the [`Job`](super::kernel::job::Job) that the
+//! kernel computes ([`fn@frame_job`]).
 //!
-//! `frame_job` takes the steps of a frame one after the other: `exposure` (the instants of the
-//! exposure, with the outline of each in rows of the image), `contamination_layer` (films on the
-//! silhouette, attenuation of the light), `column_profiles` (columns whose edge is not straight
-//! within the blur). A new effect on a frame is a step with a file of its own.
+//! One way, each a value from those before it: settings → [`OpticalSetup`] (`true_optics`; also
+//! what a request reads of the sensor) → [`Scene`] (where the edges of a placed shaft are) →
+//! `exposure` (the edges at the instants of an exposure, raised by films) → `frame_job`, with
+//! `contamination_layer` (films on the silhouette, attenuation of the light) and `column_profiles`
+//! (columns whose edge is not straight within the blur). A new effect on a frame is a step with a
+//! file of its own.
 
 pub(crate) mod column_profiles;
 pub(crate) mod contamination_layer;
@@ -18,6 +22,8 @@ pub(crate) mod request;
 pub(crate) mod scene;
 pub(crate) mod true_optics;
 
+pub use exposure::geometric_edges;
+pub use frame_job::frame_job;
 pub use request::FrameRequest;
 pub use scene::Scene;
 pub use true_optics::OpticalSetup;

@@ -8,10 +8,8 @@ use rand_pcg::rand_core::SeedableRng;
 
 use super::request::FrameRequest;
 use super::true_optics::OpticalSetup;
-use crate::frame::{FrameMeta, PixelFormat, Roi};
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::{ColumnEdges, RowBlur};
-use crate::render::kernel::params::{GreyLevels, Window, Windows};
 use crate::render::optics::edge_spread::{EdgeSpread, LaserShadow};
 use crate::render::optics::esf_table::{EsfTable, Extent};
 use crate::render::optics::settings::Esf;
@@ -112,51 +110,6 @@ impl Scene {
         self.esf.sources()
     }
 
-    /// The window of the sensor that the request reads.
-    ///
-    /// # Errors
-    /// Refuses a window that is empty or leaves the sensor.
-    pub fn window(&self, request: &FrameRequest) -> Result<Window, RenderError> {
-        self.window_of(request.roi, "roi")
-    }
-
-    /// Both windows that the request reads.
-    ///
-    /// # Errors
-    /// As [`Self::window`], and refuses a second window that is not below the first or has other
-    /// columns.
-    pub fn windows(&self, request: &FrameRequest) -> Result<Windows, RenderError> {
-        let first = self.window(request)?;
-        let Some(roi) = request.second_roi else { return Ok(Windows { first, second: None }) };
-        let second = self.window_of(Some(roi), "second_roi")?;
-        if (second.column, second.columns) != (first.column, first.columns)
-            || second.row < first.row + first.rows
-        {
-            return Err(RenderError::setting(
-                "second_roi",
-                &format!("{roi:?}"),
-                "must have the columns of the first window and lie below it",
-            ));
-        }
-        Ok(Windows { first, second: Some(second) })
-    }
-
-    fn window_of(&self, roi: Option<Roi>, key: &'static str) -> Result<Window, RenderError> {
-        let (rows, columns) = (self.setup.nominal.camera.rows, self.setup.nominal.camera.columns);
-        let Some(roi) = roi else { return Ok(Window { row: 0, column: 0, rows, columns }) };
-        let inside = |start: u32, length: u32, all: u32| {
-            length > 0 && start.checked_add(length).is_some_and(|end| end <= all)
-        };
-        if inside(roi.row, roi.rows, rows) && inside(roi.column, roi.columns, columns) {
-            return Ok(Window { row: roi.row, column: roi.column, rows: roi.rows, columns: roi.columns });
-        }
-        Err(RenderError::setting(
-            key,
-            &format!("{roi:?}"),
-            format!("must hold a pixel and lie within {rows} rows x {columns} columns"),
-        ))
-    }
-
     /// The shaft at a spindle angle, with the asynchronous error motion of this frame.
     pub(crate) fn turned(&self, request: &FrameRequest, angle_deg: f64) -> Turned<'_> {
         let turned = self.outline.turned(angle_deg);
@@ -208,42 +161,6 @@ impl Scene {
         let optics = &self.setup.nominal.optics;
         let plain = self.is_straight() && optics.distortion.is_none() && optics.reflection.is_none();
         (plain && self.outline.is_stepped()).then_some(laser)
-    }
-
-    /// Levels in counts of the requested format.
-    pub fn levels(&self, format: PixelFormat) -> GreyLevels {
-        let nominal = &self.setup.nominal;
-        GreyLevels {
-            shadow: nominal.light.shadow_counts,
-            bright: nominal.light.bright_in(&nominal.sensor, self.setup.electrons_per_count),
-            black: nominal.sensor.black_level_counts,
-            electrons_per_count: self.setup.electrons_per_count,
-            read_noise_e: nominal.sensor.read_noise_e,
-            full_well_e: nominal.sensor.full_well_e,
-            prnu: nominal.sensor.prnu_rel,
-            dsnu_e: nominal.sensor.dsnu_e,
-            hot_ppm: nominal.sensor.hot_pixels_ppm,
-            hot_pixel_e: nominal.sensor.hot_pixel_e,
-        }
-        .in_format(nominal.sensor.format, format)
-    }
-
-    /// Format of the requested frame.
-    pub fn format(&self, request: &FrameRequest) -> PixelFormat {
-        request.format.unwrap_or(self.setup.nominal.sensor.format)
-    }
-
-    /// Metadata of the requested frame.
-    pub fn meta(&self, request: &FrameRequest) -> FrameMeta {
-        FrameMeta {
-            frame_id: request.frame_id,
-            t_ns: request.t_ns,
-            exposure_us: self.setup.nominal.camera.exposure_us,
-            angle_deg: request.angle_deg,
-            z_mm: request.z_mm,
-            roi: request.roi,
-            ..FrameMeta::default()
-        }
     }
 }
 

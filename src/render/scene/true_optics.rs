@@ -6,8 +6,13 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
+use super::request::FrameRequest;
+use crate::frame::{FrameMeta, PixelFormat, Roi};
 use crate::render::contamination::{ContaminationModel, FieldGeometry};
 use crate::render::error::RenderError;
+use crate::render::kernel::job::Job;
+use crate::render::kernel::light_map::LightMap;
+use crate::render::kernel::params::{GreyLevels, Window, Windows};
 use crate::render::optics::esf_table::{EsfTable, Extent, TableCache};
 use crate::render::settings::{Esf, Optics, SetupSettings};
 
@@ -101,6 +106,95 @@ impl OpticalSetup {
     /// Row of the full sensor that shows a height `x_mm` above the optical axis.
     pub fn row_of_x(&self, x_mm: f64) -> f64 {
         self.centre_row() - x_mm / self.pixel_mm
+    }
+
+    /// The one or two windows of the sensor that a request reads.
+    ///
+    /// # Errors
+    /// Refuses a window that is empty or leaves the sensor, and a second one that is not below the
+    /// first or has other columns.
+    pub fn windows(&self, request: &FrameRequest) -> Result<Windows, RenderError> {
+        let first = self.window(request.roi, "roi")?;
+        let Some(roi) = request.second_roi else { return Ok(Windows { first, second: None }) };
+        let second = self.window(Some(roi), "second_roi")?;
+        if (second.column, second.columns) != (first.column, first.columns)
+            || second.row < first.row + first.rows
+        {
+            return Err(RenderError::setting(
+                "second_roi",
+                &format!("{roi:?}"),
+                "must have the columns of the first window and lie below it",
+            ));
+        }
+        Ok(Windows { first, second: Some(second) })
+    }
+
+    fn window(&self, roi: Option<Roi>, key: &'static str) -> Result<Window, RenderError> {
+        let (rows, columns) = (self.nominal.camera.rows, self.nominal.camera.columns);
+        let Some(roi) = roi else { return Ok(Window { row: 0, column: 0, rows, columns }) };
+        let inside = |start: u32, length: u32, all: u32| {
+            length > 0 && start.checked_add(length).is_some_and(|end| end <= all)
+        };
+        if inside(roi.row, roi.rows, rows) && inside(roi.column, roi.columns, columns) {
+            return Ok(Window { row: roi.row, column: roi.column, rows: roi.rows, columns: roi.columns });
+        }
+        Err(RenderError::setting(
+            key,
+            &format!("{roi:?}"),
+            format!("must hold a pixel and lie within {rows} rows x {columns} columns"),
+        ))
+    }
+
+    /// Levels in counts of the requested format.
+    pub fn levels(&self, format: PixelFormat) -> GreyLevels {
+        let nominal = &self.nominal;
+        GreyLevels {
+            shadow: nominal.light.shadow_counts,
+            bright: nominal.light.bright_in(&nominal.sensor, self.electrons_per_count),
+            black: nominal.sensor.black_level_counts,
+            electrons_per_count: self.electrons_per_count,
+            read_noise_e: nominal.sensor.read_noise_e,
+            full_well_e: nominal.sensor.full_well_e,
+            prnu: nominal.sensor.prnu_rel,
+            dsnu_e: nominal.sensor.dsnu_e,
+            hot_ppm: nominal.sensor.hot_pixels_ppm,
+            hot_pixel_e: nominal.sensor.hot_pixel_e,
+        }
+        .in_format(nominal.sensor.format, format)
+    }
+
+    /// Format of the requested frame.
+    pub fn format(&self, request: &FrameRequest) -> PixelFormat {
+        request.format.unwrap_or(self.nominal.sensor.format)
+    }
+
+    /// Metadata of the requested frame.
+    pub fn meta(&self, request: &FrameRequest) -> FrameMeta {
+        FrameMeta {
+            frame_id: request.frame_id,
+            t_ns: request.t_ns,
+            exposure_us: self.nominal.camera.exposure_us,
+            angle_deg: request.angle_deg,
+            z_mm: request.z_mm,
+            roi: request.roi,
+            ..FrameMeta::default()
+        }
+    }
+
+    /// Takes back the memory of a frame's contamination and returns its mask.
+    pub(crate) fn recycle(&self, mut map: LightMap) -> Vec<u8> {
+        let mask = std::mem::take(&mut map.mask);
+        if let Some(contamination) = &self.contamination {
+            contamination.recycle(map);
+        }
+        mask
+    }
+
+    /// Takes back a job's memory for the next frame.
+    pub fn give_back(&self, job: Job<'_>) {
+        if let Some(map) = job.contamination {
+            self.recycle(map);
+        }
     }
 }
 

@@ -8,12 +8,12 @@
 
 use glam::DVec2;
 
+use crate::numerics::neighbours::neighbours;
 use crate::shaft::AxisKnot;
 
 /// Offset of the axis at z: linear between knots, constant beyond the ends.
 pub(super) fn offset(knots: &[AxisKnot], z_mm: f64) -> DVec2 {
-    let after = knots.partition_point(|k| k.z_mm <= z_mm);
-    match (after.checked_sub(1).and_then(|i| knots.get(i)), knots.get(after)) {
+    match neighbours(knots, |k| k.z_mm <= z_mm) {
         (Some(a), Some(b)) => point(a).lerp(point(b), (z_mm - a.z_mm) / (b.z_mm - a.z_mm)),
         (Some(only), None) | (None, Some(only)) => point(only),
         (None, None) => DVec2::ZERO,

@@ -7,6 +7,7 @@ use glam::{DMat2, DVec2};
 
 use super::check::{bounds, check};
 use super::features;
+use crate::numerics::neighbours::{linear_between, neighbours};
 use crate::render::error::RenderError;
 use crate::shaft::{ProfileKnot, Shaft};
 
@@ -167,10 +168,6 @@ fn shoulders(profile: &[ProfileKnot]) -> Vec<f64> {
 }
 
 pub(super) fn mean_radius(profile: &[ProfileKnot], z_mm: f64) -> f64 {
-    let after = profile.partition_point(|k| k.z_mm <= z_mm);
-    match (after.checked_sub(1).and_then(|i| profile.get(i)), profile.get(after)) {
-        (Some(a), Some(b)) => a.radius_mm + (b.radius_mm - a.radius_mm) * (z_mm - a.z_mm) / (b.z_mm - a.z_mm),
-        (Some(only), None) | (None, Some(only)) => only.radius_mm,
-        (None, None) => f64::NAN,
-    }
+    let pair = neighbours(profile, |k| k.z_mm <= z_mm);
+    linear_between(pair, z_mm, |k| (k.z_mm, k.radius_mm)).unwrap_or(f64::NAN)
 }

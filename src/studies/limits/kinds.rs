@@ -5,7 +5,7 @@
 //! of the coverage study with masters and budgets. A new kind is a line of a table here.
 
 use super::draw::{Camera, Fall, Shape};
-use super::look::{Defect, Look, Part, Series};
+use super::look::{Defect, Look, Part, Series, View};
 use crate::frame::PixelFormat;
 use crate::studies::coverage::Class;
 use crate::studies::dirty_frames::Contaminant;
@@ -97,8 +97,8 @@ const DRAWN: [Kind; 50] = [
     clean("stuck columns", Look { defect: Defect::StuckColumns(2), ..PLAIN }),
     clean("stuck rows", Look { defect: Defect::StuckRows(2), ..PLAIN }),
     clean("tilted", Look { slope: 0.35, ..PLAIN }),
-    clean("lit", Look { bright: true, ..PLAIN }),
-    clean("upright", Look { upright: true, ..PLAIN }),
+    clean("lit", Look { view: View::Lit, ..PLAIN }),
+    clean("upright", Look { view: View::Upright, ..PLAIN }),
     clean("bent", Look { part: Part::Bent, ..PLAIN }),
     clean("stepped", Look { part: Part::Stepped, ..PLAIN }),
     clean("end", Look { part: Part::End, ..PLAIN }),

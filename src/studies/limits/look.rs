@@ -63,6 +63,17 @@ pub(super) enum Series {
     Turn(usize),
 }
 
+/// How the part is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum View {
+    /// As a shadow before light.
+    Shadow,
+    /// Lit before a dark ground.
+    Lit,
+    /// As an upright shadow: rows and columns exchanged by the view.
+    Upright,
+}
+
 /// Everything that a drawn scene is drawn from.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Look {
@@ -78,10 +89,7 @@ pub(super) struct Look {
     /// Most slope of the axis.
     pub(super) slope: f64,
     pub(super) defect: Defect,
-    /// Lit before a dark ground.
-    pub(super) bright: bool,
-    /// Upright: rows and columns exchanged by the view.
-    pub(super) upright: bool,
+    pub(super) view: View,
     pub(super) series: Series,
     /// Whether the edge-spread function is learnt.
     pub(super) learnt: bool,
@@ -99,8 +107,7 @@ impl Look {
         shape: Shape::Gaussian,
         slope: 0.02,
         defect: Defect::None,
-        bright: false,
-        upright: false,
+        view: View::Shadow,
         series: Series::Single,
         learnt: false,
     };
@@ -108,7 +115,7 @@ impl Look {
     /// The gauge's settings for it.
     pub(super) fn settings(&self) -> GaugeSettings {
         let settings = GaugeSettings {
-            polarity: if self.bright { Polarity::BrightOnDark } else { Polarity::DarkOnBright },
+            polarity: if self.view == View::Lit { Polarity::BrightOnDark } else { Polarity::DarkOnBright },
             min_diameter_px: if self.part == Part::Wire { 4.0 } else { 24.0 },
             esf: if self.learnt { EsfModel::Learnt {} } else { EsfModel::Gaussian {} },
             ..GaugeSettings::default()
@@ -303,10 +310,12 @@ impl<'a> Picture<'a> {
                 return 0.008;
             }
             let lit = self.lit(row as f64, column as f64);
-            let lit = if self.look.bright { 1.0 - lit } else { lit };
+            let lit = if self.look.view == View::Lit { 1.0 - lit } else { lit };
             self.dark + (self.light * (self.field)(r, c) - self.dark) * lit
         };
-        let place = |row: usize, column: usize| if self.look.upright { (column, row) } else { (row, column) };
+        let place = |row: usize, column: usize| {
+            if self.look.view == View::Upright { (column, row) } else { (row, column) }
+        };
         let size = place(rows, columns);
         let mut frame = self.look.camera.expose(size, random, |row, column| {
             let (row, column) = place(row, column);

@@ -8,7 +8,7 @@ use sha2::{Digest as _, Sha256};
 
 use super::figures::Counts;
 use super::kinds::{Role, Source};
-use super::look::{self, Look, Part, Series};
+use super::look::{self, Look, Part, Series, View};
 use super::scene::{DARKS, EXPOSURES, PINS, Scene};
 use crate::frame::{Frame, FrameView};
 use crate::gauge::axis_line::AxisAverager;
@@ -176,7 +176,7 @@ impl Tally {
         let mut stream = Gauge::new(look.settings())?.stream();
         let mut turn = Turn::new(&scene.frames);
         for (frame, truth) in scene.frames.iter().zip(&scene.truth) {
-            let view = if look.upright { frame.view().transposed() } else { frame.view() };
+            let view = if look.view == View::Upright { frame.view().transposed() } else { frame.view() };
             match (look.part, look.series) {
                 (Part::Disc { .. }, _) => self.disc(&view, truth),
                 (Part::Thread, _) => self.thread(&mut stream, &view, truth),

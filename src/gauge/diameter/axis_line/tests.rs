@@ -132,7 +132,7 @@ fn too_few_angles_are_not_split_and_a_second_view_shows_what_stands_still() {
     assert!(first.seen_from(&first, 3.0).is_empty());
     let bend = first.bend_mm();
     assert!(bend.iter().all(|(_, b, _)| b.abs() < 1e-12));
-    let (_, t) = first.largest_run_out().unwrap();
+    let t = first.stations[0].turning.unwrap();
     assert!((t.run_out_mm() - 2.0 * 0.01_f64.hypot(0.02)).abs() < 1e-12);
     assert!((t.at(90.0).0 + 0.02).abs() < 1e-12 && (t.phase_deg() - 63.434_95).abs() < 1e-4);
 }

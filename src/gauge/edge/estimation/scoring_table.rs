@@ -132,6 +132,17 @@ pub(crate) struct Tabulation {
     pub(crate) per_px: u32,
 }
 
+/// All phases, one after another. Arrays apart: placing an edge reads the rows in lanes and the
+/// scalars alone, the blur's only where it is fitted. [`Table::fill`] alone makes them longer, by
+/// one phase each.
+#[derive(Clone, Debug, Default)]
+struct Phases {
+    /// [`ARRAYS`] rows of the window's width a phase.
+    rows: Vec<f32>,
+    scalars: Vec<PhaseScalars>,
+    blur: Vec<BlurScalars>,
+}
+
 /// Scoring weights for one blur and one noise slope.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
@@ -149,9 +160,7 @@ pub(crate) struct Table {
     pub(crate) centroid: f32,
     core: usize,
     cores: Cores,
-    arrays: Vec<f32>,
-    scalars: Vec<PhaseScalars>,
-    blur: Vec<BlurScalars>,
+    phases: Phases,
     borders: Vec<[f64; 3]>,
     /// How long an edge is followed.
     pub(crate) limits: &'static ScoringTableLimits,
@@ -184,7 +193,8 @@ impl Table {
             Cores::Three(phases) => size_of_val(&phases[..]),
             Cores::Whole => 0,
         };
-        cores + size_of_val(&self.arrays[..]) + size_of_val(&self.scalars[..]) + size_of_val(&self.blur[..])
+        let Phases { rows, scalars, blur } = &self.phases;
+        cores + size_of_val(&rows[..]) + size_of_val(&scalars[..]) + size_of_val(&blur[..])
     }
 
     /// An empty table, to be filled.
@@ -198,9 +208,7 @@ impl Table {
             centroid: 0.0,
             core: 0,
             cores: Cores::Whole,
-            arrays: Vec::new(),
-            scalars: Vec::new(),
-            blur: Vec::new(),
+            phases: Phases::default(),
             borders: Vec::new(),
             limits: ScoringTableLimits::get(),
         }
@@ -217,10 +225,10 @@ impl Table {
             true => (width - half(width)) as f32 - 0.5 - shape.window_sum(sigma, width, half(width)) as f32,
             false => shape.centroid(sigma) as f32,
         };
-        self.arrays.clear();
-        self.arrays.resize(count * ARRAYS * width, 0.0);
-        self.scalars.clear();
-        self.blur.clear();
+        self.phases.rows.clear();
+        self.phases.rows.resize(count * ARRAYS * width, 0.0);
+        self.phases.scalars.clear();
+        self.phases.blur.clear();
         // Every border of every pixel at every phase lies on one grid.
         let (pixel, reach) = (per_px as usize, if free_levels { width as f64 } else { shape.reach(sigma) });
         let side = half(width) * pixel + pixel / 2 + steps;
@@ -235,17 +243,17 @@ impl Table {
                 let left = first + k * pixel;
                 *sample = EdgeSample::between(&borders[left], &borders[left + pixel]);
             }
-            let rows = &mut self.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
+            let rows = &mut self.phases.rows[index * ARRAYS * width..(index + 1) * ARRAYS * width];
             let (scalars, blur) = fill_phase(samples, phase, reach, of, rows);
-            self.scalars.push(scalars);
-            self.blur.push(blur);
+            self.phases.scalars.push(scalars);
+            self.phases.blur.push(blur);
         }
         self.freedom = self.mean_freedom();
     }
 
     /// Mean freedom over the phases of one pixel.
     fn mean_freedom(&self) -> f32 {
-        let pixel = self.scalars.iter().filter(|s| s.phase > -0.5 && s.phase <= 0.5);
+        let pixel = self.phases.scalars.iter().filter(|s| s.phase > -0.5 && s.phase <= 0.5);
         let (sum, count) = pixel.fold((0.0, 0.0_f32), |(sum, count), s| (sum + s.freedom, count + 1.0));
         sum / count.max(1.0)
     }
@@ -261,7 +269,7 @@ impl Table {
     fn core_phases<const C: usize>(&self) -> Vec<CorePhase<C>> {
         let first = self.core().0;
         let row = |index: usize, array: usize| {
-            let row = &self.arrays[(index * ARRAYS + array) * self.width..][..self.width];
+            let row = &self.phases.rows[(index * ARRAYS + array) * self.width..][..self.width];
             row[first..].as_chunks::<8>().0.first_chunk::<C>().copied().unwrap_or([[0.0; 8]; C])
         };
         let phase = |(index, scalars): (usize, &PhaseScalars)| CorePhase {
@@ -270,7 +278,7 @@ impl Table {
             values: row(index, 1),
             inverse_variances: row(index, 2),
         };
-        self.scalars.iter().enumerate().map(phase).collect()
+        self.phases.scalars.iter().enumerate().map(phase).collect()
     }
 
     /// The phases of the core.
@@ -283,20 +291,20 @@ impl Table {
     pub(crate) fn index(&self, x: f32) -> usize {
         // Rounding by truncation: the argument is never negative.
         let index = ((x + PHASE_REACH) * self.per_px + 0.5).max(0.0) as usize;
-        index.min(self.scalars.len() - 1)
+        index.min(self.phases.scalars.len() - 1)
     }
 
     /// Scalars of a phase.
     #[inline(always)]
     pub(crate) fn scalars(&self, index: usize) -> &PhaseScalars {
-        &self.scalars[index]
+        &self.phases.scalars[index]
     }
 
     /// The phase nearest to `x` px from the central pixel.
     pub(crate) fn phase(&self, x: f32) -> Phase<'_> {
         let index = self.index(x);
         let width = self.width;
-        let rows = &self.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
+        let rows = &self.phases.rows[index * ARRAYS * width..(index + 1) * ARRAYS * width];
         let (weights, rows) = rows.split_at(width);
         let (values, rows) = rows.split_at(width);
         let (inverse_variances, blur_scores) = rows.split_at(width);
@@ -305,8 +313,8 @@ impl Table {
             values,
             inverse_variances,
             blur_scores,
-            scalars: &self.scalars[index],
-            blur: &self.blur[index],
+            scalars: &self.phases.scalars[index],
+            blur: &self.phases.blur[index],
         }
     }
 }

@@ -1,22 +1,22 @@
 //! The dark areas of a grid: four-connected components joined run by run, in memory that a stream
 //! keeps.
 
-/// Dark cells of one row side by side: `from..to`.
+/// Dark cells of one row side by side, `from..to`, and the component they belong to.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     row: u32,
     from: u32,
     to: u32,
+    /// A run of the same component with a smaller index, or the run itself.
+    parent: u32,
+    /// Place of the area that begins with this run.
+    area: u32,
 }
 
-/// Runs and the components they belong to.
+/// The runs of a grid.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Components {
     runs: Vec<Run>,
-    /// A run of the same component with a smaller index, or the run itself.
-    parent: Vec<u32>,
-    /// Place of the area that begins with a run.
-    areas: Vec<u32>,
 }
 
 /// First and last dark row of a column of the grid.
@@ -40,19 +40,17 @@ impl Components {
     /// where nothing is dark.
     pub(crate) fn find(&mut self, values: &[f32], columns: usize, threshold: f32, areas: &mut Vec<Area>) {
         self.find_runs(values, columns, threshold);
-        self.areas.clear();
-        self.areas.resize(self.runs.len(), u32::MAX);
         areas.clear();
         for index in 0..self.runs.len() {
-            let (run, root) = (self.runs[index], root(&mut self.parent, index as u32));
+            let (run, root) = (self.runs[index], root(&mut self.runs, index as u32));
             // The root is the first run of its component: its area exists before any other run is
             // joined to it.
             if root as usize == index {
-                self.areas[index] = areas.len() as u32;
+                self.runs[index].area = areas.len() as u32;
                 let (rows, columns) = ((run.row, run.row), (run.from, run.to));
                 areas.push(Area { root, cells: 0, rows, columns });
             }
-            let area = &mut areas[self.areas[root as usize] as usize];
+            let area = &mut areas[self.runs[root as usize].area as usize];
             area.cells += run.to - run.from;
             area.rows.1 = run.row;
             area.columns = (area.columns.0.min(run.from), area.columns.1.max(run.to));
@@ -63,10 +61,11 @@ impl Components {
     pub(crate) fn spans(&mut self, area: &Area, columns: usize, spans: &mut Vec<Span>) {
         spans.clear();
         spans.resize(columns, None);
-        for (index, run) in self.runs.iter().enumerate() {
-            if root(&mut self.parent, index as u32) != area.root {
+        for index in 0..self.runs.len() {
+            if root(&mut self.runs, index as u32) != area.root {
                 continue;
             }
+            let run = self.runs[index];
             let row = run.row as usize;
             for span in &mut spans[run.from as usize..run.to as usize] {
                 *span = Some((span.map_or(row, |s| s.0), row));
@@ -76,15 +75,14 @@ impl Components {
 
     fn find_runs(&mut self, values: &[f32], columns: usize, threshold: f32) {
         self.runs.clear();
-        self.parent.clear();
         let mut above = 0..0;
         for (row, line) in values.chunks_exact(columns).enumerate() {
             let first = self.runs.len();
             let mut at = 0;
             while let Some(from) = line[at..].iter().position(|v| *v < threshold).map(|k| at + k) {
                 let to = line[from..].iter().position(|v| !(*v < threshold)).map_or(columns, |k| from + k);
-                self.parent.push(self.runs.len() as u32);
-                self.runs.push(Run { row: row as u32, from: from as u32, to: to as u32 });
+                let (row, from, own) = (row as u32, from as u32, self.runs.len() as u32);
+                self.runs.push(Run { row, from, to: to as u32, parent: own, area: u32::MAX });
                 at = to;
             }
             self.join(above, first);
@@ -102,8 +100,8 @@ impl Components {
             }
             let mut touching = other;
             while touching < above.end && self.runs[touching].from < run.to {
-                let (a, b) = (root(&mut self.parent, touching as u32), root(&mut self.parent, index as u32));
-                self.parent[a.max(b) as usize] = a.min(b);
+                let (a, b) = (root(&mut self.runs, touching as u32), root(&mut self.runs, index as u32));
+                self.runs[a.max(b) as usize].parent = a.min(b);
                 touching += 1;
             }
         }
@@ -116,10 +114,10 @@ pub(crate) fn largest(areas: &[Area]) -> Option<&Area> {
 }
 
 /// Root of a run, the path to it halved on the way.
-fn root(parent: &mut [u32], mut index: u32) -> u32 {
-    while parent[index as usize] != index {
-        let above = parent[parent[index as usize] as usize];
-        parent[index as usize] = above;
+fn root(runs: &mut [Run], mut index: u32) -> u32 {
+    while runs[index as usize].parent != index {
+        let above = runs[runs[index as usize].parent as usize].parent;
+        runs[index as usize].parent = above;
         index = above;
     }
     index

@@ -33,7 +33,8 @@ limits! {
     shadow_level: f64 = 0.35;
 }
 
-/// The valleys of a thinned image, row by row; buffers that a stream keeps.
+/// The valleys of a thinned image, row by row; buffers that a stream keeps. `shares` and `fill`
+/// have one entry a cell and are arrays apart: the flood runs over whole rows of `fill` in lanes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Valleys {
     /// 0 at the floor of a valley, 1 in the light.

@@ -66,7 +66,9 @@ pub(crate) struct LocalBump {
     pub(super) step: isize,
 }
 
-/// Buffers of [`super::one_sided`], reused from frame to frame.
+/// Buffers of [`super::one_sided`], reused from frame to frame. `departures`, `widths` and
+/// `refused` have one entry a column and are arrays apart: medians and extremes of sixteen
+/// departures are computed in lanes, and widths are read of frames that are not calm alone.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AxisScratch {
     /// Middle of every column, NaN without both edges; then its departure from the axis.
@@ -76,6 +78,7 @@ pub(crate) struct AxisScratch {
     pub(super) blocks: Vec<Block>,
     pub(super) pool: Vec<f32>,
     pub(super) sizes: Vec<f64>,
+    /// Columns refused.
     pub(super) refused: Vec<bool>,
     pub(super) ends: Vec<isize>,
     pub(super) suspects: Vec<LocalBump>,
