@@ -136,13 +136,27 @@ impl<'a> ClosedLoop<'a> {
     /// Where the job does not fit together or the masters cannot be measured.
     pub fn start(
         job: &'a Job,
+        cell: Box<dyn TurningCell + 'a>,
+        calibration: Option<Calibrated>,
+    ) -> Result<Self, LoopError> {
+        job.check()?;
+        let controller = control::build(&job.run_control(), &job.part.station_z_mm())?;
+        Self::with_controller(job, cell, calibration, controller)
+    }
+
+    /// As [`Self::start`], with a controller of one's own in place of the job's.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn with_controller(
+        job: &'a Job,
         mut cell: Box<dyn TurningCell + 'a>,
         calibration: Option<Calibrated>,
+        controller: Box<dyn Controller + Send>,
     ) -> Result<Self, LoopError> {
         job.check()?;
         job.check_coverage()?;
         let stations = job.part.station_z_mm().len();
-        let controller = control::build(&job.run_control(), &job.part.station_z_mm())?;
         let (gauge, calibration) = instrument::instrument(job, cell.as_mut(), calibration)?;
         let offset = DiameterOffset::zero(stations);
         Ok(Self {
@@ -159,6 +173,10 @@ impl<'a> ClosedLoop<'a> {
             alarm: None,
             part: PartState::new(PartEvent::Continued),
         })
+    }
+
+    fn check_controller(&self) -> Result<(), LoopError> {
+        self.controller.failure().map_or(Ok(()), |failure| Err(failure.clone().into()))
     }
 
     /// Clamps the next blank of a batch: edge, machine, calibration and the state of the controller
@@ -293,6 +311,7 @@ impl<'a> ClosedLoop<'a> {
             evidence.repeat = Some(again.profile);
         }
         let decision = self.conclude(&plan, &scan.profile, &evidence);
+        self.check_controller()?;
         let half = self.job.part.station_mm / 2.0;
         let intervals: Vec<(f64, f64)> = plan.station_z_mm.iter().map(|z| (z - half, z + half)).collect();
         let seen: Vec<SeenStation> = intervals.iter().map(|i| seen_station(*i, &scan.axis)).collect();

@@ -14,6 +14,7 @@ mod error;
 mod follow;
 mod gauge_settings;
 mod part;
+mod part_facts;
 mod probe;
 mod scan;
 mod stations;
