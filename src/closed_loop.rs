@@ -207,6 +207,10 @@ impl<'a> ClosedLoop<'a> {
         })
     }
 
+    fn check_controller(&self) -> Result<(), LoopError> {
+        self.controller.failure().map_or(Ok(()), |failure| Err(failure.clone().into()))
+    }
+
     /// Clamps the next blank of a batch: edge, machine, calibration and the state of the controller
     /// stay. `part` counts from 0, the part the cell began with.
     ///
@@ -313,6 +317,7 @@ impl<'a> ClosedLoop<'a> {
         let judged = self.judge(cut)?;
         let judged = self.repeat(judged, progress)?;
         let decided = self.conclude(&judged.plan, &judged.scan.profile, &judged.evidence);
+        self.check_controller()?;
         Ok(self.result(judged, decided))
     }
 

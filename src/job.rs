@@ -24,6 +24,7 @@ mod gauge_settings;
 mod loop_job;
 mod nc_job;
 mod part;
+mod part_facts;
 mod probe;
 mod scan;
 #[cfg(feature = "render")]

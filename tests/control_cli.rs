@@ -4,6 +4,9 @@
 #[path = "support/program.rs"]
 mod program;
 
+#[path = "control_cli/with_command.rs"]
+mod with_command;
+
 use program::{said, shadowgauge, text};
 use std::path::Path;
 

@@ -5,6 +5,9 @@
 #[path = "support/plant.rs"]
 mod plant;
 
+#[path = "control_laws/external.rs"]
+mod external;
+
 use plant::{CUTTING, Plant, largest};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::cell::CellError;
 use crate::control::ControlError;
+use crate::control::external::ProgramError;
 use crate::frame::SourceError;
 use crate::gauge::CalibrationError;
 use crate::setting::SettingError;
@@ -41,6 +42,9 @@ pub enum LoopError {
     /// The controller refuses its settings.
     #[error(transparent)]
     Control(#[from] ControlError),
+    /// The program behind the controller failed.
+    #[error(transparent)]
+    Program(#[from] ProgramError),
     /// A recorded pass does not fit the job.
     #[error("the recorded pass {pass} has {found} stations, the job {expected}")]
     Replay {

@@ -41,6 +41,16 @@ impl<L: Law> Compensator<L> {
         }
     }
 
+    /// The law, for one that is given its proposal from outside.
+    pub(crate) fn law_mut(&mut self) -> &mut L {
+        &mut self.law
+    }
+
+    /// Whether a measured profile gives an error at every station, by the settings of the gaps.
+    pub(crate) fn reads(&self, plan: &PassPlan, measured: &DiameterProfile) -> bool {
+        readings::errors(plan, measured, &self.settings.gaps).is_ok()
+    }
+
     fn release(
         &mut self,
         plan: &PassPlan,
@@ -85,6 +95,9 @@ impl<L: Law> Compensator<L> {
             parts.record(plan.pass, &plan.offset.o_mm, &errors.e_mm(), settings.plant_gain);
             let proposal = law.propose(&Observation { plan, errors, next: context.next });
             notes.extend(proposal.notes);
+            if let Some(reason) = proposal.hold {
+                return Err(HeldReason::Guard(format!("the controller holds: {reason}")).into());
+            }
             let mut offsets = proposal.o_mm;
             add_earlier_parts(parts, plan.pass, law.feedforward(), &mut offsets);
             leave_deadband(settings.guards.deadband_mm, &plan.offset.o_mm, &mut offsets);
@@ -101,6 +114,12 @@ impl<L: Law> Compensator<L> {
             self.alarm.get_or_insert_with(|| refusal.reason.to_string());
         }
     }
+}
+
+/// Largest change of an offset at a station, mm of diameter.
+pub(crate) fn step_mm(proposed_mm: &[f64], plan: &PassPlan) -> f64 {
+    let steps = proposed_mm.iter().zip(&plan.offset.o_mm).map(|(new, old)| (new - old).abs());
+    steps.fold(0.0, f64::max)
 }
 
 fn add_earlier_parts(parts: &PartLoop, pass: u32, how: Feedforward, proposed: &mut [f64]) {
@@ -170,8 +189,7 @@ impl<L: Law> Controller for Compensator<L> {
         };
         let proposed =
             self.law.clone().propose(&Observation { plan, errors: &errors, next: context.next }).o_mm;
-        let steps = proposed.iter().zip(&plan.offset.o_mm).map(|(new, old)| (new - old).abs());
-        steps.fold(0.0, f64::max) > self.settings.guards.confirm_above_mm
+        step_mm(&proposed, plan) > self.settings.guards.confirm_above_mm
     }
 
     fn notes(&self) -> &[String] {

@@ -31,7 +31,7 @@ pub struct Origin {
 }
 
 /// The pass that the offsets are for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct NextPass {
     /// Nominal diameter r(k+1), mm.
     pub nominal_mm: f64,

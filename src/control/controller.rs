@@ -1,6 +1,7 @@
 //! The interface of a controller.
 
 use super::context::{PartStart, PassContext};
+use super::external::ProgramError;
 use crate::plan::{Decision, DiameterOffset, PassPlan};
 use crate::profile::DiameterProfile;
 
@@ -51,6 +52,12 @@ pub trait Controller {
     /// After a refusal: why the next pass must not be cut with the held offsets before an
     /// inspection.
     fn alarm(&self) -> Option<&str> {
+        None
+    }
+
+    /// Why this controller cannot decide any more: the program behind it failed. The decisions from
+    /// then on hold.
+    fn failure(&self) -> Option<&ProgramError> {
         None
     }
 }

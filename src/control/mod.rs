@@ -10,6 +10,7 @@
 //! `parts` adds the offsets forecast from earlier parts, `guards` release or hold, `compensator`
 //! joins them behind the trait [`Controller`]; `build` makes one from `settings/`. A new law is a
 //! file in `law/`, a table in `settings/`, a name in `controller_name` and an arm in `build`.
+//! `external/` is a controller in another program.
 
 mod build;
 mod compensator;
@@ -17,6 +18,7 @@ mod context;
 mod controller;
 mod controller_name;
 mod error;
+pub mod external;
 pub mod fit;
 mod guards;
 mod law;

@@ -6,13 +6,69 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::cell::SimulatedCell;
 use crate::closed_loop::{Calibrated, ClosedLoop, LoopError};
-use crate::control::{ControllerName, OnAlarm};
+use crate::control::external::ProgramError;
+use crate::control::{self, Controller, ControllerName, OnAlarm};
 use crate::job::Job;
 use crate::plan::Decision;
 use crate::render::Renderer;
 
 /// Confidence of the intervals.
 const CONFIDENCE: f64 = 0.95;
+
+/// A controller that is compared: one of these, or a program.
+#[derive(Clone, Copy)]
+pub enum Contestant<'a> {
+    /// Of `[control]`.
+    Own(ControllerName),
+    /// In another program.
+    Program(&'a dyn ControllerProgram),
+}
+
+/// A program that decides offsets, by the protocol of [`crate::control::external`].
+pub trait ControllerProgram {
+    /// Its name in tables.
+    fn name(&self) -> &str;
+
+    /// Its command, as it was given.
+    fn command(&self) -> &str;
+
+    /// Starts it for one shaft, with nothing left of an earlier one.
+    ///
+    /// # Errors
+    /// Where it cannot be started.
+    fn start(&self, job: &Job) -> Result<Box<dyn Controller + Send>, ProgramError>;
+}
+
+impl Contestant<'_> {
+    /// The reference: without control.
+    const NONE: Self = Self::Own(ControllerName::None);
+
+    fn is_none(&self) -> bool {
+        matches!(self, Self::Own(ControllerName::None))
+    }
+
+    /// Its name in tables.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Own(name) => name.as_str(),
+            Self::Program(program) => program.name(),
+        }
+    }
+
+    fn start(&self, job: &Job) -> Result<Box<dyn Controller + Send>, LoopError> {
+        match self {
+            Self::Own(_) => Ok(control::build(&job.run_control(), &job.part.station_z_mm())?),
+            Self::Program(program) => Ok(program.start(job)?),
+        }
+    }
+
+    fn command(&self) -> Option<&str> {
+        match self {
+            Self::Own(_) => None,
+            Self::Program(program) => Some(program.command()),
+        }
+    }
+}
 
 /// One pass of one shaft under one controller.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -55,6 +111,9 @@ pub struct PassSummary {
 pub struct ControllerSummary {
     /// Its name.
     pub controller: String,
+    /// The command of a program; none for a controller of `[control]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub command: Option<String>,
     /// Every pass.
     pub passes: Vec<PassSummary>,
     /// Passes after which the offsets were held.
@@ -73,44 +132,51 @@ pub struct ControllerStudy {
 }
 
 /// Turns `shafts` shafts (seeds counted from the job's) with every controller; `none` always comes
-/// first, as the reference.
+/// first, as the reference. A program has a process a shaft and is given what the others are; the
+/// stock is scanned for it where `scan.stock` is `always`.
 ///
 /// # Errors
-/// Where a job does not fit together, the renderer or the gauge fails.
+/// Where a job does not fit together, the renderer, the gauge or a program fails.
 pub fn run(
     job: &Job,
-    controllers: &[ControllerName],
+    controllers: &[Contestant<'_>],
     shafts: usize,
     renderer: &Renderer,
-    done: &mut dyn FnMut(ControllerName, u64),
+    done: &mut dyn FnMut(&str, u64),
 ) -> Result<ControllerStudy, LoopError> {
-    let mut order = vec![ControllerName::None];
-    order.extend(controllers.iter().filter(|c| **c != ControllerName::None));
+    let mut order = vec![Contestant::NONE];
+    order.extend(controllers.iter().filter(|c| !c.is_none()));
     let mut runs = Vec::new();
     for i in 0..shafts as u64 {
         let mut calibration = None;
-        for &controller in &order {
+        for contestant in &order {
             let mut one = job.clone();
             one.seed = job.seed + i;
-            one.control.controller = controller;
+            one.control.controller = match contestant {
+                Contestant::Own(name) => *name,
+                Contestant::Program(_) => ControllerName::None,
+            };
             // all passes of every controller are cut; an alarm counts as offsets held
             one.control.guards.on_alarm = OnAlarm::GoOn;
-            runs.extend(turn(&one, renderer, &mut calibration)?);
-            done(controller, one.seed);
+            runs.extend(turn(&one, contestant, renderer, &mut calibration)?);
+            done(contestant.name(), one.seed);
         }
     }
-    let controllers = order.iter().map(|c| summary(c.as_str(), &runs)).collect();
+    let controllers = order.iter().map(|c| summary(c, &runs)).collect();
     Ok(ControllerStudy { shafts, controllers, runs })
 }
 
 /// One shaft. The optical setup of a seed is calibrated once for all controllers.
 fn turn(
     job: &Job,
+    contestant: &Contestant<'_>,
     renderer: &Renderer,
     calibration: &mut Option<Calibrated>,
 ) -> Result<Vec<PassError>, LoopError> {
     let cell = SimulatedCell::new(job, renderer)?;
-    let mut turning = ClosedLoop::start(job.checked_loop()?, Box::new(cell), calibration.take())?;
+    let controller = contestant.start(job)?;
+    let cell = Box::new(cell);
+    let mut turning = ClosedLoop::with_controller(job.checked_loop()?, cell, calibration.take(), controller)?;
     *calibration = Some(turning.calibration().clone());
     let mut passes = Vec::new();
     while turning.next_pass().is_some() {
@@ -120,7 +186,7 @@ fn turn(
         let readings = || pass.profile.stations.iter().map(|s| s.reading.value().map(|d| d.d_mm));
         let truth = || pass.truth_mm.iter().flatten().copied();
         passes.push(PassError {
-            controller: job.control.controller.to_string(),
+            controller: contestant.name().to_owned(),
             seed: job.seed,
             pass: pass.plan.pass,
             measured_mm: largest(&mut readings().flatten().map(|d| d - nominal)),
@@ -135,10 +201,12 @@ fn turn(
     Ok(passes)
 }
 
-fn summary(controller: &str, runs: &[PassError]) -> ControllerSummary {
+fn summary(contestant: &Contestant<'_>, runs: &[PassError]) -> ControllerSummary {
     let passes = runs.iter().map(|r| r.pass).max().unwrap_or(0);
+    let controller = contestant.name();
     ControllerSummary {
         controller: controller.to_owned(),
+        command: contestant.command().map(str::to_owned),
         passes: (1..=passes).map(|pass| pass_summary(controller, pass, runs)).collect(),
         held: runs.iter().filter(|r| r.controller == controller && !r.held.is_empty()).count(),
     }

@@ -56,14 +56,14 @@ impl Law for LsqLaw {
             self.settings.apply_to == ApplyTo::FinishingPass && !seen.next.is_some_and(|n| n.finishing);
         if waits {
             let notes = vec!["the finishing pass alone is compensated".to_owned()];
-            return Proposal { o_mm: seen.in_force().to_vec(), notes };
+            return Proposal::with_notes(seen.in_force().to_vec(), notes);
         }
         let Some(fit) = self.fit(seen) else {
             let notes = vec!["no fit: the shapes are not independent at these stations".to_owned()];
-            return Proposal { o_mm: seen.in_force().to_vec(), notes };
+            return Proposal::with_notes(seen.in_force().to_vec(), notes);
         };
         let shape = &self.design * &fit.coefficients;
         let corrected = seen.in_force().iter().zip(shape.iter()).map(|(o, e)| o + self.settings.gain * e);
-        Proposal { o_mm: corrected.collect(), notes: vec![self.note(&fit)] }
+        Proposal::with_notes(corrected.collect(), vec![self.note(&fit)])
     }
 }

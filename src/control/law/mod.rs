@@ -11,5 +11,5 @@ pub(crate) use ilc::{IlcLaw, q_filter};
 pub(crate) use lsq::LsqLaw;
 pub(crate) use model::{ModelLaw, nominal_gain};
 pub(crate) use pid_law::PidLaw;
-pub(crate) use proposal::{Feedforward, Law, Observation};
+pub(crate) use proposal::{Feedforward, Law, Observation, Proposal};
 pub(crate) use run_to_run::{DoubleEwmaLaw, EwmaLaw};

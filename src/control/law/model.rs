@@ -147,7 +147,7 @@ impl Law for ModelLaw {
                 2.0 * (model.pushed(&theta, i, j, &cut) + c)
             })
             .collect();
-        Proposal { o_mm, notes: vec![note(&theta, gains)] }
+        Proposal::with_notes(o_mm, vec![note(&theta, gains)])
     }
 
     fn feedforward(&self) -> Feedforward {

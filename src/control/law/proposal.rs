@@ -29,11 +29,25 @@ pub(crate) struct Proposal {
     pub o_mm: Vec<f64>,
     /// Remarks for the log.
     pub notes: Vec<String>,
+    /// Why the offsets in force shall hold instead.
+    pub hold: Option<String>,
+}
+
+impl Proposal {
+    /// Offsets and remarks.
+    pub(super) fn with_notes(o_mm: Vec<f64>, notes: Vec<String>) -> Self {
+        Self { o_mm, notes, hold: None }
+    }
+
+    /// The offsets in force, held for a reason.
+    pub(crate) fn hold(seen: &Observation<'_>, reason: String) -> Self {
+        Self { o_mm: seen.in_force().to_vec(), notes: Vec::new(), hold: Some(reason) }
+    }
 }
 
 impl From<Vec<f64>> for Proposal {
     fn from(o_mm: Vec<f64>) -> Self {
-        Self { o_mm, notes: Vec::new() }
+        Self::with_notes(o_mm, Vec::new())
     }
 }
 

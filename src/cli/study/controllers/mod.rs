@@ -1,8 +1,16 @@
 //! `shadowgauge study controllers`: every controller on the same shafts, through rendered and
-//! measured frames.
+//! measured frames; beside them programs by their command lines.
+//!
+//! `command` reads a command line and is the study's contestant, `process` the stream to what it
+//! starts.
+
+mod command;
+mod process;
 
 use std::path::PathBuf;
+use std::time::Duration;
 
+use self::command::{CommandLine, StartedCommand};
 use crate::cli::failure::{CommandResult, Failure};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, say_study};
 use crate::config;
@@ -10,9 +18,9 @@ use crate::control::ControllerName;
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
-use crate::studies::controllers::{self, ControllerStudy};
+use crate::studies::controllers::{self, Contestant, ControllerStudy};
 
-const CONFIG: &str = include_str!("../../../configs/controllers.toml");
+const CONFIG: &str = include_str!("../../../../configs/controllers.toml");
 
 /// Arguments of `study controllers`.
 #[derive(Debug, clap::Args)]
@@ -25,6 +33,14 @@ pub struct StudyControllersArgs {
     /// Controllers, by default all.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     controllers: Vec<ControllerName>,
+    /// Another program as a controller, compared on equal terms: CMD or NAME=CMD, JSON lines on its
+    /// stdin and stdout (docs/controllers.md), a process a shaft. Repeatable.
+    #[arg(long, value_name = "CMD")]
+    with_command: Vec<CommandLine>,
+    /// Time in which a program must reply to a pass, and end after its last, s. The default leaves
+    /// an interpreter time to load its numerical libraries on a busy machine.
+    #[arg(long, value_name = "S", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=86_400))]
+    command_timeout_s: u64,
     /// Seed of the first shaft, in place of the config's.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -42,23 +58,29 @@ pub struct StudyControllersArgs {
 /// Runs the study.
 ///
 /// # Errors
-/// Exit 2 for a config or a controller that is refused, 3 for a device or a disk that fails.
+/// Exit 2 for a config, a controller or a command that is refused, 3 for a program, a device or a
+/// disk that fails.
 pub fn run(args: &StudyControllersArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "configs/controllers.toml", CONFIG)?;
     let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
     job.seed = args.seed.unwrap_or(job.seed);
     let names =
         if args.controllers.is_empty() { ControllerName::ALL.to_vec() } else { args.controllers.clone() };
+    command::check_names(&args.with_command).map_err(Failure::refuse)?;
     for controller in &names {
         let mut settings = job.loop_job().run_control();
         settings.controller = *controller;
         crate::control::build(&settings, &job.part.station_z_mm()).map_err(|e| text.refuse(e))?;
     }
     let folder = StudyFolder::claim(args.out.as_deref())?;
+    let programs = start_commands(args)?;
+    let own = names.into_iter().map(Contestant::Own);
+    let contestants: Vec<Contestant<'_>> =
+        own.chain(programs.iter().map(|p| Contestant::Program(p))).collect();
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
-    let bar = indicatif::ProgressBar::new(u64::from(args.shafts) * (names.len() as u64 + 1));
-    let study = controllers::run(&job, &names, args.shafts as usize, &renderer, &mut |controller, seed| {
-        tracing::info!(%controller, seed, "turned");
+    let bar = indicatif::ProgressBar::new(u64::from(args.shafts) * (contestants.len() as u64 + 1));
+    let study = controllers::run(&job, &contestants, args.shafts as usize, &renderer, &mut |name, seed| {
+        tracing::info!(controller = name, seed, "turned");
         bar.inc(1);
     })
     .map_err(Failure::fail)?;
@@ -67,14 +89,26 @@ pub fn run(args: &StudyControllersArgs) -> CommandResult {
     say_study(&study, args.json, print)
 }
 
+/// Starts every command once.
+fn start_commands(args: &StudyControllersArgs) -> Result<Vec<StartedCommand>, Failure> {
+    let timeout = Duration::from_secs(args.command_timeout_s);
+    let started = args.with_command.iter().map(|line| StartedCommand::new(line, timeout));
+    started.collect::<Result<_, _>>().map_err(Failure::refuse)
+}
+
+/// Least width of the names' column: that of the controllers of `[control]`.
+const LEAST_WIDTH: usize = 6;
+
 fn print(study: &ControllerStudy) {
+    let names = study.controllers.iter().map(|c| c.controller.chars().count());
+    let width = names.fold(LEAST_WIDTH, usize::max);
     say_line!(
         "largest true error over the stations, µm: mean ± 95 % interval (median, worst; worst share of none)"
     );
     for c in &study.controllers {
         for p in &c.passes {
             say_line!(
-                "{:<6} pass {}  {:8.2} ± {:>5}  ({:7.2}, {:7.2}; {:.3})",
+                "{:<width$} pass {}  {:8.2} ± {:>5}  ({:7.2}, {:7.2}; {:.3})",
                 c.controller,
                 p.pass,
                 p.mean_mm * 1e3,
@@ -85,7 +119,7 @@ fn print(study: &ControllerStudy) {
             );
         }
         if c.held > 0 {
-            say_line!("{:<6} held {} times", c.controller, c.held);
+            say_line!("{:<width$} held {} times", c.controller, c.held);
         }
     }
 }
@@ -151,6 +185,14 @@ fn write(folder: &StudyFolder, study: &ControllerStudy) -> Result<(), Failure> {
         &["controller", "pass", "mean / µm", "95 %", "median / µm", "worst / µm", "worst share of none"],
         &pass_rows(study),
     );
+    let commands: Vec<Vec<String>> = study
+        .controllers
+        .iter()
+        .filter_map(|c| Some(vec![c.controller.clone(), c.command.clone()?]))
+        .collect();
+    if !commands.is_empty() {
+        page.heading("Programs").table(&["controller", "command"], &commands);
+    }
     let held: Vec<Vec<String>> = study
         .runs
         .iter()

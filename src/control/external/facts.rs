@@ -1,0 +1,18 @@
+//! What a program is given of a part before its first pass.
+
+use crate::plan::CuttingData;
+
+/// What a program is given of a part before its first pass: the order, nothing of the truth.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct PartFacts {
+    /// For the program's own random numbers, so that a study can be repeated.
+    pub seed: u64,
+    /// Middles of the stations, mm from the chuck face, ascending.
+    pub station_z_mm: Vec<f64>,
+    /// Target diameter r of every pass, mm.
+    pub nominal_mm: Vec<f64>,
+    /// Lower and upper limit of the finished diameter, mm; none without a tolerance.
+    pub tolerance_mm: Option<(f64, f64)>,
+    /// Cutting data of the passes.
+    pub cutting: CuttingData,
+}

@@ -1,0 +1,26 @@
+//! What a controller in another program is given of a job.
+
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+
+use super::Job;
+use crate::control::external::PartFacts;
+
+/// Stream of the programs' seeds, apart from every other random number of a job.
+const STREAM: u64 = 0x636f_6e74_726f_6c6c;
+
+impl Job {
+    /// What a controller in another program is given of the job: the order, nothing of the truth.
+    /// Its seed follows from the job's, of which everything random of the simulation is drawn,
+    /// and has 32 bits, so that every language reads it exactly.
+    pub fn part_facts(&self) -> PartFacts {
+        let mut random = Pcg64::seed_from_u64(self.seed ^ STREAM);
+        PartFacts {
+            seed: u64::from(random.next_u32()),
+            station_z_mm: self.part.station_z_mm(),
+            nominal_mm: (1..=self.passes() as u32).map(|pass| self.part.target_mm(pass)).collect(),
+            tolerance_mm: self.part.tolerance.map(|t| t.limits_mm()),
+            cutting: self.cutting,
+        }
+    }
+}
