@@ -32,6 +32,7 @@ pub mod source;
 pub mod cell;
 pub mod closed_loop;
 pub mod job;
+pub mod measurement;
 pub mod studies;
 pub mod truth;
 // -- 3 surface
