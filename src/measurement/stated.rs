@@ -1,4 +1,4 @@
-//! The budget of a diameter by a scale alone: rows for what nobody stated.
+//! The budget of a diameter by a scale alone: rows for what is not stated.
 
 use crate::gauge::Calibration;
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};

@@ -182,7 +182,7 @@ impl Stream {
         self.measurement.refusal.is_none().then_some(&self.edges)
     }
 
-    /// Frames that were to teach their edge-spread function and were measured with a Gaussian:
+    /// Frames whose edge-spread function was to be learnt and that were measured with a Gaussian:
     /// their edges show too few sub-pixel phases.
     pub fn unlearnt(&self) -> usize {
         self.unlearnt
