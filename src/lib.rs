@@ -12,6 +12,24 @@
 //! to the truth: it imports only the vocabulary. `tests/architecture.rs` holds the direction of
 //! imports.
 //!
+//! A frame in memory, measured ([`measurement`] has streams, tolerances, turns and rings; a folder
+//! of files is [`source::FileFrames`]):
+//!
+//! ```
+//! use shadowgauge::frame::{FrameView, PixelFormat, Pixels};
+//! use shadowgauge::gauge::{Calibration, Gauge, GaugeSettings, calibration::Conditions};
+//!
+//! let grey = |row: usize| if (41..100).contains(&row) { 12 } else { 210 };
+//! let pixels: Vec<u8> = (0..140 * 64).map(|i| grey(i / 64)).collect();
+//! let view = FrameView::new(Pixels::U8(&pixels), PixelFormat::Mono8, 140, 64, 64)?;
+//! let gauge = Gauge::new(GaugeSettings::default())?;
+//! let measured = gauge.measure(&view, &Calibration::from_scale(17.4), &Conditions::default())?;
+//! let largest = measured.diameter.ok_or("no column has both edges")?;
+//! println!("D = {:.4} mm, u = {:.4} mm", largest.diameter.d_mm, largest.u_mm);
+//! # assert!((largest.diameter.d_mm - 59.0 * 0.0174).abs() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Features, all on by default: `render` is the simulator (`process`, `render`, the simulated cell,
 //! whole jobs, `studies`, `truth`, `config`), `report` run folders and their pages, `cli` the
 //! program. Without them the crate is the instrument, with the closed loop for a cell of one's own
@@ -40,6 +58,7 @@ pub mod source;
 pub mod cell;
 pub mod closed_loop;
 pub mod job;
+pub mod measurement;
 #[cfg(feature = "render")]
 pub mod studies;
 #[cfg(feature = "render")]

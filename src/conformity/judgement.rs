@@ -25,6 +25,17 @@ pub enum Judgement {
     HH,
 }
 
+impl Judgement {
+    /// How far from good: 0 good, 1 not proven, 2 proven bad.
+    pub fn severity(self) -> u8 {
+        match self {
+            Self::GO => 0,
+            Self::LO | Self::HI => 1,
+            Self::LL | Self::HH => 2,
+        }
+    }
+}
+
 /// Limits of size, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]

@@ -53,6 +53,13 @@ impl Edge {
         f64::from(self.u_own_px).hypot(f64::from(self.u_shared_px))
     }
 
+    /// The reason reported for a column of two edges: that of a gap takes precedence over an
+    /// impairment's.
+    pub fn reason_of_both(top: &Self, bottom: &Self) -> Option<Reason> {
+        let gap = [top, bottom].into_iter().find(|e| !e.is_usable()).and_then(Self::reason);
+        gap.or_else(|| top.reason()).or_else(|| bottom.reason())
+    }
+
     /// The reason of a gap or an impairment.
     pub fn reason(&self) -> Option<Reason> {
         match self.state {

@@ -1,10 +1,6 @@
-//! Arguments of `measure` on the part itself (which of several shadows, rejection of columns), and
-//! the warnings on shadows and columns left out.
+//! Arguments of `measure` on the part itself: which of several shadows, rejection of columns.
 
-use serde_json::{Map, Value, json};
-
-use crate::gauge::{FrameEdges, Rejection, ShadowsSeen, Which};
-use crate::profile::Reason;
+use crate::gauge::{Rejection, Which};
 
 /// The part in the frame.
 #[derive(Debug, clap::Args)]
@@ -68,71 +64,4 @@ impl ChoiceArgs {
             .into_iter()
             .find_map(|(given, name)| given.then_some(name))
     }
-
-    /// Warns of other shadows and of light inside the part, and adds them to the frame's JSON
-    /// object.
-    pub fn report(&self, stem: &str, edges: &FrameEdges, out: &mut Map<String, Value>) {
-        let seen = &edges.figures.shadows;
-        out.insert("shadows".to_owned(), json!(seen));
-        // The flanks of a disc seen end-on are always steep and are not measured.
-        let steep = if out.get("max_of") == Some(&json!("disc")) { None } else { steep(edges) };
-        let words = [beside(seen, self.which), inside(seen), steep];
-        for word in words.into_iter().flatten() {
-            tracing::warn!("frame {stem}: {word}");
-            add_warning(out, &word);
-        }
-    }
-
-    /// Whether a shadow as large as the measured one was left out without a request.
-    pub fn is_ambiguous(&self, edges: &FrameEdges) -> bool {
-        self.which.is_none() && edges.figures.shadows.left_out_px > 0.0
-    }
-}
-
-/// Adds a warning to a frame's JSON object.
-pub fn add_warning(out: &mut Map<String, Value>, word: &str) {
-    match out.get_mut("warnings").and_then(Value::as_array_mut) {
-        Some(warnings) => warnings.push(json!(word)),
-        None => drop(out.insert("warnings".to_owned(), json!([word]))),
-    }
-}
-
-/// The warning on a shadow that was left out.
-fn beside(seen: &ShadowsSeen, which: Option<Which>) -> Option<String> {
-    let (row, size) = (seen.left_out_row_px, seen.left_out_px);
-    let stated =
-        "; --which largest, nearest-centre, outermost or 1, 2 ... (from the top) states which is meant";
-    (size > 0.0).then(|| {
-        format!(
-            "{} shadows lie in the field and number {} from the top was measured; one about {size:.0} px thick at row {row:.0} was left out{}",
-            seen.seen,
-            seen.measured,
-            if which.is_none() { stated } else { "" }
-        )
-    })
-}
-
-/// The warning on light inside the measured shadow.
-fn inside(seen: &ShadowsSeen) -> Option<String> {
-    (seen.joined > 1).then(|| {
-        format!(
-            "{} dark strips with about {:.0} px of light between them were measured as one part, from the first edge to the last; \
-             --which 1, 2 ... measures one of them",
-            seen.joined, seen.light_inside_px
-        )
-    })
-}
-
-/// The warning on flanks that are too steep to be measured.
-fn steep(edges: &FrameEdges) -> Option<String> {
-    let is_steep =
-        |c: &usize| [&edges.top[*c], &edges.bottom[*c]].iter().any(|e| e.reason() == Some(Reason::Steep));
-    let steep = (0..edges.columns()).filter(is_steep).count();
-    (steep * 20 > edges.columns()).then(|| {
-        format!(
-            "{steep} of {} columns show flanks steeper than 45° (threads, shoulders, chamfers), which are not measured; crests and \
-             cylinders between them are",
-            edges.columns()
-        )
-    })
 }

@@ -7,12 +7,6 @@ use crate::files::OutputFile;
 use crate::gauge::{Edge, FrameEdges};
 use crate::profile::Reason;
 
-/// The reason reported for a column: that of a gap takes precedence over an impairment's.
-pub(super) fn column_reason(top: &Edge, bottom: &Edge) -> Option<Reason> {
-    let gap = [top, bottom].into_iter().find(|e| !e.is_usable()).and_then(Edge::reason);
-    gap.or_else(|| top.reason()).or_else(|| bottom.reason())
-}
-
 /// Claims the file of --edges, which must not be an input. On stdout it is the only output.
 pub(super) fn claim_edges(
     path: &Path,
@@ -67,7 +61,7 @@ pub(super) fn write_rows<'a>(
                 &number(bottom.is_usable(), bottom.row_px, 6),
                 &number(top.is_usable(), top.u_px(), 7),
                 &number(bottom.is_usable(), bottom.u_px(), 7),
-                column_reason(top, bottom).map_or("", Reason::as_str),
+                Edge::reason_of_both(top, bottom).map_or("", Reason::as_str),
             ])?;
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::conformity::Tolerance;
 use crate::gauge::diameter::reading_series::{Average, Averaging};
-use crate::gauge::{Calibration, LEAST_STRETCH};
+use crate::measurement::MeasureSettings;
 
 /// What is stated of diameters.
 #[derive(Debug, clap::Args)]
@@ -12,52 +12,52 @@ pub struct JudgeArgs {
     /// frame's largest diameter, its local sizes (means over about 65 columns, or over the stations
     /// of --station-mm) and its mean.
     #[arg(long, value_name = "T")]
-    pub(super) tolerance: Option<Tolerance>,
+    tolerance: Option<Tolerance>,
     /// Probability of conformity to both limits behind GO (ISO 14253-1).
     #[arg(long, value_name = "P", default_value_t = 0.95)]
-    pub(super) conformance_probability: f64,
+    conformance_probability: f64,
     /// Length of the stations that are given and judged, mm; without it 65 columns, as the largest
     /// diameter is found.
     #[arg(long, value_name = "MM", value_parser = length)]
-    pub(super) station_mm: Option<f64>,
+    station_mm: Option<f64>,
     /// Least width of a stretch that counts for the largest diameter, columns; without it 5, as far
     /// as noise lets a narrow one be distinguished.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub(super) stretch_columns: Option<u16>,
+    stretch_columns: Option<u16>,
     /// Least width of a stretch that counts for the largest diameter, mm along the axis.
     #[arg(long, value_name = "MM", value_parser = length, conflicts_with = "stretch_columns")]
-    pub(super) stretch_mm: Option<f64>,
+    stretch_mm: Option<f64>,
     /// Averages successive frames: moving:N, median:N or recursive:W.
     #[arg(long, value_name = "HOW", value_parser = averaging)]
-    pub(super) average: Option<Averaging>,
+    average: Option<Averaging>,
     /// Coverage factor k of the expanded uncertainties; without it that of 95.45 % at the effective
     /// degrees of freedom: 2 where there are many.
     #[arg(long, value_name = "K", value_parser = length)]
-    pub(super) coverage_factor: Option<f64>,
+    coverage_factor: Option<f64>,
     /// Uncertainty budget of every frame's largest diameter.
     #[arg(long)]
-    pub(super) budget: bool,
+    budget: bool,
     /// Takes the frames as one turn (angles from frames.csv) and adds sizes, roundness, run-out and
     /// harmonics.
     #[arg(long)]
-    pub(super) turn: bool,
+    turn: bool,
     /// Spindle angles of the frames of a turn in their order, degrees from one to the next.
     #[arg(long, value_name = "DEG", value_parser = length, requires = "turn")]
-    pub(super) angle_step: Option<f64>,
+    angle_step: Option<f64>,
     /// Largest change of a diameter from one turn to the next that is accepted, µm; more (and more
     /// than noise explains) is a gap with the flag `implausible`.
     #[arg(long, value_name = "UM", default_value_t = 5.0, value_parser = length, requires = "turn")]
-    pub(super) turn_limit_um: f64,
+    turn_limit_um: f64,
     /// Takes every frame as another part: the statistics are those of a batch, and have Cp and Cpk.
     #[arg(long, conflicts_with_all = ["turn", "average"])]
-    pub(super) parts: bool,
+    parts: bool,
     /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of
     /// focus, moving), with a warning.
     #[arg(long)]
-    pub(super) accept_blur: bool,
+    accept_blur: bool,
     /// Gaussian filter of roundness, undulations per revolution (15, 50, 150).
     #[arg(long, value_name = "UPR", default_value_t = 50.0, value_parser = length)]
-    pub(super) cutoff_upr: f64,
+    cutoff_upr: f64,
 }
 
 fn length(text: &str) -> Result<f64, String> {
@@ -94,28 +94,24 @@ impl JudgeArgs {
         .find_map(|(given, name)| given.then_some(name))
     }
 
-    /// Whether budgets were asked for.
-    pub fn budget(&self) -> bool {
-        self.budget
-    }
-
-    /// Whether blurred frames give diameters.
-    pub fn accepts_blur(&self) -> bool {
-        self.accept_blur
-    }
-
-    /// Least width of a stretch that counts for the largest diameter, columns.
-    pub fn least_stretch(&self, calibration: Option<&Calibration>) -> usize {
-        let columns = self.stretch_mm.zip(calibration).map(|(mm, c)| (mm / c.scale_mm_per_px).ceil());
-        match (self.stretch_columns, columns) {
-            (Some(columns), _) => usize::from(columns),
-            (None, Some(columns)) => columns.clamp(1.0, 1e6) as usize,
-            (None, None) => LEAST_STRETCH,
+    /// The settings stated here.
+    pub fn settings(&self) -> MeasureSettings {
+        MeasureSettings {
+            stretch_columns: self.stretch_columns,
+            stretch_mm: self.stretch_mm,
+            tolerance: self.tolerance,
+            conformance_probability: self.conformance_probability,
+            station_mm: self.station_mm,
+            average: self.average.unwrap_or_default(),
+            coverage_factor: self.coverage_factor,
+            budget: self.budget,
+            turn: self.turn,
+            angle_step_deg: self.angle_step,
+            turn_limit_um: self.turn_limit_um,
+            parts: self.parts,
+            accept_blur: self.accept_blur,
+            cutoff_upr: self.cutoff_upr,
+            ..MeasureSettings::default()
         }
-    }
-
-    /// k, where it is given.
-    pub fn coverage_factor(&self) -> Option<f64> {
-        self.coverage_factor
     }
 }

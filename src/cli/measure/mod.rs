@@ -1,53 +1,46 @@
 //! `shadowgauge measure`: edges and diameters of frames in files.
 //!
 //! In: frames (`frames`), a calibration and conditions, an edge-spread function (`esf_argument`).
-//! Out: a table (`table`) or JSON, edges as CSV (`edges_file`). This file measures frame by frame;
-//! results over several frames are in the files beside it: `judge` (budgets, decisions on a
-//! tolerance), `size` and `turn` (a part over its angles), `statistics` (series), `crests` (largest
-//! diameters of a stretch), `ring` (parts seen end-on), `timing`. A new result of a frame is a key
-//! of its JSON object, added here; a result over a series has a file of its own.
+//! Out: a table (`table`, `statistics`, `turn`, `words`) or JSON, edges as CSV (`edges_file`),
+//! times (`timing`). This file turns arguments into settings, frames into a
+//! [`Stream`](crate::measurement::Stream) and what comes out into text; what is measured is in
+//! [`measurement`](crate::measurement), where a new result goes too.
 
 mod choice;
-mod crests;
 mod edges_file;
 pub(super) mod esf_argument;
 mod frames;
-mod judge;
 mod judge_args;
 pub mod ring;
-mod size;
 mod statistics;
 mod table;
 mod timing;
 mod turn;
+mod warnings;
 mod words;
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
 use self::choice::ChoiceArgs;
-use self::crests::CrestStream;
-use self::edges_file::{FrameRows, claim_edges, column_reason, write_rows};
+use self::edges_file::{FrameRows, claim_edges, write_rows};
 use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
-use self::judge::{InspectionReport, stated_budget};
 use self::judge_args::JudgeArgs;
 use self::table::{print_series, print_table};
-use self::words::place;
+use self::warnings::{report_frames, report_refusals, report_uncalibrated, report_unlearnt};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
 use crate::files::OutputFile;
-use crate::frame::{Frame, FrameMeta, FrameView};
-use crate::gauge::budget::WidthReading;
+use crate::frame::{Frame, FrameView};
 use crate::gauge::calibration::{Conditions, Date, GivenConditions};
 use crate::gauge::ring::RingSettings;
-use crate::gauge::sensor::ShaftRuns;
-use crate::gauge::{
-    Calibration, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
-    largest_caliper_over,
+use crate::gauge::{Calibration, EsfModel, FrameEdges, Gauge, GaugeSettings, Polarity};
+use crate::measurement::{
+    Document, MeasureError, MeasureSettings, Measurement, Stream, conditions, edge_model, known_conditions,
+    prepared,
 };
 use crate::profile::Reason;
 
@@ -141,20 +134,27 @@ fn positive_px(text: &str) -> Result<f64, String> {
     }
 }
 
-/// One frame's result.
-struct Measured {
-    stem: String,
-    meta: FrameMeta,
-    columns: usize,
-    /// Pitch of crests and roots, px, where the frame was measured as such.
-    pitch_px: Option<f64>,
-    result: Result<FrameEdges, (Reason, String)>,
+/// What a frame or a setting gives no measurement for: exit 2 for settings, 3 for frames.
+fn failure(error: MeasureError) -> Failure {
+    if error.is_of_settings() { Failure::refuse(error) } else { Failure::fail(error) }
 }
 
-impl Measured {
-    fn rows(&self) -> FrameRows<'_> {
-        let result = self.result.as_ref().map_err(|(reason, _)| *reason);
-        FrameRows { stem: &self.stem, columns: self.columns, result }
+/// What a command measures with.
+struct Instrument {
+    gauge: Gauge,
+    calibration: Option<Calibration>,
+    conditions: Conditions,
+    settings: MeasureSettings,
+}
+
+impl Instrument {
+    fn stream(&self) -> Result<Stream, Failure> {
+        let settings = self.settings.clone();
+        match &self.calibration {
+            Some(calibration) => Stream::new(&self.gauge, calibration, &self.conditions, settings),
+            None => Stream::in_pixels(&self.gauge, settings),
+        }
+        .map_err(failure)
     }
 }
 
@@ -163,6 +163,27 @@ impl MeasureArgs {
     fn other_inputs(&self) -> Vec<PathBuf> {
         let named = [&self.calibration, &self.conditions].into_iter().flatten().cloned();
         named.chain(self.esf.as_ref().map(PathBuf::from)).collect()
+    }
+
+    /// What is asked of the frames.
+    fn settings(&self) -> MeasureSettings {
+        MeasureSettings {
+            vertical: self.vertical,
+            rows_between: self.rows_between,
+            crests: self.choice.tries_crests(),
+            ..self.judge.settings()
+        }
+    }
+
+    /// The gauge's own settings, with an edge-spread function.
+    fn gauge_settings(&self, esf: EsfModel) -> GaugeSettings {
+        let polarity = if self.bright_on_dark { Polarity::BrightOnDark } else { Polarity::DarkOnBright };
+        let (which, rejection) = (self.choice.which(), self.choice.rejection());
+        let mut settings = GaugeSettings { polarity, esf, which, rejection, ..GaugeSettings::default() };
+        if self.shape == Shape::Shaft {
+            settings.min_diameter_px = self.min_diameter_px.unwrap_or(settings.min_diameter_px);
+        }
+        settings
     }
 }
 
@@ -173,38 +194,121 @@ impl MeasureArgs {
 pub fn run(args: &MeasureArgs) -> CommandResult {
     let paths = paths(&args.input)?;
     let calibration = calibration(args, &paths)?;
-    let conditions = conditions(args, calibration.as_ref())?;
+    let conditions = stated_conditions(args, calibration.as_ref())?;
     if let (None, Some(name)) = (&calibration, args.judge.needs_scale()) {
         return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
     }
-    let polarity = if args.bright_on_dark { Polarity::BrightOnDark } else { Polarity::DarkOnBright };
-    let esf = edge_model(args, calibration.as_ref())?;
-    calibration.as_ref().map_or(Ok(()), |c| c.check_edge_model(&esf)).map_err(Failure::refuse)?;
-    let (which, rejection) = (args.choice.which(), args.choice.rejection());
-    let mut settings = GaugeSettings { polarity, esf, which, rejection, ..GaugeSettings::default() };
-    if args.shape == Shape::Shaft {
-        settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
-    }
-    let gauge = Gauge::new(settings).map_err(Failure::refuse)?;
-    let gauge =
-        gauge.with_systematic_residual(calibration.as_ref().and_then(Calibration::systematic_residual));
+    let esf = stated_edge_model(args, calibration.as_ref())?;
+    let gauge = Gauge::calibrated(args.gauge_settings(esf), calibration.as_ref()).map_err(failure)?;
+    let instrument = Instrument { gauge, calibration, conditions, settings: args.settings() };
     if args.shape == Shape::Ring {
-        return rings(args, calibration.as_ref(), &conditions, paths);
+        return rings(args, &instrument, paths);
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.map_or(0, usize::from))
         .build()
         .map_err(Failure::fail)?;
-    pool.install(|| measure_all(args, &gauge, calibration.as_ref(), conditions, paths))
+    pool.install(|| measure_all(args, &instrument, paths))
+}
+
+/// One frame of the command.
+struct Measured {
+    measurement: Measurement,
+    /// Its edges, where these are written.
+    edges: Option<FrameEdges>,
+    /// The frame itself, where it is timed.
+    frame: Option<Frame>,
+}
+
+impl Measured {
+    fn rows(&self) -> FrameRows<'_> {
+        let reason = self.measurement.refusal.as_ref().map_or(Reason::Unreadable, |refusal| refusal.reason);
+        let result = self.edges.as_ref().ok_or(reason);
+        FrameRows { stem: &self.measurement.frame, columns: self.measurement.columns, result }
+    }
+}
+
+/// Measures every frame of the source.
+fn measure_each(args: &MeasureArgs, stream: &mut Stream, source: &mut Frames<'_>) -> Vec<Measured> {
+    let mut all = Vec::new();
+    while let Some((stem, read)) = source.next_frame() {
+        let prepared =
+            read.and_then(|frame| stream.prepared(&stem, frame).map_err(|error| error.to_string()));
+        let frame = match prepared {
+            Ok(frame) => {
+                // What a refused frame is refused for stands in its measurement.
+                let _ = stream.push_prepared(&stem, &frame.meta, &frame.view());
+                Some(frame).filter(|_| args.bench.is_some())
+            }
+            Err(why) => {
+                stream.push_unreadable(&stem, why);
+                None
+            }
+        };
+        let edges = stream.edges().filter(|_| args.edges.is_some()).cloned();
+        all.push(Measured { measurement: stream.measurement().clone(), edges, frame });
+    }
+    all
+}
+
+fn measure_all(args: &MeasureArgs, instrument: &Instrument, paths: Vec<PathBuf>) -> CommandResult {
+    let edges = args.edges.as_deref();
+    let edges = edges.map(|path| claim_edges(path, &paths, args.other_inputs(), args.json)).transpose()?;
+    let edges_on_stdout = edges.as_ref().is_some_and(OutputFile::is_stdout);
+    let mut source = Frames::new(paths, &args.frames, instrument.calibration.as_ref(), args.um_per_px);
+    let mut stream = instrument.stream()?;
+    let all = measure_each(args, &mut stream, &mut source);
+    let each = || all.iter().map(|measured| &measured.measurement);
+    report_refusals(each())?;
+    report_unlearnt(&stream);
+    if let Some(file) = edges {
+        file.write_with(|out| {
+            write_rows(out, all.iter().map(Measured::rows)).map_err(|e| match e.into_kind() {
+                csv::ErrorKind::Io(cause) => cause,
+                other => std::io::Error::other(format!("{other:?}")),
+            })
+        })?;
+    }
+    let bench = args.bench.map(|count| bench(args, &instrument.gauge, &all, count));
+    report_uncalibrated(&stream);
+    report_frames(each());
+    let series = stream.finish().map_err(failure)?;
+    series.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    let frames: Vec<Measurement> = all.into_iter().map(|measured| measured.measurement).collect();
+    let document = json!(Document { frames: &frames, series: &series, bench });
+    if args.json {
+        say_line!("{document}");
+    } else if !edges_on_stdout {
+        print(args, &document, &frames);
+    }
+    Ok(if series.all_good() { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {
+    if args.vertical { frame.view().transposed() } else { frame.view() }
+}
+
+/// The time to measure the frames from memory.
+fn bench(args: &MeasureArgs, gauge: &Gauge, all: &[Measured], count: u32) -> Value {
+    let views: Vec<FrameView<'_>> =
+        all.iter().filter_map(|m| m.frame.as_ref()).map(|frame| view(args, frame)).collect();
+    timing::benchmark(gauge, &views, count)
+}
+
+/// Tables of the frames, their budgets and the results over all of them.
+fn print(args: &MeasureArgs, document: &Value, frames: &[Measurement]) {
+    let Value::Object(keys) = document else { return };
+    print_table(keys.get("frames").and_then(Value::as_array).map_or(&[], Vec::as_slice), keys.get("bench"));
+    for frame in frames {
+        let Some(budget) = &frame.budget else { continue };
+        say_line!("\nbudget of the largest diameter of frame {}", frame.frame);
+        say!("{}", budget.to_table(args.judge.settings().coverage_factor));
+    }
+    print_series(keys);
 }
 
 /// Measures rings; files without a readable frame give a warning, or an error if none is left.
-fn rings(
-    args: &MeasureArgs,
-    calibration: Option<&Calibration>,
-    conditions: &Conditions,
-    paths: Vec<PathBuf>,
-) -> CommandResult {
+fn rings(args: &MeasureArgs, instrument: &Instrument, paths: Vec<PathBuf>) -> CommandResult {
     if args.edges.is_some()
         || args.bench.is_some()
         || args.vertical
@@ -217,15 +321,14 @@ fn rings(
     }
     let mut settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };
     settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
+    let calibration = instrument.calibration.as_ref();
     let mut source = Frames::new(paths, &args.frames, calibration, args.um_per_px);
     let (mut frames, mut first_error) = (Vec::new(), None);
     while let Some((stem, read)) = source.next_frame() {
-        let frame = read.and_then(|frame| {
-            let frame = prepared(args, frame, calibration).map_err(|e| format!("frame {stem}: {e}"))?;
-            Ok((stem, frame))
-        });
+        let frame = read
+            .and_then(|frame| prepared(&stem, frame, calibration, args.vertical).map_err(|e| e.to_string()));
         match frame {
-            Ok(frame) => frames.push(frame),
+            Ok(frame) => frames.push((stem, frame)),
             Err(error) => {
                 tracing::warn!("{error}");
                 first_error.get_or_insert(error);
@@ -234,18 +337,17 @@ fn rings(
     }
     match first_error {
         Some(error) if frames.is_empty() => Err(Failure::fail(error)),
-        _ => ring::run(frames, &settings, calibration.map(|c| (c, conditions)), args.json),
+        _ => ring::run(frames, &settings, calibration.map(|c| (c, &instrument.conditions)), args.json),
     }
 }
 
 /// The edge-spread function: the command line's, otherwise the masters', otherwise the Gaussian.
-fn edge_model(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<EsfModel, Failure> {
-    match &args.esf {
-        Some(text) => esf_model(text, calibration.map(|c| 1e3 * c.scale_mm_per_px)),
-        // A ring has Gaussian edges: the model of the calibration does not apply.
-        None if args.shape == Shape::Ring => Ok(EsfModel::default()),
-        None => Ok(calibration.and_then(Calibration::edge_model).unwrap_or_default()),
-    }
+fn stated_edge_model(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<EsfModel, Failure> {
+    let um_per_px = calibration.map(|c| 1e3 * c.scale_mm_per_px);
+    let stated = args.esf.as_ref().map(|text| esf_model(text, um_per_px)).transpose()?;
+    // A ring has Gaussian edges: the model of the calibration does not apply.
+    let of_ring = (args.shape == Shape::Ring).then(EsfModel::default);
+    Ok(edge_model(stated.or(of_ring), calibration))
 }
 
 fn calibration(args: &MeasureArgs, paths: &[PathBuf]) -> Result<Option<Calibration>, Failure> {
@@ -269,301 +371,29 @@ fn calibration(args: &MeasureArgs, paths: &[PathBuf]) -> Result<Option<Calibrati
         }
         tracing::warn!("{}: {error}; used with consent", path.display());
     }
-    Ok(Some(if args.vertical { calibration.transposed() } else { calibration }))
+    Ok(Some(calibration))
 }
 
 /// The part's conditions: the file's, otherwise the calibration's; `--part-temperature` overrides.
-fn conditions(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<Conditions, Failure> {
-    let known = match calibration {
-        Some(c) if c.leaves_conditions_open() => Conditions::unstated(),
-        Some(c) => c.conditions(),
-        None => Conditions::default(),
-    };
-    let mut conditions = match &args.conditions {
-        Some(path) => merged(&ConfigText::read(path)?, &known)?,
-        None => known,
-    };
-    if let Some(temperature_c) = args.part_temperature {
-        conditions = conditions.at(temperature_c);
-    }
-    conditions.validate().map_err(Failure::refuse)?;
-    Ok(conditions)
+fn stated_conditions(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<Conditions, Failure> {
+    let given = args.conditions.as_ref().map(|path| given_conditions(path, calibration)).transpose()?;
+    conditions(calibration, given.as_ref(), args.part_temperature).map_err(Failure::refuse)
 }
 
-/// The calibration's conditions, overridden by the keys in a file.
-fn merged(text: &ConfigText, known: &Conditions) -> Result<Conditions, Failure> {
+/// The conditions in a file; logs what of the calibration's they leave.
+fn given_conditions(
+    path: &std::path::Path,
+    calibration: Option<&Calibration>,
+) -> Result<GivenConditions, Failure> {
+    let text = ConfigText::read(path)?;
     let given: GivenConditions = text.parse()?;
     let named: toml::Table = text.parse()?;
-    let all = toml::Table::try_from(known).map_err(|e| text.refuse(e))?;
+    let all = toml::Table::try_from(known_conditions(calibration)).map_err(|e| text.refuse(e))?;
     let kept: Vec<String> = all
         .iter()
         .filter(|(key, _)| !named.contains_key(*key))
         .map(|(key, v)| format!("{key} = {v}"))
         .collect();
     tracing::info!("{}: kept of the calibration's conditions: {}", text.name, kept.join(", "));
-    Ok(given.over(known))
-}
-
-/// A frame with the calibration's corrections of sensor and light; another size is refused.
-fn prepared(args: &MeasureArgs, frame: Frame, calibration: Option<&Calibration>) -> Result<Frame, String> {
-    let Some(setup) = calibration.and_then(|c| c.setup.as_ref()) else { return Ok(frame) };
-    let view = view(args, &frame);
-    setup.check_size(view.rows(), view.columns()).map_err(|e| e.to_string())?;
-    Ok(match &setup.flat_field {
-        Some(field) => {
-            let shaft = if args.vertical { ShaftRuns::AlongColumns } else { ShaftRuns::AlongRows };
-            field.corrected_along(frame, shaft)
-        }
-        None => frame,
-    })
-}
-
-/// Measures every frame of the source; also returns the frames where they are to be timed.
-fn measure_each(
-    args: &MeasureArgs,
-    gauge: &Gauge,
-    calibration: Option<&Calibration>,
-    conditions: &Conditions,
-    source: &mut Frames<'_>,
-) -> (Vec<Measured>, Vec<Frame>) {
-    let mut stream = (gauge.stream(), CrestStream::new(gauge.settings()));
-    let (mut results, mut frames) = (Vec::new(), Vec::new());
-    while let Some((stem, read)) = source.next_frame() {
-        let frame = read
-            .and_then(|frame| prepared(args, frame, calibration).map_err(|e| format!("frame {stem}: {e}")));
-        match frame {
-            Ok(frame) => {
-                let meta = frame.meta.clone();
-                let measured = measure_one(args, &mut stream, stem, meta, &view(args, &frame));
-                let accepted = args.judge.accepts_blur();
-                results.push(if accepted { measured } else { sharp(measured, calibration, conditions) });
-                if args.bench.is_some() {
-                    frames.push(frame);
-                }
-            }
-            Err(error) => {
-                let result = Err((Reason::Unreadable, error));
-                results.push(Measured {
-                    stem,
-                    meta: FrameMeta::default(),
-                    columns: 0,
-                    pitch_px: None,
-                    result,
-                });
-            }
-        }
-    }
-    (results, frames)
-}
-
-/// Adds the remarks on the choice of the shadow and the results over the series to a frame's row.
-fn add_follower(
-    args: &MeasureArgs,
-    measured: &Measured,
-    follower: &mut Option<InspectionReport<'_>>,
-    row: &mut Value,
-) {
-    let edges = measured.result.as_ref().ok();
-    let Some(row) = row.as_object_mut() else { return };
-    if let Some(edges) = edges {
-        args.choice.report(&measured.stem, edges, row);
-        if let Some(pitch_px) = measured.pitch_px {
-            crests::report(&measured.stem, pitch_px, row);
-        }
-    }
-    if let Some(follower) = follower {
-        follower.add(&measured.meta, edges, row);
-        if edges.is_some_and(|edges| args.choice.is_ambiguous(edges)) {
-            follower.not_proven(row);
-            if row.contains_key("judged") {
-                row.insert("judged".to_owned(), json!({ "what": "frame", "flag": "several_shadows" }));
-            }
-        }
-    }
-}
-
-fn measure_all(
-    args: &MeasureArgs,
-    gauge: &Gauge,
-    calibration: Option<&Calibration>,
-    conditions: Conditions,
-    paths: Vec<PathBuf>,
-) -> CommandResult {
-    let edges = args.edges.as_deref();
-    let edges = edges.map(|path| claim_edges(path, &paths, args.other_inputs(), args.json)).transpose()?;
-    let edges_on_stdout = edges.as_ref().is_some_and(OutputFile::is_stdout);
-    let mut source = Frames::new(paths, &args.frames, calibration, args.um_per_px);
-    let (results, frames) = measure_each(args, gauge, calibration, &conditions, &mut source);
-    report_refusals(&results)?;
-    report_unlearnt(gauge, &results);
-    if let Some(file) = edges {
-        file.write_with(|out| {
-            write_rows(out, results.iter().map(Measured::rows)).map_err(|e| match e.into_kind() {
-                csv::ErrorKind::Io(cause) => cause,
-                other => std::io::Error::other(format!("{other:?}")),
-            })
-        })?;
-    }
-    let benchmark = args.bench.map(|count| {
-        let views: Vec<FrameView<'_>> = frames.iter().map(|frame| view(args, frame)).collect();
-        timing::benchmark(gauge, &views, count)
-    });
-    let mut follower = calibration.map(|c| InspectionReport::new(&args.judge, c, conditions)).transpose()?;
-    let mut out = serde_json::Map::new();
-    let mut figures = Vec::new();
-    for measured in &results {
-        let mut row = frame_figures(args, measured, calibration, &conditions);
-        add_follower(args, measured, &mut follower, &mut row);
-        figures.push(row);
-    }
-    if let Some(follower) = &mut follower {
-        follower.finish(&mut out)?;
-        out.insert("conditions".to_owned(), json!(conditions));
-    }
-    out.extend(benchmark.map(|b| ("bench".to_owned(), b)));
-    if args.json {
-        out.insert("frames".to_owned(), figures.into());
-        say_line!("{}", Value::Object(out));
-    } else if !edges_on_stdout {
-        print_table(&figures, out.get("bench"));
-        if args.judge.budget() {
-            print_budgets(args, &results, calibration, &conditions);
-        }
-        print_series(&out);
-    }
-    Ok(if follower.is_none_or(|f| f.all_good()) { Outcome::Done } else { Outcome::OutOfTolerance })
-}
-
-/// Budgets of the frames' largest diameters.
-fn print_budgets(
-    args: &MeasureArgs,
-    results: &[Measured],
-    calibration: Option<&Calibration>,
-    conditions: &Conditions,
-) {
-    for measured in results {
-        let (Ok(edges), Some(calibration)) = (&measured.result, calibration) else { continue };
-        let least = args.judge.least_stretch(Some(calibration));
-        if let Some(reading) = WidthReading::of_largest(edges, calibration, least) {
-            say_line!("\nbudget of the largest diameter of frame {}", measured.stem);
-            say!(
-                "{}",
-                stated_budget(&reading, calibration, conditions).to_table(args.judge.coverage_factor())
-            );
-        }
-    }
-}
-
-fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {
-    if args.vertical { frame.view().transposed() } else { frame.view() }
-}
-
-fn measure_one(
-    args: &MeasureArgs,
-    (stream, crests): &mut (EdgeStream, CrestStream),
-    stem: String,
-    meta: FrameMeta,
-    view: &FrameView<'_>,
-) -> Measured {
-    let mut edges = FrameEdges::default();
-    let mut first = stream.measure(view, &mut edges).map(|()| edges);
-    let mut pitch_px = None;
-    if args.choice.tries_crests()
-        && let Some((edges, pitch)) = crests.measure(&first, view)
-    {
-        (first, pitch_px) = (Ok(edges), Some(pitch));
-    }
-    let result = match first {
-        Ok(mut edges) => {
-            edges.place_windows(0.0, f64::from(args.rows_between));
-            Ok(edges)
-        }
-        Err(refused) => Err((refused.reason, format!("frame {stem}: {refused}"))),
-    };
-    Measured { stem, meta, columns: view.columns(), pitch_px, result }
-}
-
-/// Warns where an edge-spread function could not be determined from the frame.
-fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
-    let unlearnt =
-        |m: &&Measured| m.result.as_ref().is_ok_and(|e| e.figures.position_ambiguity_px == [0.0; 2]);
-    let count = results.iter().filter(unlearnt).count();
-    if gauge.settings().esf == (EsfModel::Learnt {}) && count > 0 {
-        tracing::warn!(
-            "{count} frames measured with a Gaussian: their edges show too few sub-pixel phases to learn from; tilt the part by a pixel or more over the field"
-        );
-    }
-}
-
-/// Refuses a frame whose blur differs from the masters', because its edges are displaced.
-fn sharp(mut measured: Measured, calibration: Option<&Calibration>, conditions: &Conditions) -> Measured {
-    if let (Ok(edges), Some(setup)) = (&measured.result, calibration.and_then(|c| c.setup.as_ref()))
-        && let Err(error) = setup.check_focus(edges.figures.sigma_px, conditions)
-    {
-        measured.result = Err((Reason::Blurred, format!("frame {}: {error}", measured.stem)));
-    }
-    measured
-}
-
-/// Warns of refused frames; fails with the first one's reason where none could be measured.
-fn report_refusals(results: &[Measured]) -> Result<(), Failure> {
-    let refusals: Vec<&String> =
-        results.iter().filter_map(|m| m.result.as_ref().err()).map(|(_, text)| text).collect();
-    if refusals.len() == results.len() {
-        let first = refusals.first().map_or("no frame", |text| text.as_str());
-        return Err(match refusals.len() {
-            0 | 1 => Failure::fail(first),
-            n => Failure::fail(format!("none of {n} frames can be measured; the first: {first}")),
-        });
-    }
-    for text in refusals {
-        tracing::warn!("{text}");
-    }
-    Ok(())
-}
-
-fn frame_figures(
-    args: &MeasureArgs,
-    measured: &Measured,
-    calibration: Option<&Calibration>,
-    conditions: &Conditions,
-) -> Value {
-    let least = args.judge.least_stretch(calibration);
-    let mut flags = BTreeMap::<&str, usize>::new();
-    let mut largest: Option<LargestCaliper> = None;
-    let mut valid = 0;
-    match &measured.result {
-        Ok(edges) => {
-            valid = edges.valid();
-            largest = largest_caliper_over(edges, least);
-            for reason in (0..edges.columns()).filter_map(|c| column_reason(&edges.top[c], &edges.bottom[c]))
-            {
-                *flags.entry(reason.as_str()).or_default() += 1;
-            }
-        }
-        Err((reason, _)) => {
-            flags.insert(reason.as_str(), measured.columns.max(1));
-        }
-    }
-    let in_mm = calibration.zip(measured.result.as_ref().ok()).and_then(|(calibration, edges)| {
-        let budget = WidthReading::of_largest(edges, calibration, least)?.budget(calibration, conditions);
-        Some((budget.diameter_mm, budget.u_mm()))
-    });
-    let mut figures = json!({
-        "frame": measured.stem,
-        "columns": measured.columns,
-        "valid": valid,
-        "max_diameter_px": largest.map(|l| l.diameter_px),
-        "u_max_px": largest.map(|l| l.u_px),
-        "max_diameter_mm": in_mm.map(|v| v.0),
-        "u_max_mm": in_mm.map(|v| v.1),
-        "flags": flags,
-    });
-    if let Some(largest) = largest {
-        place((&measured.meta, measured.columns), &largest, calibration, &mut figures);
-    }
-    if let Err((_, why)) = &measured.result {
-        figures["warnings"] = json!([why]);
-    }
-    figures
+    Ok(given)
 }

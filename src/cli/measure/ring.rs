@@ -2,13 +2,13 @@
 
 use serde_json::json;
 
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::gauge::calibration::Conditions;
-use crate::gauge::ring::{EdgeCircle, RingSettings, measure_ring};
+use crate::gauge::ring::{EdgeCircle, RingSettings};
 use crate::gauge::stated::stated;
-
-use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::measurement::ring::NamedRing;
 
 /// Measures a ring in each named frame and prints one JSON document
 /// (`{"frames":[{"frame":…,"outer_diameter_px":…}]}`) or one line per ring, in mm as well with a
@@ -23,35 +23,27 @@ pub fn run(
     as_json: bool,
 ) -> CommandResult {
     settings.validate().map_err(Failure::refuse)?;
-    let (mut rows, mut measured, mut last_error) = (Vec::new(), 0, None);
+    let (mut rings, mut measured, mut last_error) = (Vec::new(), 0, None);
     for (name, frame) in frames {
-        let ring = measure_ring(&frame.view(), settings).and_then(|mut ring| {
-            if let Some((calibration, conditions)) = calibration {
-                ring.calibrate(calibration, conditions, settings.roundness_cutoff_upr)?;
-            }
-            Ok(ring)
-        });
-        let mut row = match ring {
+        let named = NamedRing::measure(name, &frame.view(), settings, calibration);
+        let name = &named.frame;
+        match &named.ring {
             Ok(ring) => {
                 measured += 1;
                 if !as_json {
                     let bore = ring.inner.as_ref().map_or(String::new(), |b| format!(", inner {}", line(b)));
                     say_line!("{name}: outer {}{bore}", line(&ring.outer));
                 }
-                ring.to_json()
             }
             Err(error) => {
                 tracing::warn!("{name}: {error}");
-                let text = error.to_string();
-                last_error = Some(format!("{name}: {text}"));
-                json!({ "error": text })
+                last_error = Some(format!("{name}: {error}"));
             }
-        };
-        row["frame"] = json!(name);
-        rows.push(row);
+        }
+        rings.push(named);
     }
     if as_json {
-        say_line!("{}", json!({ "frames": rows }));
+        say_line!("{}", json!({ "frames": rings }));
     }
     match (measured, last_error) {
         (0, Some(error)) => Err(Failure::fail(format!("no frame could be measured; the last said: {error}"))),

@@ -1,74 +1,8 @@
 //! Statistics of the frames' mean diameters, as `measure` prints them.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
-use crate::gauge::diameter::reading_scatter::{ScatterTest, SeriesMean};
-use crate::gauge::diameter::reading_series::RunningStatistics;
 use crate::gauge::stated::stated;
-use crate::profile::Diameter;
-
-/// Mean diameters of the frames in their order.
-#[derive(Clone, Debug, Default)]
-pub(super) struct FrameMeans {
-    series: Vec<Diameter>,
-    running: RunningStatistics,
-}
-
-impl FrameMeans {
-    pub(super) fn push(&mut self, mean: Diameter) {
-        self.running.push(mean.d_mm);
-        self.series.push(mean);
-    }
-
-    pub(super) fn running(&self) -> &RunningStatistics {
-        &self.running
-    }
-
-    /// χ² of the means against their own random uncertainties.
-    fn scatter(&self) -> Option<ScatterTest> {
-        let readings: Vec<(f64, f64)> = self.series.iter().map(|d| (d.d_mm, d.u_random_mm)).collect();
-        ScatterTest::of(&readings)
-    }
-
-    /// The `statistics` of the document; `None` without a frame.
-    pub(super) fn to_json(&self) -> Option<Value> {
-        let of = SeriesMean::of(&self.series)?;
-        let (min, max) = self.running.extremes()?;
-        let several = self.series.len() > 1;
-        Some(json!({
-            "count": self.series.len(),
-            "mean_mm": of.mean.d_mm,
-            // A single value has no scatter.
-            "sd_mm": several.then_some(of.sd_mm),
-            "u_mean_mm": of.mean.u_mm(),
-            "u_mean_random_mm": of.mean.u_random_mm,
-            "u_mean_common_mm": of.mean.u_common_mm,
-            "effective_count": of.effective_number,
-            "scatter": self.scatter(),
-            "min_mm": min,
-            "max_mm": max,
-            "range_mm": max - min,
-        }))
-    }
-
-    /// A warning where the frames scatter beyond their u.
-    pub(super) fn word(&self) -> Option<String> {
-        let test = self.scatter().filter(|test| test.beyond_u)?;
-        let sd_um = 1e3 * SeriesMean::of(&self.series)?.sd_mm;
-        Some(format!(
-            "the mean diameters of {} frames scatter by {} um (standard deviation), {:.1} times what their u explains (chi2 {:.4} at {} degrees of \
-             freedom, limit {:.4} at a false alarm of {} %): form, motion, drift or dirt between the frames; u of their mean \
-             is taken from the scatter",
-            self.series.len(),
-            stated(sd_um, sd_um)[0],
-            test.ratio(),
-            test.chi2,
-            test.freedom,
-            test.chi2_limit,
-            100.0 * test.false_alarm_probability
-        ))
-    }
-}
 
 /// The statistics as a line of text.
 pub(super) fn statistics_line(s: &Value) -> String {

@@ -1,57 +1,9 @@
 //! The form over a revolution as `measure --turn` prints it.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
-use crate::gauge::axis_line::{AxisLine, STILL_TOWARDS_CAMERA};
-use crate::gauge::diameter::sections::{PartForm, SectionForm};
+use crate::gauge::axis_line::STILL_TOWARDS_CAMERA;
 use crate::gauge::stated::stated;
-
-/// A revolution in the JSON document; `common_mm` is the common standard uncertainty of a section's
-/// sizes as a function of z, mm.
-pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>) -> Value {
-    let mut all = json!(form);
-    all["filter"] = json!(filter_text(form));
-    all["of"] = json!("the silhouette: sizes and roundness of the sections' convex hulls");
-    all["refused"] = form.refused.iter().map(|(z, why)| json!({ "z_mm": z, "why": why })).collect();
-    if let Some(sections) = all["sections"].as_array_mut() {
-        for section in sections {
-            let [lsci, mzci, mici, mcci] = [0, 1, 2, 3].map(|k| section["roundness_mm"][k].clone());
-            let common = section["z_mm"].as_f64().and_then(&common_mm);
-            let random = section["u_gg_random_mm"].as_f64().unwrap_or(f64::NAN);
-            section["u_gg_mm"] = json!(common.map(|common| random.hypot(common)));
-            section["u_gg_common_mm"] = json!(common);
-            if section["half_turn"] == true {
-                // With half a revolution the spindle is assumed free of error motion: its even
-                // harmonics are not determined.
-                section["harmonics"]["even_spindle"] = Value::Null;
-            }
-            section["roundness_mm"] = json!({ "lsci": lsci, "mzci": mzci, "mici": mici, "mcci": mcci });
-        }
-    }
-    all
-}
-
-/// The axis over the revolution in the JSON document.
-pub(super) fn axis_json(axis: &AxisLine) -> Value {
-    let bend = axis.bend_mm();
-    let stations: Vec<Value> = axis
-        .stations
-        .iter()
-        .zip(&bend)
-        .map(|(s, (_, bend_x_mm, u_bend_x_mm))| {
-            let turning = s.turning.map(|t| {
-                json!({ "x_mm": t.x_mm, "y_mm": t.y_mm, "u_mm": t.u_mm, "run_out_mm": t.run_out_mm() })
-            });
-            json!({
-                "z_mm": s.z_mm, "x_mm": s.x_mm, "u_x_mm": s.u_mm(), "bend_x_mm": bend_x_mm, "u_bend_x_mm": u_bend_x_mm,
-                "turning": turning, "angles": s.angles,
-            })
-        })
-        .collect();
-    let gaps: Vec<Value> =
-        axis.gaps.iter().map(|(z, why)| json!({ "z_mm": z, "why": why.as_str() })).collect();
-    json!({ "stations": stations, "gaps": gaps, "still_towards_camera": STILL_TOWARDS_CAMERA })
-}
 
 /// The axis in words: its largest bend and run-out.
 fn axis_words(axis: &Value) -> String {
@@ -76,44 +28,6 @@ fn axis_words(axis: &Value) -> String {
         um(bend),
         um(u)
     )
-}
-
-/// A warning where sections scatter by more than their form and their u explain.
-pub(super) fn scatter_word(form: &PartForm) -> Option<String> {
-    let beyond: Vec<&SectionForm> =
-        form.sections.iter().filter(|s| s.scatter.is_some_and(|test| test.beyond_u)).collect();
-    let (worst, test) = beyond
-        .iter()
-        .filter_map(|s| s.scatter.map(|test| (s, test)))
-        .max_by(|a, b| a.1.ratio().total_cmp(&b.1.ratio()))?;
-    Some(format!(
-        "{} of {} sections scatter over the turn by more than their form and their u explain, at z = {:.3} mm {:.1} times (chi2 {:.4} at {} degrees \
-         of freedom, limit {:.4} at a false alarm of {} %): vibration, drift, dirt or texture; u is taken from the scatter",
-        beyond.len(),
-        form.sections.len(),
-        worst.z_mm,
-        test.ratio(),
-        test.chi2,
-        test.freedom,
-        test.chi2_limit,
-        100.0 * test.false_alarm_probability
-    ))
-}
-
-/// The filter and the highest harmonic that the angles resolve: n tangents per revolution resolve
-/// up to n/2 undulations.
-fn filter_text(form: &PartForm) -> String {
-    let tangents = |s: &SectionForm| if s.half_turn { 2 * s.angles } else { s.angles };
-    let Some(section) = form.sections.iter().min_by_key(|s| tangents(s)) else { return String::new() };
-    let (cutoff, n) = (section.cutoff_upr, tangents(section));
-    if cutoff > 0.5 * n as f64 {
-        format!(
-            "Gaussian filter {cutoff} upr as far as the angles reach: {n} tangents a revolution, {} upr",
-            n / 2
-        )
-    } else {
-        format!("Gaussian filter {cutoff} upr")
-    }
 }
 
 /// The part's form as a table of text.

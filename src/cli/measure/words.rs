@@ -1,33 +1,8 @@
-//! The place of a largest diameter and the judged value, for JSON and for the table.
+//! The stretch of a largest diameter and the judged value in the table.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
-use crate::frame::FrameMeta;
 use crate::gauge::stated::stated;
-use crate::gauge::{Calibration, LargestCaliper};
-
-/// The place of the largest diameter and its stretch.
-pub fn place(
-    (meta, columns): (&FrameMeta, usize),
-    largest: &LargestCaliper,
-    calibration: Option<&Calibration>,
-    figures: &mut Value,
-) {
-    figures["max_column_px"] = json!(largest.column_px);
-    figures["max_stretch_columns"] = json!(largest.stretch_columns());
-    figures["max_stretch_px"] = json!([largest.stretch.0, largest.stretch.1]);
-    figures["max_of"] = json!(match (largest.end_on, largest.tangents) {
-        (true, _) => "disc",
-        (_, true) => "tangents",
-        _ => "widths",
-    });
-    if let Some(calibration) = calibration {
-        let pitch_mm = calibration.scale_mm_per_px;
-        let off = largest.column_px - 0.5 * (columns as f64 - 1.0);
-        figures["max_z_mm"] = json!(meta.z_mm + off * pitch_mm);
-        figures["max_stretch_mm"] = json!(largest.stretch_columns() as f64 * pitch_mm);
-    }
-}
 
 /// The stretch of a largest diameter: its first and last column.
 pub fn stretch_text(figures: &Value) -> String {

@@ -1,34 +1,31 @@
-//! Threads and knurls in `measure`: a frame whose columns are refused because they depart from
-//! their neighbours or are steep is measured again as an outline of crests and roots, and the
-//! result is kept where it is one.
+//! Threads and knurls: a frame whose columns are refused because they depart from their neighbours
+//! or are steep is measured again as an outline of crests and roots, and the result is kept where
+//! it is one.
 
-use serde_json::{Map, Value, json};
-
-use super::choice::add_warning;
 use crate::frame::FrameView;
-use crate::gauge::{EdgeStream, FrameEdges, FrameRefused, Gauge, GaugeSettings, crest_pitch_px};
+use crate::gauge::{Edge, EdgeStream, FrameEdges, FrameRefused, Gauge, GaugeSettings, crest_pitch_px};
 use crate::profile::Reason;
 
 /// Share of the columns with both edges below which a frame is measured again.
 const FEW: f64 = 0.5;
 
 /// Measures outlines of crests and roots.
-pub struct CrestStream {
+pub(super) struct CrestStream {
     settings: GaugeSettings,
     stream: Option<EdgeStream>,
 }
 
 impl CrestStream {
     /// As `settings`, without rejection.
-    pub fn new(settings: &GaugeSettings) -> Self {
+    pub(super) fn new(settings: &GaugeSettings) -> Self {
         Self { settings: settings.clone().for_crests(), stream: None }
     }
 
     /// The frame's edges and the pitch of its crests, px, where few columns of the first
-    /// measurement have edges and the outline is periodic.
-    pub fn measure(
+    /// measurement, `first`, have edges and the outline is periodic.
+    pub(super) fn measure(
         &mut self,
-        first: &Result<FrameEdges, FrameRefused>,
+        first: Result<&FrameEdges, &FrameRefused>,
         view: &FrameView<'_>,
     ) -> Option<(FrameEdges, f64)> {
         let poor = match first {
@@ -54,30 +51,8 @@ impl CrestStream {
 /// Whether most refusals are for steepness or departure from the neighbours (flanks and roots), not
 /// for the residual (contamination).
 fn is_crested(edges: &FrameEdges) -> bool {
-    let reasons = || {
-        edges
-            .top
-            .iter()
-            .chain(&edges.bottom)
-            .filter(|e| !e.is_usable())
-            .filter_map(crate::gauge::Edge::reason)
-    };
+    let reasons =
+        || edges.top.iter().chain(&edges.bottom).filter(|e| !e.is_usable()).filter_map(Edge::reason);
     let by_form = reasons().filter(|r| matches!(r, Reason::Steep | Reason::Outlier)).count();
     2 * by_form > reasons().count()
-}
-
-/// Warns of a frame measured as crests and roots, and adds their pitch to its JSON object.
-pub fn report(stem: &str, pitch_px: f64, out: &mut Map<String, Value>) {
-    let word = word(pitch_px);
-    tracing::warn!("frame {stem}: {word}");
-    add_warning(out, &word);
-    out.insert("crest_pitch_px".to_owned(), json!(pitch_px));
-}
-
-/// The warning on a frame measured as crests and roots.
-fn word(pitch_px: f64) -> String {
-    format!(
-        "crests and roots every {pitch_px:.1} px (a thread, a knurl): the largest diameter is that of the crests, the distance of their \
-         tangents; no column was refused as dirt"
-    )
 }

@@ -1,9 +1,10 @@
 //! Sizes over a revolution for the modifiers of a tolerance: the envelope (E), the least
 //! circumscribed cylinder (GN) and circles (GN) ACS.
 
-use serde_json::{Value, json};
+use serde::ser::SerializeMap as _;
+use serde::{Serialize, Serializer};
 
-use crate::cli::failure::Failure;
+use super::error::MeasureError;
 use crate::conformity::{Decision, DecisionRule, Estimate, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
 use crate::gauge::axis_line::{AxisAverager, AxisLine};
@@ -16,12 +17,63 @@ use crate::gauge::{Calibration, ColumnDiameters};
 /// enough to resolve a crest of that width.
 const ENVELOPE_COLUMNS: f64 = 8.0;
 
-/// The judgement of a revolution with its values.
-pub(super) struct TurnJudgement {
-    /// The worst judgement.
-    pub(super) judgement: Judgement,
-    /// The entry of the document.
-    pub(super) json: Value,
+/// The judgement of a size over a revolution.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TurnJudged {
+    /// The size that the tolerance applies to.
+    pub what: &'static str,
+    /// Middle of the section that decided, mm; `None` for a size over the length.
+    pub z_mm: Option<f64>,
+    /// Sections of a size over the length.
+    pub sections: Option<usize>,
+    /// The size, or why there is none.
+    pub size: Result<JudgedSize, String>,
+}
+
+/// A size with its judgement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JudgedSize {
+    /// The size, mm.
+    pub d_mm: f64,
+    /// Its combined standard uncertainty, mm.
+    pub u_mm: f64,
+    /// Guard band, mm; `None` where it leaves no acceptance zone.
+    pub guard_mm: Option<f64>,
+    /// Its judgement.
+    pub judgement: Judgement,
+}
+
+impl TurnJudged {
+    /// The judgement; a size that was not measured is not proven small enough.
+    pub fn judgement(&self) -> Judgement {
+        self.size.as_ref().map_or(Judgement::HI, |size| size.judgement)
+    }
+}
+
+impl Serialize for TurnJudged {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("what", self.what)?;
+        if let Some(z_mm) = self.z_mm {
+            map.serialize_entry("z_mm", &z_mm)?;
+        }
+        match &self.size {
+            Err(why) => {
+                map.serialize_entry("judgement", &None::<Judgement>)?;
+                map.serialize_entry("why", why)?;
+            }
+            Ok(size) => {
+                map.serialize_entry("d_mm", &size.d_mm)?;
+                map.serialize_entry("u_mm", &size.u_mm)?;
+                if let Some(sections) = self.sections {
+                    map.serialize_entry("sections", &sections)?;
+                }
+                map.serialize_entry("judgement", &size.judgement)?;
+                map.serialize_entry("guard_mm", &size.guard_mm)?;
+            }
+        }
+        map.end()
+    }
 }
 
 /// Judges the sizes over a revolution that `tolerance` applies to; `None` where there are none.
@@ -33,23 +85,19 @@ pub(super) fn judge_turn(
     form: &PartForm,
     envelope: &Result<Envelope, String>,
     common_mm: &dyn Fn(f64) -> Option<f64>,
-) -> Option<TurnJudgement> {
+) -> Option<TurnJudged> {
     let (lower, upper) = tolerance.limits_mm();
+    let what = tolerance.criterion.as_str();
     let common = |z_mm: f64| common_mm(z_mm).unwrap_or(0.0);
     let largest_common = form.sections.iter().map(|s| common(s.z_mm)).fold(0.0, f64::max);
-    let over_length = |lower: f64| match envelope {
-        Ok(envelope) => {
+    let over_length = |lower: f64| TurnJudged {
+        what,
+        z_mm: None,
+        sections: envelope.as_ref().ok().map(|e| e.sections),
+        size: envelope.as_ref().map_err(Clone::clone).map(|envelope| {
             let u_mm = envelope.u_random_mm.hypot(largest_common);
-            let estimate = Estimate { value_mm: envelope.diameter_mm, u_mm, freedom: MANY };
-            let json = json!({
-                "what": tolerance.criterion.as_str(), "d_mm": envelope.diameter_mm, "u_mm": u_mm, "sections": envelope.sections,
-            });
-            judged(rule, &estimate, (lower, upper), json)
-        }
-        Err(why) => TurnJudgement {
-            judgement: Judgement::HI,
-            json: json!({ "what": tolerance.criterion.as_str(), "judgement": null, "why": why }),
-        },
+            judged(rule, &Estimate { value_mm: envelope.diameter_mm, u_mm, freedom: MANY }, (lower, upper))
+        }),
     };
     match tolerance.criterion {
         SizeCriterion::TwoPoint => None,
@@ -60,18 +108,19 @@ pub(super) fn judge_turn(
             let sections = form.sections.iter().map(|s| {
                 let u_mm = (std::f64::consts::SQRT_2 * s.u_edge_mm).hypot(common(s.z_mm));
                 let estimate = Estimate { value_mm: s.gn_mm, u_mm, freedom: MANY };
-                let what = tolerance.criterion.as_str();
-                let json = json!({ "what": what, "z_mm": s.z_mm, "d_mm": s.gn_mm, "u_mm": u_mm });
-                judged(rule, &estimate, (lower, upper), json)
+                let size = Ok(judged(rule, &estimate, (lower, upper)));
+                TurnJudged { what, z_mm: Some(s.z_mm), sections: None, size }
             });
-            let worst = sections.max_by_key(|s| severity(s.judgement));
-            let refused = form.refused.first().map(|(z_mm, why)| TurnJudgement {
-                judgement: Judgement::HI,
-                json: json!({ "what": tolerance.criterion.as_str(), "z_mm": z_mm, "judgement": null, "why": why }),
+            let worst = sections.max_by_key(|s| s.judgement().severity());
+            let refused = form.refused.first().map(|(z_mm, why)| TurnJudged {
+                what,
+                z_mm: Some(*z_mm),
+                sections: None,
+                size: Err(why.clone()),
             });
             // A section without a full turn is not proven good.
             match (worst, refused) {
-                (Some(worst), Some(refused)) if worst.judgement == Judgement::GO => Some(refused),
+                (Some(worst), Some(refused)) if worst.judgement() == Judgement::GO => Some(refused),
                 (Some(worst), _) => Some(worst),
                 (None, refused) => refused,
             }
@@ -79,12 +128,7 @@ pub(super) fn judge_turn(
     }
 }
 
-fn judged(
-    rule: DecisionRule,
-    estimate: &Estimate,
-    (lower, upper): (f64, f64),
-    mut json: Value,
-) -> TurnJudgement {
+fn judged(rule: DecisionRule, estimate: &Estimate, (lower, upper): (f64, f64)) -> JudgedSize {
     let above = !lower.is_finite() || estimate.value_mm >= 0.5 * (lower + upper);
     let judgement = match rule.decide(estimate, lower, upper) {
         Decision::Conforms => Judgement::GO,
@@ -93,17 +137,8 @@ fn judged(
         Decision::NotProven if above => Judgement::HI,
         Decision::NotProven => Judgement::LO,
     };
-    json["judgement"] = json!(judgement);
-    json["guard_mm"] = json!(rule.guard_mm(estimate.u_mm, estimate.freedom, upper - lower));
-    TurnJudgement { judgement, json }
-}
-
-fn severity(judgement: Judgement) -> u8 {
-    match judgement {
-        Judgement::GO => 0,
-        Judgement::LO | Judgement::HI => 1,
-        Judgement::LL | Judgement::HH => 2,
-    }
+    let guard_mm = rule.guard_mm(estimate.u_mm, estimate.freedom, upper - lower);
+    JudgedSize { d_mm: estimate.value_mm, u_mm: estimate.u_mm, guard_mm, judgement }
 }
 
 /// Frames of a revolution with the diameters of their columns.
@@ -174,21 +209,19 @@ pub(super) fn envelope(turn: &Frames, cutoff_upr: f64) -> Result<Envelope, Strin
 /// Form and sizes over the revolution, by stations of a length or of the frames as a whole.
 ///
 /// # Errors
-/// Exit 3 for frames that do not form a turn.
+/// A filter out of range; frames that do not form a turn.
 pub(super) fn part_form(
     turn: &Frames,
     station_mm: Option<f64>,
     cutoff_upr: f64,
-) -> Result<PartForm, Failure> {
-    let cutoff = Cutoff::upr(cutoff_upr).map_err(Failure::refuse)?;
-    let Some((low, high)) = z_range_mm(turn) else {
-        return Err(Failure::fail("no frame of the turn could be measured"));
-    };
+) -> Result<PartForm, MeasureError> {
+    let cutoff = Cutoff::upr(cutoff_upr)?;
+    let (low, high) = z_range_mm(turn).ok_or(MeasureError::NoFrameOfTurn)?;
     let whole = high - low + 1e-9;
     let form = sections(turn, (low, high), station_mm.unwrap_or(whole).min(whole)).finish(cutoff);
     match form.refused.first() {
-        Some((z, why)) if form.sections.is_empty() => {
-            Err(Failure::fail(format!("the frames make no turn at z = {z:.3} mm: {why}")))
+        Some((z_mm, why)) if form.sections.is_empty() => {
+            Err(MeasureError::NoTurn { z_mm: *z_mm, why: why.clone() })
         }
         _ => Ok(form),
     }

@@ -1,0 +1,317 @@
+//! Millimetres of the frames of a series: means and averages, stations, comparison with earlier
+//! turns, judgement.
+
+use super::error::MeasureError;
+use super::judged::{Deciding, Judged, StationJudgement, StationResult, Verdict};
+use super::result::{LargestDiameter, Measurement};
+use super::settings::MeasureSettings;
+use super::stated::stated_budget;
+use super::statistics::FrameMeans;
+use super::warning::Warning;
+use crate::conformity::{Judge, Judgement, MANY, SizeCriterion, Tolerance};
+use crate::frame::FrameMeta;
+use crate::gauge::budget::WidthReading;
+use crate::gauge::calibration::Conditions;
+use crate::gauge::diameter::reading_series::Average;
+use crate::gauge::form::Cutoff;
+use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
+use crate::gauge::{Calibration, ColumnDiameters, FrameEdges};
+use crate::profile::{Diameter, Reading, Reason};
+
+/// Columns of a local size without stations: as many as in the median of the largest diameter.
+const LOCAL_COLUMNS: f64 = 65.0;
+/// Length along z of what is compared from turn to turn without stations, mm: some columns of any
+/// lens.
+const TURN_STRETCH_MM: f64 = 1.0;
+
+/// About [`LOCAL_COLUMNS`], such that no remainder of a few columns is left at the end of a frame.
+fn local_columns(columns: usize) -> f64 {
+    let places = (columns as f64 / LOCAL_COLUMNS).round().max(1.0);
+    (columns as f64 / places).ceil()
+}
+
+/// A value that must lie within the limits.
+#[derive(Clone, Copy)]
+struct Candidate {
+    what: &'static str,
+    z_mm: f64,
+    reading: Reading,
+    /// Effective degrees of freedom of its u.
+    freedom: f64,
+}
+
+/// Frames of a part that turns.
+pub(super) struct FollowedTurn {
+    pub(super) frames: Vec<(FrameMeta, ColumnDiameters)>,
+    history: TurnHistory,
+    pub(super) jumps: Vec<Jump>,
+}
+
+/// Follows the frames of one series.
+pub(super) struct Inspector {
+    pub(super) settings: MeasureSettings,
+    pub(super) calibration: Calibration,
+    pub(super) conditions: Conditions,
+    pub(super) judge: Option<(Judge, (f64, f64))>,
+    average: Average,
+    pub(super) means: FrameMeans,
+    pub(super) worst: Judgement,
+    pub(super) turn: FollowedTurn,
+    frames: usize,
+}
+
+impl Inspector {
+    /// Checks the settings; `calibration` is that of level shafts.
+    ///
+    /// # Errors
+    /// Limits and probabilities out of range, settings that exclude each other.
+    pub(super) fn new(
+        settings: MeasureSettings,
+        calibration: Calibration,
+        conditions: Conditions,
+    ) -> Result<Self, MeasureError> {
+        let of_tolerance = |t: Tolerance| {
+            Judge::new(t.limits(), settings.conformance_probability).map(|judge| (judge, t.limits_mm()))
+        };
+        let judge = settings.tolerance.map(of_tolerance).transpose()?;
+        if let Some(t) = settings.tolerance.filter(|t| t.criterion.needs_turn() && !settings.turn) {
+            return Err(MeasureError::NeedsTurn { criterion: t.criterion.as_str() });
+        }
+        if settings.averages() && settings.station_mm.is_some() {
+            return Err(MeasureError::AverageOfStations);
+        }
+        Cutoff::upr(settings.cutoff_upr)?;
+        let turn_limit_mm = 1e-3 * settings.turn_limit_um;
+        let plausibility = PlausibilitySettings { turn_limit_mm, ..PlausibilitySettings::default() };
+        plausibility.validate()?;
+        Ok(Self {
+            calibration,
+            conditions,
+            judge,
+            average: Average::new(settings.average)?,
+            means: FrameMeans::default(),
+            worst: Judgement::GO,
+            turn: FollowedTurn {
+                frames: Vec::new(),
+                history: TurnHistory::new(&plausibility, settings.station_mm.unwrap_or(TURN_STRETCH_MM)),
+                jumps: Vec::new(),
+            },
+            frames: 0,
+            settings,
+        })
+    }
+
+    /// A frame without edges.
+    pub(super) fn add_refused(&mut self, out: &mut Measurement) {
+        self.frames += 1;
+        self.not_proven(out);
+    }
+
+    /// Adds the results of a frame to its measurement.
+    ///
+    /// # Errors
+    /// A diameter or uncertainty that is no number: the frame then has none.
+    pub(super) fn add(
+        &mut self,
+        meta: &FrameMeta,
+        edges: &FrameEdges,
+        out: &mut Measurement,
+    ) -> Result<(), MeasureError> {
+        let index = self.frames;
+        self.frames += 1;
+        out.take_place(meta, &self.calibration);
+        let reading = self.add_largest(edges, out)?;
+        let mut meta = meta.clone();
+        if let Some(step) = self.settings.angle_step_deg {
+            meta.angle_deg = step * index as f64;
+        }
+        self.warn_of_blur(edges, out);
+        let mut diameters = self.calibration.diameters_under(edges, &self.conditions);
+        if self.settings.turn {
+            self.compare_with_turns(&meta, &mut diameters, out);
+        }
+        let mean = diameters.mean(0..diameters.columns.len());
+        out.mean = mean.value();
+        out.mean.into_iter().for_each(|d| self.means.push(d));
+        let averaged = self.average.push(mean);
+        out.average = averaged.value().filter(|_| self.settings.averages());
+        out.stations = self.settings.station_mm.map(|length| self.stations(&meta, &diameters, length));
+        if self.judges_frames() {
+            let largest = reading.map(|r| diameters.z_mm(&meta, 0) + r.column_px * diameters.pitch_mm);
+            let values = self.to_be_judged(&meta, &diameters, averaged, largest.zip(out.diameter), out);
+            self.judge_frame(&values, out);
+        }
+        if self.settings.turn {
+            self.turn.frames.push((meta, diameters));
+        }
+        Ok(())
+    }
+
+    /// Adds the largest diameter and its budget.
+    fn add_largest(
+        &mut self,
+        edges: &FrameEdges,
+        out: &mut Measurement,
+    ) -> Result<Option<WidthReading>, MeasureError> {
+        let least = self.settings.least_stretch(Some(&self.calibration));
+        let Some(reading) = WidthReading::of_largest(edges, &self.calibration, least) else {
+            return Ok(None);
+        };
+        let budget = stated_budget(&reading, &self.calibration, &self.conditions);
+        if !(budget.diameter_mm.is_finite() && budget.u_mm().is_finite()) {
+            out.warnings.push(Warning::NoNumber);
+            self.give_no_diameter(Reason::Implausible, edges, out);
+            return Err(MeasureError::NoNumber { frame: out.frame.clone() });
+        }
+        out.diameter = Some(LargestDiameter::of(&budget, self.settings.coverage_factor));
+        out.budget = Some(budget).filter(|_| self.settings.budget);
+        Ok(Some(reading))
+    }
+
+    /// Warns of a frame that is measured although its blur differs from the masters'.
+    fn warn_of_blur(&self, edges: &FrameEdges, out: &mut Measurement) {
+        let setup = self.calibration.setup.as_ref();
+        if let Some(Err(error)) = setup.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) {
+            out.warnings.push(Warning::Blur(error));
+        }
+    }
+
+    /// Turns every column of a frame into a gap.
+    fn give_no_diameter(&mut self, reason: Reason, edges: &FrameEdges, out: &mut Measurement) {
+        if let Some(largest) = &mut out.largest {
+            (largest.diameter_px, largest.u_px) = (f64::NAN, f64::NAN);
+        }
+        out.valid = 0;
+        out.flags.clear();
+        out.flags.add(reason, edges.columns());
+        self.not_proven(out);
+    }
+
+    /// Whether the tolerance applies to sizes of single frames, not to those of the revolution.
+    fn judges_frames(&self) -> bool {
+        let two_point =
+            |t: Tolerance| matches!(t.criterion, SizeCriterion::TwoPoint | SizeCriterion::Envelope);
+        self.settings.tolerance.is_some_and(two_point)
+    }
+
+    /// A size that was not measured, or that may be another part's, is not proven good.
+    pub(super) fn not_proven(&mut self, out: &mut Measurement) {
+        if self.judge.is_some() {
+            out.judgement = Verdict::NotProven;
+            self.worst = worse(self.worst, Judgement::HI);
+        }
+    }
+
+    /// Turns diameters that contradict earlier revolutions into gaps, counted in the frame's flags.
+    fn compare_with_turns(
+        &mut self,
+        meta: &FrameMeta,
+        diameters: &mut ColumnDiameters,
+        out: &mut Measurement,
+    ) {
+        let valid = |d: &ColumnDiameters| d.columns.iter().filter(|c| c.reading.value().is_some()).count();
+        let before = valid(diameters);
+        let jumps = self.turn.history.check(meta, diameters);
+        if jumps.is_empty() {
+            return;
+        }
+        let refused = before - valid(diameters);
+        out.flags.set(Reason::Implausible, refused);
+        out.valid = out.valid.saturating_sub(refused);
+        self.turn.jumps.extend(&jumps);
+        out.jumps = jumps;
+    }
+
+    /// The stations of a frame, each with its own judgement.
+    fn stations(&self, meta: &FrameMeta, diameters: &ColumnDiameters, length_mm: f64) -> Vec<StationResult> {
+        let judge = self.judge.filter(|_| self.judges_frames());
+        let judged = |reading: &Reading| {
+            judge.map(|(judge, _)| StationJudgement {
+                judgement: judge.judge_reading(reading, MANY).ok(),
+                guard_mm: reading.value().and_then(|d| judge.guard_mm(&d, MANY)),
+            })
+        };
+        let stations = diameters.record(meta, length_mm).into_iter();
+        stations.map(|(z_mm, reading)| StationResult { z_mm, reading, judged: judged(&reading) }).collect()
+    }
+
+    /// All values of a frame that must lie within the limits. A disc's chords are no sizes; that of
+    /// crests opposite roots is the distance of tangents.
+    fn to_be_judged(
+        &self,
+        meta: &FrameMeta,
+        diameters: &ColumnDiameters,
+        mean: Reading,
+        largest: Option<(f64, LargestDiameter)>,
+        out: &Measurement,
+    ) -> Vec<Candidate> {
+        let largest = largest.map(|(z_mm, d)| Candidate {
+            what: "largest",
+            z_mm,
+            reading: Reading::Value(d.diameter),
+            freedom: d.freedom,
+        });
+        let alone = out.largest.is_some_and(|l| l.end_on || l.tangents);
+        if largest.is_some() && alone {
+            return Vec::from_iter(largest);
+        }
+        let (what, length) = match self.settings.station_mm {
+            Some(length) => ("station", length),
+            None => ("local", local_columns(diameters.columns.len()) * diameters.pitch_mm),
+        };
+        // Their u comes from the noise of very many pixels, and from the calibration.
+        let of = |what, z_mm, reading| Candidate { what, z_mm, reading, freedom: MANY };
+        let places =
+            diameters.record(meta, length).into_iter().map(|(z_mm, reading)| of(what, z_mm, reading));
+        let mean_word = if self.settings.averages() { "average" } else { "mean" };
+        largest.into_iter().chain(places).chain([of(mean_word, meta.z_mm, mean)]).collect()
+    }
+
+    /// Judges a frame by its worst value, of equal ones that closest to a limit.
+    fn judge_frame(&mut self, values: &[Candidate], out: &mut Measurement) {
+        let Some((judge, limits)) = self.judge else { return };
+        let decisive = decisive(values, &judge, limits);
+        let gap = values.iter().find_map(|value| match value.reading {
+            Reading::Gap(reason) => Some((value, reason)),
+            Reading::Value(_) => None,
+        });
+        let good = decisive.is_none_or(|(judgement, ..)| judgement == Judgement::GO);
+        if let (true, Some((Candidate { what, z_mm, .. }, reason))) = (good, gap) {
+            out.judged = Some(Judged { what, z_mm: Some(*z_mm), by: Deciding::Gap(reason) });
+            return self.not_proven(out);
+        }
+        let Some((judgement, value, diameter)) = decisive else { return self.not_proven(out) };
+        self.worst = worse(self.worst, judgement);
+        out.acceptance_zone = judge.check_uncertainty(diameter.u_mm(), value.freedom).err();
+        out.judgement = Verdict::Is(judgement);
+        let guard_mm = judge.guard_mm(&diameter, value.freedom);
+        let by = Deciding::Value { diameter, freedom: value.freedom, guard_mm };
+        out.judged = Some(Judged { what: value.what, z_mm: Some(value.z_mm), by });
+    }
+}
+
+/// The worst value, of equal ones that closest to a limit.
+fn decisive(
+    values: &[Candidate],
+    judge: &Judge,
+    (lower, upper): (f64, f64),
+) -> Option<(Judgement, Candidate, Diameter)> {
+    let margin = |d: &Diameter| (d.d_mm - lower).min(upper - d.d_mm);
+    let mut decisive: Option<(Judgement, Candidate, Diameter)> = None;
+    for value in values {
+        let Some(d) = value.reading.value() else { continue };
+        let judgement = judge.judge(&d, value.freedom);
+        let worst = decisive.is_none_or(|(known, _, by)| {
+            (judgement.severity(), margin(&by)) > (known.severity(), margin(&d))
+        });
+        if worst {
+            decisive = Some((judgement, *value, d));
+        }
+    }
+    decisive
+}
+
+/// The judgement that is farther from good.
+pub(super) fn worse(a: Judgement, b: Judgement) -> Judgement {
+    if b.severity() > a.severity() { b } else { a }
+}

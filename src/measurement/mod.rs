@@ -1,0 +1,51 @@
+//! What `shadowgauge measure` prints, as a library: frames in, diameters with uncertainty out.
+//!
+//! In: a [`Gauge`](crate::gauge::Gauge), a [`Calibration`](crate::gauge::Calibration) (or a scale
+//! alone, [`Calibration::from_scale`](crate::gauge::Calibration::from_scale)), the conditions of
+//! the part, [`MeasureSettings`] and frames of any source. Out: a [`Measurement`] a frame, whose
+//! JSON is an element of `frames` of the command's document, and a [`Series`] over all of them
+//! (statistics, turn, warnings); [`Document`] is the whole. A part seen end-on is measured by
+//! [`ring`].
+//!
+//! [`Gauge::measure`](crate::gauge::Gauge::measure) is one frame by itself, [`Stream`] many of one
+//! camera. From below: `settings`, `error`, `warning`, `flags`, `result` (a frame's) → `crests`,
+//! `stated`, `preparation` → `inspector` (millimetres, averages, judgement of a frame) → `turn`,
+//! `statistics`, `series` → `stream` → `one_frame`. One more figure of a frame is one more field of
+//! `result`, one more result of a series one more field of `series`.
+
+pub(crate) mod by_key;
+mod conditions;
+mod crests;
+mod document;
+mod error;
+mod flags;
+mod inspector;
+mod judged;
+mod one_frame;
+mod preparation;
+mod result;
+pub mod ring;
+mod series;
+mod settings;
+mod stated;
+mod statistics;
+mod stream;
+mod turn;
+mod turn_sizes;
+mod warning;
+
+pub use conditions::{conditions, edge_model, known_conditions};
+pub use document::Document;
+pub use error::MeasureError;
+pub use flags::Flags;
+pub use judged::{Deciding, Judged, StationJudgement, StationResult, Verdict};
+pub use preparation::prepared;
+pub use result::{LargestDiameter, Measurement, Place, Refusal};
+pub use series::Series;
+pub use settings::MeasureSettings;
+pub use stated::stated_budget;
+pub use statistics::Statistics;
+pub use stream::Stream;
+pub use turn::{SectionUncertainty, TurnForm};
+pub use turn_sizes::{JudgedSize, TurnJudged};
+pub use warning::Warning;

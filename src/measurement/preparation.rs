@@ -1,0 +1,63 @@
+//! A frame before it is measured: its size, and the calibration's corrections of sensor and light.
+
+use super::error::MeasureError;
+use crate::frame::{Buffer, Frame, FrameError, FrameMeta, FrameView, Pixels};
+use crate::gauge::Calibration;
+use crate::gauge::sensor::ShaftRuns;
+
+/// A frame, named `name`, with the calibration's corrections of sensor and light; `vertical`: its
+/// shaft stands upright, and the calibration is [`Calibration::transposed`].
+///
+/// # Errors
+/// Another size than the calibration's.
+pub fn prepared(
+    name: &str,
+    frame: Frame,
+    calibration: Option<&Calibration>,
+    vertical: bool,
+) -> Result<Frame, MeasureError> {
+    let Some(setup) = calibration.and_then(|c| c.setup.as_ref()) else { return Ok(frame) };
+    check_size(name, &laid(&frame.view(), vertical), calibration)?;
+    let shaft = if vertical { ShaftRuns::AlongColumns } else { ShaftRuns::AlongRows };
+    Ok(match &setup.flat_field {
+        Some(field) => field.corrected_along(frame, shaft),
+        None => frame,
+    })
+}
+
+/// Refuses a frame, its shaft lying level, of another size than the calibration's.
+pub(super) fn check_size(
+    name: &str,
+    view: &FrameView<'_>,
+    calibration: Option<&Calibration>,
+) -> Result<(), MeasureError> {
+    let Some(setup) = calibration.and_then(|c| c.setup.as_ref()) else { return Ok(()) };
+    setup
+        .check_size(view.rows(), view.columns())
+        .map_err(|source| MeasureError::OtherSize { frame: name.to_owned(), source })
+}
+
+/// A view with the shaft lying level.
+pub(super) fn laid<'a>(view: &FrameView<'a>, vertical: bool) -> FrameView<'a> {
+    if vertical { view.transposed() } else { *view }
+}
+
+/// A frame of its own with the pixels of a view, to be corrected.
+pub(super) fn copied(meta: &FrameMeta, view: &FrameView<'_>) -> Result<Frame, FrameError> {
+    let buffer = match view.pixels() {
+        Pixels::U8(pixels) => Buffer::U8(rows_of(view, pixels)),
+        Pixels::U16(pixels) => Buffer::U16(rows_of(view, pixels)),
+        Pixels::F32(pixels) => Buffer::F32(rows_of(view, pixels)),
+    };
+    let frame = Frame::new(buffer, view.format(), view.rows(), view.columns(), meta.clone())?;
+    Ok(match view.full_scale() {
+        Some(counts) => frame.with_full_scale(counts),
+        None => frame,
+    })
+}
+
+fn rows_of<T: Copy>(view: &FrameView<'_>, pixels: &[T]) -> Vec<T> {
+    let row =
+        |r: usize| (0..view.columns()).map(move |c| pixels[r * view.row_stride() + c * view.column_stride()]);
+    (0..view.rows()).flat_map(row).collect()
+}

@@ -1,0 +1,121 @@
+//! The results over all frames of a series.
+
+use serde::{Serialize, Serializer};
+
+use super::by_key::by_key;
+use super::error::MeasureError;
+use super::inspector::{Inspector, worse};
+use super::statistics::Statistics;
+use super::turn::{SectionUncertainty, TurnForm};
+use super::turn_sizes::{common_mm, corrected_by_axis, envelope, judge_turn, part_form};
+use crate::conformity::Judgement;
+use crate::gauge::calibration::Conditions;
+use crate::gauge::diameter::sections::{PartForm, SectionForm};
+
+/// The results over all frames. Its JSON has the keys of the document beside `frames`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// Statistics of the mean diameters; `None` without a calibration or without a diameter.
+    pub statistics: Option<Statistics>,
+    /// Form and sizes over the revolution, where the frames are one.
+    pub turn: Option<TurnForm>,
+    /// The conditions of the part; with a calibration.
+    pub conditions: Option<Conditions>,
+    /// What is to be looked at.
+    pub warnings: Vec<String>,
+    /// The worst judgement of all; `None` where nothing was to be judged.
+    pub judgement: Option<Judgement>,
+}
+
+#[derive(Serialize)]
+struct Keys<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    statistics: Option<&'a Statistics>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    turn: Option<&'a TurnForm>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    conditions: Option<Conditions>,
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    warnings: &'a [String],
+}
+
+impl Serialize for Series {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (statistics, turn) = (self.statistics.as_ref(), self.turn.as_ref());
+        let keys = Keys { statistics, turn, conditions: self.conditions, warnings: &self.warnings };
+        by_key(&keys, serializer)
+    }
+}
+
+impl Series {
+    /// Whether every value is proven good; true where nothing is judged.
+    pub fn all_good(&self) -> bool {
+        self.judgement.is_none_or(|judgement| judgement == Judgement::GO)
+    }
+
+    /// Of the frames that an inspector followed.
+    ///
+    /// # Errors
+    /// Frames that do not form a turn.
+    pub(super) fn of(mut inspector: Inspector) -> Result<Self, MeasureError> {
+        let limits_mm = inspector.judge.map(|(_, limits)| limits);
+        let statistics = inspector.means.statistics(limits_mm, inspector.settings.parts);
+        let mut warnings = Vec::new();
+        let mut turn = None;
+        if inspector.settings.turn {
+            let form = turn_form(&mut inspector)?;
+            warnings.extend(scatter_word(&form.form));
+            let judged = form.judged.as_ref().map(super::turn_sizes::TurnJudged::judgement);
+            inspector.worst = judged.map_or(inspector.worst, |judged| worse(inspector.worst, judged));
+            turn = Some(form);
+        } else {
+            // Over a revolution the means differ by the form error of the part.
+            warnings.extend(inspector.means.word());
+        }
+        let judgement = inspector.judge.map(|_| inspector.worst);
+        Ok(Self { statistics, turn, conditions: Some(inspector.conditions), warnings, judgement })
+    }
+}
+
+/// Form, sizes and axis over the revolution.
+fn turn_form(inspector: &mut Inspector) -> Result<TurnForm, MeasureError> {
+    let (station_mm, cutoff_upr) = (inspector.settings.station_mm, inspector.settings.cutoff_upr);
+    let axis = corrected_by_axis(&mut inspector.turn.frames, station_mm, &inspector.calibration);
+    let frames = &inspector.turn.frames;
+    let form = part_form(frames, station_mm, cutoff_upr)?;
+    let length_mm = station_mm.unwrap_or(f64::INFINITY);
+    let common = |z_mm: f64| common_mm(frames, z_mm, length_mm);
+    let judged = inspector.judge.zip(inspector.settings.tolerance).and_then(|((judge, _), tolerance)| {
+        judge_turn(&tolerance, judge.rule(), &form, &envelope(frames, cutoff_upr), &common)
+    });
+    let of = |s: &SectionForm| SectionUncertainty { z_mm: s.z_mm, u_mm: common(s.z_mm) };
+    Ok(TurnForm {
+        common: form.sections.iter().map(of).collect(),
+        implausible: std::mem::take(&mut inspector.turn.jumps),
+        axis,
+        judged,
+        form,
+    })
+}
+
+/// A warning where sections scatter by more than their form and their u explain.
+fn scatter_word(form: &PartForm) -> Option<String> {
+    let beyond: Vec<&SectionForm> =
+        form.sections.iter().filter(|s| s.scatter.is_some_and(|test| test.beyond_u)).collect();
+    let (worst, test) = beyond
+        .iter()
+        .filter_map(|s| s.scatter.map(|test| (s, test)))
+        .max_by(|a, b| a.1.ratio().total_cmp(&b.1.ratio()))?;
+    Some(format!(
+        "{} of {} sections scatter over the turn by more than their form and their u explain, at z = {:.3} mm {:.1} times (chi2 {:.4} at {} degrees \
+         of freedom, limit {:.4} at a false alarm of {} %): vibration, drift, dirt or texture; u is taken from the scatter",
+        beyond.len(),
+        form.sections.len(),
+        worst.z_mm,
+        test.ratio(),
+        test.chi2,
+        test.freedom,
+        test.chi2_limit,
+        100.0 * test.false_alarm_probability
+    ))
+}

@@ -1,0 +1,274 @@
+//! Many frames of one camera: edges with tracking, the results of each, and those over all.
+
+use super::conditions::known_conditions;
+use super::crests::CrestStream;
+use super::error::MeasureError;
+use super::inspector::Inspector;
+use super::judged::{Deciding, Judged};
+use super::preparation::{check_size, copied, laid, prepared};
+use super::result::Measurement;
+use super::series::Series;
+use super::settings::MeasureSettings;
+use super::stated::is_uncalibrated;
+use super::warning::Warning;
+use crate::frame::{Frame, FrameMeta, FrameView};
+use crate::gauge::calibration::Conditions;
+use crate::gauge::{
+    Calibration, EdgeStream, EsfModel, FrameEdges, Gauge, Rejection, Which, largest_caliper_over,
+};
+use crate::profile::Reason;
+
+/// Measures the frames of one camera one after another: [`Self::push`] a frame, [`Self::finish`]
+/// the series.
+pub struct Stream {
+    settings: MeasureSettings,
+    which: Option<Which>,
+    learns: bool,
+    edge_stream: EdgeStream,
+    crests: Option<CrestStream>,
+    inspector: Option<Inspector>,
+    edges: FrameEdges,
+    measurement: Measurement,
+    unlearnt: usize,
+}
+
+impl Stream {
+    /// A stream that gives millimetres, of the part's conditions.
+    ///
+    /// # Errors
+    /// Settings out of range, or that exclude each other.
+    pub fn new(
+        gauge: &Gauge,
+        calibration: &Calibration,
+        conditions: &Conditions,
+        settings: MeasureSettings,
+    ) -> Result<Self, MeasureError> {
+        settings.validate()?;
+        let own = if settings.vertical { calibration.transposed() } else { calibration.clone() };
+        let inspector = Inspector::new(settings.clone(), own, *conditions)?;
+        Ok(Self { inspector: Some(inspector), ..Self::of(gauge, settings) })
+    }
+
+    /// A stream in the conditions that the calibration itself carries.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn calibrated(
+        gauge: &Gauge,
+        calibration: &Calibration,
+        settings: MeasureSettings,
+    ) -> Result<Self, MeasureError> {
+        Self::new(gauge, calibration, &known_conditions(Some(calibration)), settings)
+    }
+
+    /// A stream that gives pixels only.
+    ///
+    /// # Errors
+    /// Settings that need millimetres.
+    pub fn in_pixels(gauge: &Gauge, settings: MeasureSettings) -> Result<Self, MeasureError> {
+        settings.validate()?;
+        match settings.needs_scale() {
+            Some(setting) => Err(MeasureError::NeedsScale { setting }),
+            None => Ok(Self::of(gauge, settings)),
+        }
+    }
+
+    fn of(gauge: &Gauge, settings: MeasureSettings) -> Self {
+        let of = gauge.settings();
+        // Where less than the full rejection is asked for, the outline is measured as it is.
+        let crests = settings.crests && of.rejection == Rejection::default();
+        Self {
+            which: of.which,
+            learns: of.esf == (EsfModel::Learnt {}),
+            edge_stream: gauge.stream(),
+            crests: crests.then(|| CrestStream::new(of)),
+            inspector: None,
+            edges: FrameEdges::default(),
+            measurement: Measurement::default(),
+            unlearnt: 0,
+            settings,
+        }
+    }
+
+    /// Measures a frame, as the camera gives it, by its number.
+    ///
+    /// # Errors
+    /// A frame without a diameter: it counts as a gap of the series, and [`Self::measurement`] is
+    /// what the command line prints of it.
+    pub fn push(&mut self, meta: &FrameMeta, view: &FrameView<'_>) -> Result<&Measurement, MeasureError> {
+        self.push_named(&format!("{:06}", meta.frame_id), meta, view)
+    }
+
+    /// Measures a frame by a name.
+    ///
+    /// # Errors
+    /// As [`Self::push`].
+    pub fn push_named(
+        &mut self,
+        name: &str,
+        meta: &FrameMeta,
+        view: &FrameView<'_>,
+    ) -> Result<&Measurement, MeasureError> {
+        let calibration = self.inspector.as_ref().map(|i| &i.calibration);
+        let setup = calibration.and_then(|c| c.setup.as_ref());
+        if setup.is_some_and(|setup| setup.flat_field.is_some())
+            && let Ok(frame) = copied(meta, view)
+        {
+            return match self.prepared(name, frame) {
+                Ok(frame) => self.push_prepared(name, meta, &frame.view()),
+                Err(error) => self.refuse_unread(name, error),
+            };
+        }
+        if let Err(error) = check_size(name, &laid(view, self.settings.vertical), calibration) {
+            return self.refuse_unread(name, error);
+        }
+        self.push_prepared(name, meta, view)
+    }
+
+    /// A frame with the calibration's corrections of sensor and light, for
+    /// [`Self::push_prepared`].
+    ///
+    /// # Errors
+    /// Another size than the calibration's.
+    pub fn prepared(&self, name: &str, frame: Frame) -> Result<Frame, MeasureError> {
+        let calibration = self.inspector.as_ref().map(|i| &i.calibration);
+        prepared(name, frame, calibration, self.settings.vertical)
+    }
+
+    /// Measures a frame that has its corrections ([`Self::prepared`]), without a copy of it.
+    ///
+    /// # Errors
+    /// As [`Self::push`].
+    pub fn push_prepared(
+        &mut self,
+        name: &str,
+        meta: &FrameMeta,
+        view: &FrameView<'_>,
+    ) -> Result<&Measurement, MeasureError> {
+        let view = laid(view, self.settings.vertical);
+        self.measurement.begin(name, meta.frame_id, view.columns());
+        if let Err(error) = self.measure_edges(name, meta, &view) {
+            return self.refuse(error);
+        }
+        self.take_edges();
+        let Some(inspector) = &mut self.inspector else { return Ok(&self.measurement) };
+        let added = inspector.add(meta, &self.edges, &mut self.measurement);
+        if self.which.is_none() && self.edges.figures.shadows.left_out_px > 0.0 {
+            // A shadow as large as the measured one was left out without a request.
+            inspector.not_proven(&mut self.measurement);
+            if self.measurement.judged.is_some() {
+                let by = Deciding::Gap(Reason::SeveralShadows);
+                self.measurement.judged = Some(Judged { what: "frame", z_mm: None, by });
+            }
+        }
+        added.map(|()| &self.measurement)
+    }
+
+    /// A frame that its source could not deliver: a gap of the series; `why` is the source's
+    /// reason.
+    pub fn push_unreadable(&mut self, name: &str, why: String) -> &Measurement {
+        self.measurement.begin(name, 0, 0);
+        self.take_refusal(Reason::Unreadable, why);
+        &self.measurement
+    }
+
+    /// The frame pushed last.
+    pub fn measurement(&self) -> &Measurement {
+        &self.measurement
+    }
+
+    /// The edges of the frame pushed last, px; `None` where it was refused.
+    pub fn edges(&self) -> Option<&FrameEdges> {
+        self.measurement.refusal.is_none().then_some(&self.edges)
+    }
+
+    /// Frames whose edge-spread function was to be learnt and that were measured with a Gaussian:
+    /// their edges show too few sub-pixel phases.
+    pub fn unlearnt(&self) -> usize {
+        self.unlearnt
+    }
+
+    /// Whether sizes are judged by a scale alone, whose uncertainty is in none of them.
+    pub fn judges_uncalibrated(&self) -> bool {
+        self.inspector.as_ref().is_some_and(|i| i.judge.is_some() && is_uncalibrated(&i.calibration))
+    }
+
+    /// The results over all frames.
+    ///
+    /// # Errors
+    /// Frames that do not form a turn, where they were to.
+    pub fn finish(self) -> Result<Series, MeasureError> {
+        self.inspector.map_or_else(|| Ok(Series::default()), Series::of)
+    }
+
+    /// Edges of a frame whose shaft lies level.
+    fn measure_edges(
+        &mut self,
+        name: &str,
+        meta: &FrameMeta,
+        view: &FrameView<'_>,
+    ) -> Result<(), MeasureError> {
+        let frame = || name.to_owned();
+        if let Some(inspector) = &self.inspector {
+            let checked = inspector.calibration.check_encoding(meta.encoding);
+            checked.map_err(|source| MeasureError::OtherEncoding { frame: frame(), source })?;
+        }
+        let first = self.edge_stream.measure(view, &mut self.edges);
+        let as_crests =
+            self.crests.as_mut().and_then(|c| c.measure(first.as_ref().map(|()| &self.edges), view));
+        match (as_crests, first) {
+            (Some((edges, pitch_px)), _) => {
+                (self.edges, self.measurement.crest_pitch_px) = (edges, Some(pitch_px));
+            }
+            (None, first) => first.map_err(|source| MeasureError::Refused { frame: frame(), source })?,
+        }
+        self.edges.place_windows(0.0, f64::from(self.settings.rows_between));
+        self.check_focus(name)
+    }
+
+    /// Refuses a frame whose blur differs from the masters', because its edges are displaced.
+    fn check_focus(&self, name: &str) -> Result<(), MeasureError> {
+        let Some(inspector) = self.inspector.as_ref().filter(|_| !self.settings.accept_blur) else {
+            return Ok(());
+        };
+        let Some(setup) = &inspector.calibration.setup else { return Ok(()) };
+        setup
+            .check_focus(self.edges.figures.sigma_px, &inspector.conditions)
+            .map_err(|source| MeasureError::Blurred { frame: name.to_owned(), source })
+    }
+
+    /// What the edges show, with the remarks on the choice of the shadow.
+    fn take_edges(&mut self) {
+        let calibration = self.inspector.as_ref().map(|i| &i.calibration);
+        let least = self.settings.least_stretch(calibration);
+        let largest = largest_caliper_over(&self.edges, least);
+        self.measurement.take_edges(&self.edges, largest);
+        self.unlearnt += usize::from(self.learns && self.edges.figures.position_ambiguity_px == [0.0; 2]);
+        let warnings = &mut self.measurement.warnings;
+        warnings.extend(Warning::of_shadows(&self.edges.figures.shadows, self.which));
+        // The flanks of a disc seen end-on are always steep and are not measured.
+        if !largest.is_some_and(|l| l.end_on) {
+            warnings.extend(Warning::of_flanks(&self.edges));
+        }
+        warnings.extend(self.measurement.crest_pitch_px.map(|pitch_px| Warning::Crests { pitch_px }));
+    }
+
+    fn refuse(&mut self, error: MeasureError) -> Result<&Measurement, MeasureError> {
+        self.measurement.crest_pitch_px = None;
+        self.take_refusal(error.reason(), error.to_string());
+        Err(error)
+    }
+
+    /// A frame of another size than the calibration's: nothing of it is read.
+    fn refuse_unread(&mut self, name: &str, error: MeasureError) -> Result<&Measurement, MeasureError> {
+        self.measurement.begin(name, 0, 0);
+        self.refuse(error)
+    }
+
+    fn take_refusal(&mut self, reason: Reason, why: String) {
+        self.measurement.refuse(reason, why);
+        if let Some(inspector) = &mut self.inspector {
+            inspector.add_refused(&mut self.measurement);
+        }
+    }
+}
