@@ -10,5 +10,5 @@ for name in error_along_z convergence axis turn; do
   cp "$work/demo/plots/$name.svg" "docs/$name.svg"
 done
 "$bin" render --gallery "$work/gallery" --backend cpu
-cp "$work/gallery/gallery.png" docs/gallery.png
+cp "$work/gallery/contact_sheet.png" docs/gallery.png
 ls -l docs/*.svg docs/*.png
