@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::markdown::{anchors, documents, links, root};
+use super::markdown::{anchors, documents, links, root, spans};
 
 /// Most lines of README.md: what fits on three screens.
 const README_LINES: usize = 120;
@@ -44,6 +44,25 @@ fn planted_dead_links_are_found() {
     assert_eq!(links, ["README.md", "#a-b", "#c", "docs/none.svg"]);
     let dead = links.iter().filter_map(|link| dead(Path::new("X.md"), text, link)).count();
     assert_eq!(dead, 2);
+}
+
+/// Folders whose files the documents name by their path.
+const FOLDERS: [&str; 7] = ["src/", "tests/", "configs/", "scripts/", "benches/", "docs/", "shaders/"];
+
+#[test]
+fn files_named_in_code_exist() {
+    let mut bad = Vec::new();
+    // The changelog names what was, too.
+    for document in documents().iter().filter(|d| d.path != Path::new("CHANGELOG.md")) {
+        for span in spans(&document.text) {
+            let name = span.split(' ').next().unwrap_or_default();
+            let is_path = FOLDERS.iter().any(|folder| name.starts_with(folder)) && !name.contains('*');
+            if is_path && !root().join(name).exists() {
+                bad.push(format!("{}: `{name}`", document.path.display()));
+            }
+        }
+    }
+    assert!(bad.is_empty(), "{}", bad.join("\n"));
 }
 
 #[test]
