@@ -3,12 +3,13 @@
 #   make test    formatting, lints, all tests, doc tests
 # Others:  make studies (long measurements -> out/studies; ONLY="coverage edges" for some)   make studies-short (ten minutes)
 #          make study-limits (half and double of every threshold of the instrument on the same scenes)
+#          make pictures (the pictures of the documents -> docs)
 #          make gpu-check (a hardware adapter against the CPU path; needs the built program alone)   make bench   make bless CASE=all
 
 CARGO ?= cargo
 BIN := target/release/shadowgauge
 
-.PHONY: demo test studies studies-short study-limits gpu-check bench build vulkan bless
+.PHONY: demo test studies studies-short study-limits pictures gpu-check bench build vulkan bless
 
 # With wgpu at work where a Vulkan driver is (software drivers are taken by name only), else on the CPU path.
 demo: vulkan build
@@ -44,6 +45,10 @@ study-limits: build
 	mkdir -p out/study_limits
 	$(BIN) study limits --csv out/study_limits/limits.csv > out/study_limits/limits.txt
 	cat out/study_limits/limits.txt
+
+# The pictures of the documents, by the commands that draw them.
+pictures: build
+	BIN="$(BIN)" sh scripts/pictures.sh
 
 # Goldens and benches on a hardware adapter, beside the CPU path: needs the built program alone (BIN=PATH), no Rust and no network.
 gpu-check:

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Long measurements: everything the README quotes that the tests only sample. Writes out/studies/ with date and commit.
+# Long measurements: everything docs/accuracy.md quotes that the tests only sample. Writes out/studies/ with date and commit.
 # All of them take about an hour; ONLY="coverage edges" runs those whose names match a word of it and leaves the others' results.
 set -eu
 out=out/studies

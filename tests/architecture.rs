@@ -37,7 +37,7 @@ const ROOMS: [(&str, &str); 3] = [
     (
         "cli",
         "failure output process input_output calibration_plan schema optics measure calibrate render doctor run demo \
-         nc optimize reproduce study",
+         nc optimize reproduce study reference",
     ),
 ];
 

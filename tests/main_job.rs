@@ -1,4 +1,4 @@
-//! The main job at full size, from outside the binary: the figures that the README states.
+//! The main job at full size, from outside the binary: the figures that docs/accuracy.md states.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/program.rs"]

@@ -3,6 +3,17 @@
 use crate::files::OutputError;
 use crate::run_folder::RunFolderError;
 
+/// Exit codes and what each means; a command that is interrupted ends with the shell's 130.
+pub const EXIT_CODES: [(u8, &str); 4] = [
+    (0, "done; where a tolerance is given, proven in tolerance"),
+    (
+        1,
+        "done, but a tolerance is exceeded or not proven, an alarm ended a run, or a study's limit is missed",
+    ),
+    (2, "the command line, a config or a program is refused, or another process writes the output"),
+    (3, "a file, an image, an output or a device failed"),
+];
+
 /// Outcome of a command that did its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {

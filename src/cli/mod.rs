@@ -24,6 +24,7 @@ mod nc;
 mod optics;
 mod optimize;
 mod process;
+mod reference;
 mod render;
 mod reproduce;
 mod run;
@@ -33,9 +34,10 @@ mod study;
 use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 
 use failure::{CommandResult, Outcome};
+pub use reference::Page;
 
 #[derive(Debug, Parser)]
 #[command(name = "shadowgauge", version, about, long_about = None)]
@@ -92,6 +94,23 @@ commands! {
     /// Measurements over the stages.
     #[command(subcommand)]
     Study(study::Study) => study::run,
+    /// Write the pages of docs/reference that follow from the program.
+    #[command(hide = true)]
+    Reference(reference::ReferenceArgs) => write_reference,
+}
+
+/// The definition of the command line.
+pub fn command() -> clap::Command {
+    Arguments::command()
+}
+
+/// The pages of `docs/reference` that follow from the program.
+pub fn reference_pages() -> Vec<Page> {
+    reference::pages(&command())
+}
+
+fn write_reference(arguments: &reference::ReferenceArgs) -> CommandResult {
+    reference::run(arguments, &command())
 }
 
 /// Parses the process's arguments, runs the command, prints the error; returns the exit code

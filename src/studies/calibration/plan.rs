@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::gauge::calibration::{CertificateShare, Conditions, Date, LensLimits, Thermometer};
@@ -14,7 +15,7 @@ use crate::setting::{SettingError, positive};
 use crate::source::Channel;
 
 /// Frames of a pin at one place in the field.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Position {
     /// Folder or file with its frames, relative to the TOML file; none where frames are simulated.
@@ -28,7 +29,7 @@ pub struct Position {
 }
 
 /// A pin with its certificate and its frames.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PinPlan {
     /// Name in budgets and reports.
@@ -71,7 +72,7 @@ impl PinPlan {
 }
 
 /// A flat-field exposure.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FlatPlan {
     /// Folder with its frames, two or more; none where frames are simulated.
@@ -82,7 +83,7 @@ pub struct FlatPlan {
 }
 
 /// Dark and flat fields.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Fields {
     /// Folder with dark frames, two or more.
@@ -94,7 +95,7 @@ pub struct Fields {
 
 /// An optical setup to be rendered in place of recorded frames: its true values are drawn by seed
 /// about these. `render` of the same file draws the same optical setup.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulatedPlan {
     /// Seed of everything drawn.
@@ -208,7 +209,7 @@ impl SimulatedPlan {
 }
 
 /// A calibration to be made.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CalibrationPlan {
     /// Identity of camera, lens, light and their adjustment: frames of other optics are refused.
@@ -217,6 +218,7 @@ pub struct CalibrationPlan {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
     /// Day of the recording, "YYYY-MM-DD".
+    #[schemars(with = "String")]
     pub date: Date,
     /// Days the calibration is valid.
     #[serde(default = "a_year")]

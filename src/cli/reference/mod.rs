@@ -1,0 +1,60 @@
+//! `shadowgauge reference`: the pages of `docs/reference` that follow from the program itself.
+//!
+//! In: the command line's definition and the settings of every config file. Out: Markdown pages and
+//! JSON Schemas. `commands` is the command line, `config_page` the tables and keys of the config
+//! files (from `schemas`, with the ranges that `ranges` reads from the checks), `exit_codes` how a
+//! command ends. A new config file is a line of `schemas`.
+
+mod commands;
+mod config_page;
+mod exit_codes;
+mod markdown;
+mod ranges;
+mod schemas;
+
+use std::path::PathBuf;
+
+use super::failure::{CommandResult, Outcome};
+use crate::files::{OutputFile, make_folder};
+
+/// Arguments of `reference`.
+#[derive(Debug, clap::Args)]
+pub struct ReferenceArgs {
+    /// Folder of the pages.
+    #[arg(long, value_name = "DIR", default_value = "docs/reference")]
+    out: PathBuf,
+}
+
+/// A page of the reference.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Page {
+    /// Its file's name.
+    pub name: String,
+    /// Its text.
+    pub text: String,
+}
+
+/// All pages, for the command line of `program`.
+pub fn pages(program: &clap::Command) -> Vec<Page> {
+    let schemas = schemas::all();
+    let page = |name: &str, text: String| Page { name: name.to_owned(), text };
+    let mut pages = vec![
+        page("commands.md", commands::page(program)),
+        page("config.md", config_page::page(&schemas, &ranges::of_job())),
+        page("exit_codes.md", exit_codes::page()),
+    ];
+    pages.extend(schemas.iter().map(|s| page(&format!("{}.schema.json", s.name), s.text())));
+    pages
+}
+
+/// Writes the pages for the command line of `program`.
+///
+/// # Errors
+/// Exit 3 where the folder cannot be written.
+pub fn run(arguments: &ReferenceArgs, program: &clap::Command) -> CommandResult {
+    make_folder(&arguments.out)?;
+    for page in pages(program) {
+        OutputFile::claim(&arguments.out.join(&page.name), [])?.write(page.text.as_bytes())?;
+    }
+    Ok(Outcome::Done)
+}
