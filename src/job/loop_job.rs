@@ -14,8 +14,7 @@ use crate::probe::ProbeSettings;
 use crate::setting::{SettingError, positive};
 
 /// Everything the closed loop needs besides a cell. The fields that are tables of a config file
-/// have its keys; the others follow from its `[camera]`, `[optics]` and
-/// `[process]`.
+/// have its keys; the others follow from its `[camera]`, `[optics]` and `[process]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoopJob {
     /// Name for reports; identifies the optics in the calibration.
@@ -143,7 +142,7 @@ impl LoopJob {
         if self.field.is_line {
             return self.part.station_mm;
         }
-        0.97 * self.field.length_mm()
+        0.97 * f64::from(self.field.columns) * self.field.mm_per_px
     }
 
     /// Checks the part, its passes and their cutting data.
