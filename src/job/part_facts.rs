@@ -14,13 +14,14 @@ impl Job {
     /// Its seed follows from the job's, of which everything random of the simulation is drawn,
     /// and has 32 bits, so that every language reads it exactly.
     pub fn part_facts(&self) -> PartFacts {
+        let order = self.loop_job();
         let mut random = Pcg64::seed_from_u64(self.seed ^ STREAM);
         PartFacts {
             seed: u64::from(random.next_u32()),
-            station_z_mm: self.part.station_z_mm(),
-            nominal_mm: (1..=self.passes() as u32).map(|pass| self.part.target_mm(pass)).collect(),
-            tolerance_mm: self.part.tolerance.map(|t| t.limits_mm()),
-            cutting: self.cutting,
+            station_z_mm: order.part.station_z_mm(),
+            nominal_mm: (1..=order.passes() as u32).map(|pass| order.part.target_mm(pass)).collect(),
+            tolerance_mm: order.part.tolerance.map(|t| t.limits_mm()),
+            cutting: order.cutting,
         }
     }
 }

@@ -57,7 +57,7 @@ impl Contestant<'_> {
 
     fn start(&self, job: &Job) -> Result<Box<dyn Controller + Send>, LoopError> {
         match self {
-            Self::Own(_) => Ok(control::build(&job.run_control(), &job.part.station_z_mm())?),
+            Self::Own(_) => Ok(control::build(&job.loop_job().run_control(), &job.part.station_z_mm())?),
             Self::Program(program) => Ok(program.start(job)?),
         }
     }

@@ -135,7 +135,7 @@ impl ControllerProgram for StartedCommand {
     fn start(&self, job: &Job) -> Result<Box<dyn Controller + Send>, ProgramError> {
         let first = self.first.borrow_mut().take();
         let process = first.map_or_else(|| start(&self.line, self.timeout), Ok)?;
-        let (settings, facts) = (job.run_control(), job.part_facts());
+        let (settings, facts) = (job.loop_job().run_control(), job.part_facts());
         Ok(Box::new(ProgramController::new(process, self.name(), self.command(), &settings, facts)))
     }
 }

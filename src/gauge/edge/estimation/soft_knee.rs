@@ -7,7 +7,7 @@
 //! contrast are then taken as "at least this much", as clipped ones are. Light that is clipped
 //! altogether shows no noise: there the shape of the flank determines it (`censored_fit`).
 
-use super::grey_ends::{Elsewhere, flank_noise, light_scatter};
+use super::grey_ends::{Elsewhere, GreyEndLimits, flank_noise, light_scatter};
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::limit::limits;
 use crate::numerics::distributions::{inverse_tail, phi_cdf, phi_pdf};
@@ -20,7 +20,8 @@ limits! {
     /// less than the model uncertainty then added.
     compressed: f64 = 0.3;
     /// Least variance expected of the light, squared steps of the grey scale: three times that of
-    /// rounding, 1/12.
+    /// rounding, 1/12. Where the grey scale is finer, the scatter that counts as noise takes its
+    /// place ([`GreyEndLimits`]).
     least_expected: f64 = 0.25;
     /// Noise in the dark, as a fraction of the contrast, below which there is no scatter that could
     /// be compressed: the remainder is the part's own drift through the pixels.
@@ -57,7 +58,10 @@ pub(crate) fn find(
     }
     let flank = (flank_noise(windows, elsewhere, squares)?.powi(2) - rounding).max(0.0);
     let expected = flank * clipped_variance(at_end);
-    let compressed = expected > limits.least_expected * step * step && seen < limits.compressed * expected;
+    // Light that is clipped almost everywhere shows no scatter that could be compressed.
+    let of_contrast = GreyEndLimits::get().least_noise_contrast * (elsewhere.levels[1] - elsewhere.levels[0]);
+    let least = (limits.least_expected * step * step).max(of_contrast * of_contrast);
+    let compressed = expected > least && seen < limits.compressed * expected;
     compressed.then(|| (trusted(elsewhere.levels, step) as f32, step))
 }
 
