@@ -1,5 +1,5 @@
 //! A stream does not allocate after its warm-up: not for a frame that it follows, nor when it
-//! searches the part anew, nor for contamination.
+//! searches the part anew, nor for contamination; neither where it measures the largest diameter.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/gauge_synth.rs"]
@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use gauge_synth::{Synth, drifting};
 use shadowgauge::frame::Frame;
 use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings};
+use shadowgauge::measurement::{MeasureSettings, Stream};
 
 static REQUESTS: AtomicUsize = AtomicUsize::new(0);
 
@@ -62,6 +63,22 @@ fn requests(frames: &[Frame], count: usize) -> (usize, usize) {
     (REQUESTS.load(Ordering::Relaxed) - before, gaps)
 }
 
+/// The same where the frames' largest diameter, flags and shadows are measured with the edges.
+fn requests_of_measurements(frames: &[Frame], count: usize) -> (usize, usize) {
+    let gauge = Gauge::new(GaugeSettings::default()).unwrap();
+    let mut stream = Stream::in_pixels(&gauge, MeasureSettings::default()).unwrap();
+    let (mut before, mut gaps) = (0, 0);
+    for (index, frame) in frames.iter().cycle().take(30 + count).enumerate() {
+        if index == 30 {
+            before = REQUESTS.load(Ordering::Relaxed);
+        }
+        let measured = stream.push(&frame.meta, &frame.view()).unwrap();
+        assert!(measured.largest.is_some() && measured.warnings.is_empty());
+        gaps += measured.columns - measured.valid;
+    }
+    (REQUESTS.load(Ordering::Relaxed) - before, gaps)
+}
+
 #[test]
 fn a_warm_stream_allocates_nothing() {
     let frames = frames();
@@ -71,6 +88,9 @@ fn a_warm_stream_allocates_nothing() {
         let (requests, gaps) = pool.install(|| requests(&frames, 600));
         assert!(gaps > 2000, "the matter is refused: {gaps} columns");
         assert_eq!(requests, 0, "{threads} threads");
+        let (requests, gaps) = pool.install(|| requests_of_measurements(&frames, 60));
+        assert!(gaps > 200, "the matter is refused: {gaps} columns");
+        assert_eq!(requests, 0, "measurements, {threads} threads");
     }
     // The counter works: a vector is counted.
     let before = REQUESTS.load(Ordering::Relaxed);

@@ -18,6 +18,21 @@ use crate::gauge::{
 };
 use crate::profile::Reason;
 
+/// Digits of the largest number of a frame, 2⁶⁴ − 1.
+const MOST_DIGITS: usize = 20;
+
+/// The number of a frame as `render` names its files: with six digits or more.
+fn number(frame_id: u64, digits: &mut [u8; MOST_DIGITS]) -> &str {
+    let mut rest = frame_id;
+    let mut first = MOST_DIGITS;
+    while rest > 0 || first > MOST_DIGITS - 6 {
+        first -= 1;
+        digits[first] = b'0' + (rest % 10) as u8;
+        rest /= 10;
+    }
+    std::str::from_utf8(&digits[first..]).unwrap_or_default()
+}
+
 /// Measures the frames of one camera one after another: [`Self::push`] a frame, [`Self::finish`]
 /// the series.
 pub struct Stream {
@@ -96,7 +111,8 @@ impl Stream {
     /// A frame without a diameter: it counts as a gap of the series, and [`Self::measurement`] is
     /// what the command line prints of it.
     pub fn push(&mut self, meta: &FrameMeta, view: &FrameView<'_>) -> Result<&Measurement, MeasureError> {
-        self.push_named(&format!("{:06}", meta.frame_id), meta, view)
+        let mut digits = [0; MOST_DIGITS];
+        self.push_named(number(meta.frame_id, &mut digits), meta, view)
     }
 
     /// Measures a frame by a name.
@@ -270,5 +286,18 @@ impl Stream {
         if let Some(inspector) = &mut self.inspector {
             inspector.add_refused(&mut self.measurement);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_named_as_they_are_rendered() {
+        for (id, name) in [(0, "000000"), (42, "000042"), (1_234_567, "1234567")] {
+            assert_eq!(number(id, &mut [0; MOST_DIGITS]), name);
+        }
+        assert_eq!(number(u64::MAX, &mut [0; MOST_DIGITS]), u64::MAX.to_string());
     }
 }

@@ -6,6 +6,7 @@ use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::edges::FrameEdges;
 use crate::gauge::width::blur_sensitivity::u_blur_px;
 use crate::gauge::width::largest_caliper::{largest_caliper_over, largest_caliper_where};
+use crate::gauge::width::reused::Reused;
 
 impl WidthReading {
     /// The largest caliper diameter of a frame over stretches of `least_columns` or more, as
@@ -22,7 +23,7 @@ impl WidthReading {
         let half = 0.5 * largest.diameter_px;
         let near = largest.column_px.round().clamp(0.0, edges.columns() as f64 - 1.0) as usize;
         let (from, to) = (near.saturating_sub(32), (near + 33).min(edges.columns()));
-        let used: Vec<usize> = (from..to).filter(|c| edges.width_px(*c).is_some()).collect();
+        let used: Reused<usize> = (from..to).filter(|c| edges.width_px(*c).is_some()).collect();
         if used.is_empty() {
             return None;
         }

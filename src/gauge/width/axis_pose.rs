@@ -2,6 +2,7 @@
 //! effect on a width.
 
 use crate::gauge::edges::FrameEdges;
+use crate::gauge::width::reused::Reused;
 use crate::numerics::line::Line;
 
 /// Slopes of the axis and of the flanks in a frame.
@@ -16,7 +17,7 @@ pub struct Pose {
 impl Pose {
     /// Robust lines through middles and half widths; level where there are too few columns.
     pub fn of(edges: &FrameEdges) -> Self {
-        let pairs: Vec<(f64, f64, f64)> = edges
+        let pairs: Reused<(f64, f64, f64)> = edges
             .top
             .iter()
             .zip(&edges.bottom)
@@ -25,7 +26,7 @@ impl Pose {
             .map(|(c, (t, b))| (c as f64, 0.5 * (t.row_px + b.row_px), 0.5 * (b.row_px - t.row_px)))
             .collect();
         let slope = |pick: fn(&(f64, f64, f64)) -> f64| {
-            robust_slope(&pairs.iter().map(|p| (p.0, pick(p))).collect::<Vec<_>>())
+            robust_slope(&pairs.iter().map(|p| (p.0, pick(p))).collect::<Reused<_>>())
         };
         Self { tan_tilt: slope(|p| p.1), tan_taper: slope(|p| p.2) }
     }

@@ -10,6 +10,7 @@ use nalgebra::SVector;
 use super::axis_pose::Pose;
 use crate::gauge::edges::FrameEdges;
 use crate::gauge::limit::limits;
+use crate::gauge::width::reused::Reused;
 use crate::numerics::normal_equations::NormalEquations;
 
 limits! {
@@ -69,10 +70,10 @@ impl AxisSlope {
 }
 
 /// Middles of blocks of columns that have both edges.
-fn middles(edges: &FrameEdges) -> Vec<(f64, f64)> {
+fn middles(edges: &FrameEdges) -> Reused<(f64, f64)> {
     let limits = AxisSlopeLimits::get();
     let both = edges.top.iter().zip(&edges.bottom).enumerate();
-    let all: Vec<(f64, f64)> = both
+    let all: Reused<(f64, f64)> = both
         .filter(|(_, (t, b))| t.is_usable() && b.is_usable())
         .map(|(c, (t, b))| (c as f64, 0.5 * (t.row_px + b.row_px)))
         .collect();
@@ -96,7 +97,8 @@ impl Bent {
         let bent = fitted(points, (middle, half), TERMS)?;
         // Second differences leave the slope out; the median of their size is √6·0.6745 of one's
         // standard deviation.
-        let mut bends: Vec<f64> = points.windows(3).map(|p| (p[2].1 - 2.0 * p[1].1 + p[0].1).abs()).collect();
+        let mut bends: Reused<f64> =
+            points.windows(3).map(|p| (p[2].1 - 2.0 * p[1].1 + p[0].1).abs()).collect();
         let at = bends.len() / 2;
         let rough = *bends.select_nth_unstable_by(at, f64::total_cmp).1 / 1.652;
         let describes = bent.1 < limits.rough * rough + limits.rough_px;

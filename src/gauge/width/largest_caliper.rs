@@ -14,6 +14,7 @@ use super::stretch::largest_value::{LEAST_STRETCH, Largest, Line};
 use crate::gauge::edge::stream::StreamLimits;
 use crate::gauge::edges::FrameEdges;
 use crate::gauge::limit::limits;
+use crate::gauge::width::reused::Reused;
 use crate::numerics::normal_equations::NormalEquations;
 use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 
@@ -81,7 +82,7 @@ pub(crate) fn largest_caliper_where(
     size: impl Fn(usize, f64, f64) -> f64,
 ) -> Option<LargestCaliper> {
     let stream_limits = StreamLimits::get();
-    let widths: Vec<(f64, f64)> =
+    let widths: Reused<(f64, f64)> =
         (0..edges.columns()).filter_map(|c| edges.width_px(c).map(|w| (c as f64, w))).collect();
     if edges.columns() < stream_limits.least_columns {
         return mean_of_readings(edges, size);
@@ -114,14 +115,14 @@ pub(crate) fn largest_caliper_where(
 
 /// The mean width of a few readings; `None` where none has both edges.
 fn mean_of_readings(edges: &FrameEdges, size: impl Fn(usize, f64, f64) -> f64) -> Option<LargestCaliper> {
-    let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
+    let both: Reused<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
     let (first, last) = (*both.first()?, *both.last()?);
     let n = both.len() as f64;
     let (mut sum, mut own) = (0.0, 0.0);
     for (top, bottom) in both.iter().map(|c| (&edges.top[*c], &edges.bottom[*c])) {
         own += f64::from(top.u_own_px).powi(2) + f64::from(bottom.u_own_px).powi(2);
     }
-    for column in &both {
+    for column in both.iter() {
         sum += size(*column, edges.top[*column].row_px, edges.bottom[*column].row_px);
     }
     let u_own_px = own.sqrt() / n;
@@ -154,7 +155,7 @@ fn widest(
         let noise = f64::from(top.u_own_px).hypot(f64::from(bottom.u_own_px));
         (x, size(x as usize, top.row_px, bottom.row_px), width, noise)
     };
-    let line = Line::new(&widths.iter().map(point).collect::<Vec<_>>());
+    let line = Line::new(&widths.iter().map(point).collect::<Reused<_>>());
     line.largest(0..line.len(), least)
 }
 
@@ -195,7 +196,7 @@ fn vertex(widths: &[(f64, f64)], centre: f64, widest: f64) -> Option<LargestCali
     let mut centre = centre;
     let mut found = None;
     for _ in 0..3 {
-        let near: Vec<(f64, f64)> = widths
+        let near: Reused<(f64, f64)> = widths
             .iter()
             .filter(|w| (w.0 - centre).abs() <= reach)
             .map(|w| ((w.0 - centre) / reach, w.1 * w.1))
@@ -239,19 +240,19 @@ fn near_first(near: &[(f64, f64)], centre: f64, reach: f64, side: f64) -> usize 
 /// Parabola by least squares with Tukey's weights; gives the coefficients and the standard
 /// uncertainty at the middle.
 fn robust_parabola(points: &[(f64, f64)]) -> Option<(nalgebra::Vector3<f64>, f64)> {
-    let mut weights = vec![1.0; points.len()];
+    let mut weights: Reused<f64> = points.iter().map(|_| 1.0).collect();
     let mut last = None;
     for _ in 0..8 {
         let mut fit = NormalEquations::new();
-        for ((t, y), weight) in points.iter().zip(&weights) {
+        for ((t, y), weight) in points.iter().zip(weights.iter()) {
             fit.add(nalgebra::Vector3::new(1.0, *t, t * t), *y, *weight);
         }
         let inverse = fit.normal.try_inverse()?;
         let p = inverse * fit.right;
         let residual = |t: f64, y: f64| y - (p[0] + p[1] * t + p[2] * t * t);
-        let mut sizes: Vec<f64> = points.iter().map(|(t, y)| residual(*t, *y).abs()).collect();
+        let mut sizes: Reused<f64> = points.iter().map(|(t, y)| residual(*t, *y).abs()).collect();
         let scale = MEDIAN_TO_SD * upper_median(&mut sizes, f64::total_cmp)? + 1e-9;
-        for ((t, y), weight) in points.iter().zip(&mut weights) {
+        for ((t, y), weight) in points.iter().zip(weights.iter_mut()) {
             let q = residual(*t, *y) / (4.685 * scale);
             *weight = if q.abs() < 1.0 { (1.0 - q * q).powi(2) } else { 0.0 };
         }

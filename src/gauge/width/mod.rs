@@ -5,7 +5,7 @@
 //! means over columns (`column_means`), or the largest caliper diameter of the frame
 //! (`largest_caliper`, over the stretches of `stretch`). Factors for slope (`axis_pose`,
 //! `axis_slope`), the bias of a curved flank (`curvature_bias`) and the share of the blur's
-//! uncertainty (`blur_sensitivity`).
+//! uncertainty (`blur_sensitivity`); `reused` is the memory of their lists.
 //!
 //! One more width is one more file: a function of `FrameEdges` that gives px with u. Nothing here
 //! has millimetres.
@@ -16,4 +16,5 @@ pub(crate) mod blur_sensitivity;
 pub(crate) mod column_means;
 pub(crate) mod curvature_bias;
 pub(crate) mod largest_caliper;
+pub(crate) mod reused;
 pub(crate) mod stretch;

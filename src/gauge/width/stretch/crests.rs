@@ -8,6 +8,7 @@
 use super::largest_value::{Choice, Largest, Line};
 use crate::gauge::edges::{Edge, FrameEdges};
 use crate::gauge::limit::limits;
+use crate::gauge::width::reused::Reused;
 
 limits! {
     /// When crests face roots.
@@ -54,7 +55,7 @@ pub fn crest_pitch_px(edges: &FrameEdges) -> Option<f64> {
 
 /// A side's heights above the axis as points of a line.
 fn heights(line: &[Edge], axis: impl Fn(f64) -> f64, sign: f64) -> Line {
-    let points: Vec<(f64, f64, f64, f64)> = line
+    let points: Reused<(f64, f64, f64, f64)> = line
         .iter()
         .enumerate()
         .filter(|(_, edge)| edge.is_usable())
@@ -71,7 +72,7 @@ fn heights(line: &[Edge], axis: impl Fn(f64) -> f64, sign: f64) -> Line {
 /// than three.
 fn crest_slope(line: &[Edge], sign: f64, pitch_px: f64) -> Option<f64> {
     let count = (line.len() as f64 / pitch_px).floor() as usize;
-    let crests: Vec<(f64, f64)> = (0..count)
+    let crests: Reused<(f64, f64)> = (0..count)
         .filter_map(|k| {
             let (from, to) = ((k as f64 * pitch_px) as usize, ((k + 1) as f64 * pitch_px) as usize);
             let usable = (from..to.min(line.len())).filter(|c| line[*c].is_usable());
@@ -162,7 +163,7 @@ fn within(line: &Line, from: f64, length: f64) -> std::ops::Range<usize> {
 /// with that distance's relative scatter.
 fn pitch(edges: &FrameEdges, axis: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
     let limits = CrestLimits::get();
-    let (mut side, mut changes) = (0.0, Vec::new());
+    let (mut side, mut changes) = (0.0, Reused::<f64>::from_iter([]));
     let (mut square, mut count) = (0.0, 0.0);
     for from in (0..edges.columns()).step_by(limits.block_columns) {
         let (mut sum, mut variance, mut n) = (0.0, 0.0, 0.0);

@@ -11,6 +11,7 @@
 
 use super::fit::{Estimate, Fit, Order, Points};
 use crate::gauge::limit::limits;
+use crate::gauge::width::reused::Reused;
 
 limits! {
     /// Which stretch has the largest value.
@@ -66,13 +67,13 @@ const WIDTHS: [usize; 12] = [5, 7, 9, 13, 17, 25, 33, 45, 65, 105, 165, 257];
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
     /// Columns, px.
-    pub(super) x: Vec<f64>,
+    pub(super) x: Reused<f64>,
     /// What is to be largest, px.
-    size: Vec<f64>,
+    size: Reused<f64>,
     /// What is to be given there, px.
-    shown: Vec<f64>,
+    shown: Reused<f64>,
     /// Standard deviation of each by the scatter of its neighbours, px.
-    sd: Vec<f64>,
+    sd: Reused<f64>,
     /// Scatter over the stated noise.
     scatter: f64,
 }
@@ -107,10 +108,10 @@ impl Line {
     /// specks are left out.
     pub(crate) fn new(points: &[(f64, f64, f64, f64)]) -> Self {
         let limits = LargestValueLimits::get();
-        let size: Vec<f64> = points.iter().map(|p| p.1).collect();
-        let noise: Vec<f64> = points.iter().map(|p| p.3).collect();
+        let size: Reused<f64> = points.iter().map(|p| p.1).collect();
+        let noise: Reused<f64> = points.iter().map(|p| p.3).collect();
         let scatter = scatter(&size, &noise);
-        let kept: Vec<usize> =
+        let kept: Reused<usize> =
             (0..points.len()).filter(|i| !is_speck(&size, *i, limits.speck * scatter * noise[*i])).collect();
         let of = |value: &dyn Fn(usize) -> f64| kept.iter().map(|i| value(*i)).collect();
         Self {
@@ -283,7 +284,7 @@ impl Line {
 /// of white noise), which slopes, steps and waves of ten columns or more hardly move.
 fn scatter(values: &[f64], noise: &[f64]) -> f64 {
     let limits = LargestValueLimits::get();
-    let mut sizes: Vec<f64> = values
+    let mut sizes: Reused<f64> = values
         .windows(5)
         .zip(noise.windows(5))
         .map(|(v, s)| {
