@@ -104,8 +104,8 @@ fn unknown(span: &str) -> Option<String> {
     options.find(|option| !known(option)).map(|option| format!("`{span}`: --{option}"))
 }
 
-/// Whether a span is a command of the program: it begins with its name, or with a command's name and has
-/// an option.
+/// Whether a span is a command of the program: it begins with its name, or with a command's name
+/// and has an option.
 fn is_command(span: &str) -> bool {
     let first = span.split_whitespace().next().unwrap_or_default();
     first == "shadowgauge"
