@@ -67,8 +67,8 @@ fn controller<P: FnMut(&Value) -> Option<String>>(
 }
 
 /// The PID of the crate as a program: what `held` refuses is as if it had not been measured.
-fn pid_program(settings: PidSettings) -> impl FnMut(&Value) -> Option<String> {
-    let mut pid = Pid::new(&settings, STATIONS);
+fn pid_program(settings: &PidSettings) -> impl FnMut(&Value) -> Option<String> + use<> {
+    let mut pid = Pid::new(settings, STATIONS);
     let mut before = pid.clone();
     let numbers = |list: &Value, of: fn(&Value) -> Option<f64>| -> Option<Vec<f64>> {
         list.as_array().expect("a list").iter().map(of).collect()
@@ -115,7 +115,7 @@ fn compare(seed: u64) -> (usize, usize) {
     s.allow_unstable = true;
     let mut plant = Plant::new(STATIONS);
     let mut own = build(&s, &plant.z_mm).expect("a controller");
-    let mut other = controller(&s, pid_program(s.pid.clone()));
+    let mut other = controller(&s, pid_program(&s.pid));
     let mut offset = own.begin_part(&PartStart::default(), STATIONS);
     assert_eq!(other.begin_part(&PartStart::default(), STATIONS), offset);
     let (mut released, mut held) = (0, 0);
