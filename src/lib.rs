@@ -74,3 +74,9 @@ pub mod files;
 pub mod report;
 #[cfg(feature = "report")]
 pub mod run_folder;
+
+#[cfg(all(test, feature = "cli"))]
+extern crate self as shadowgauge;
+#[cfg(all(test, feature = "cli"))]
+#[path = "../tests/inside/mod.rs"]
+mod inside;

@@ -13,11 +13,10 @@ const EXAMPLES: &[Row] = &[
     ("calibrate_two_pins", &[], &["scale        30.", "edge offset", "part         11.2"]),
     ("render_with_truth", &["OUT/frame.png", "8.0"], &["512 x 400 px", "true pixel size", "8.00"]),
     ("live_plot", &["14"], &["    0  11.99", "   13  12.0", "| *", " out"]),
-    // Examples of other files: a row each, once they stand in examples/.
-    // ("measure_image", &[], &[" mm"]),
-    // ("frame_source", &[], &[" mm"]),
-    // ("closed_loop", &[], &["pass 1"]),
-    // ("own_controller", &[], &["pass 1", "mean error"]),
+    ("measure_image", &[], &[" mm"]),
+    ("frame_source", &[], &[" mm"]),
+    ("closed_loop", &[], &["pass 1"]),
+    ("own_controller", &[], &["pass 1", "mean error"]),
 ];
 
 /// The folder of the built examples: `target/PROFILE/examples`, beside `deps` with this test.

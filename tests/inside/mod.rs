@@ -1,0 +1,50 @@
+//! Tests that reach into the library: physics, properties and goldens of what is not public.
+//!
+//! They are compiled with the library (`cargo test --lib inside::NAME`), so that nothing has to be
+//! public for a test's sake; what is public, and the program, are tested from outside by the files
+//! in `tests/`. One file or folder an idea; helpers that several share are in `support`.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test that cannot set up its case must fail"
+)]
+
+mod contamination_field;
+mod control_guards;
+mod control_laws;
+mod control_learning;
+mod control_run;
+mod control_stability;
+mod deflected;
+mod deflected_golden;
+mod field;
+mod form_features;
+mod form_photon_transfer;
+mod form_turn;
+mod gauge_edges;
+mod gauge_line;
+mod gauge_stream;
+mod in_process;
+mod job_stations;
+mod linuxcnc;
+mod nc_probing;
+mod nc_programs;
+mod nc_replay;
+mod optics_esf;
+mod optics_lens;
+mod probe_run;
+mod process;
+mod process_studies;
+mod render_frames;
+mod render_golden;
+mod render_light;
+mod render_noise;
+mod render_optics;
+mod render_shaders;
+mod render_shaft;
+mod ring_measure;
+mod run_truth;
+mod uncertainty;
+
+#[path = "../support/mod.rs"]
+mod support;
