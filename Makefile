@@ -31,7 +31,8 @@ test: vulkan
 	@if $(CARGO) nextest --version >/dev/null 2>&1; then \
 	  $(CARGO) nextest run --release --locked --no-fail-fast; \
 	else \
-	  $(CARGO) test --release --locked --lib --bins --tests --examples --no-fail-fast; \
+	  $(CARGO) build --release --locked --examples && \
+	  $(CARGO) test --release --locked --lib --bins --tests --no-fail-fast; \
 	fi
 
 studies: vulkan build

@@ -19,7 +19,7 @@ impl FrameSource for Simulated {
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
         let Self(renderer, setup, part) = self;
         let request = FrameRequest { frame_id: *part, noise: true, ..FrameRequest::default() };
-        let scene = Scene::new(setup, Shaft::cylinder(11.995 + 0.0007 * *part as f64));
+        let scene = Scene::new(setup, Shaft::cylinder(11.997 + 0.0007 * *part as f64));
         *part += 1;
         let frame = scene.and_then(|scene| renderer.render(&scene, &request, None));
         frame.map(Some).map_err(|e| SourceError { what: e.to_string(), cause: None })

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use shadowgauge::frame::{PixelFormat, Pixels};
 use shadowgauge::render::settings::SetupSettings;
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
-use shadowgauge::shaft::{Lobe, Shaft};
+use shadowgauge::shaft::{Lobe, ProfileKnot, Shaft};
 use shadowgauge::truth::true_edges;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -25,8 +25,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     settings.optics.magnification = 0.115;
     let setup = OpticalSetup::resolve(&settings, 7)?;
 
-    // The body: a cylinder with three lobes of 4 µm, turned to 30° before the camera.
+    // The body: a cylinder to z = 0, then a taper, with three lobes of 4 µm; seen at 30°.
     let mut shaft = Shaft::cylinder(diameter_mm);
+    shaft.profile.push(ProfileKnot { z_mm: 8.0, radius_mm: 0.5 * diameter_mm + 0.02 });
     shaft.lobes.push(Lobe { order_upr: 3, amplitude_mm: 0.004, phase_deg: 0.0 });
     let scene = Scene::new(&setup, shaft)?;
     let request = FrameRequest {
@@ -46,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // The truth: rows of both edges in every column, by geometry alone.
     println!("true pixel size {:.5} µm", setup.pixel_mm * 1e3);
-    println!("column  top/px      bottom/px   true diameter/mm");
+    println!("column  top/px      bottom/px   true width/mm");
     for (column, edge) in true_edges(&scene, &request)?.iter().enumerate().step_by(64) {
         let width_mm = (edge.bottom_px - edge.top_px) * setup.pixel_mm;
         println!("{column:6}  {:10.5}  {:10.5}  {width_mm:.6}", edge.top_px, edge.bottom_px);

@@ -6,12 +6,12 @@ use std::process::Command;
 use crate::assert_refused;
 use crate::program::{json, said, shadowgauge, text};
 
-/// Three stations, two passes, frames of 120 x 100 px.
+/// Three stations, two passes, frames of 120 x 160 px.
 const JOB: &str = "
 [part]
 length_mm = 1.5
-stock_diameter_mm = 1.2
-nominal_diameter_mm = [1.1, 1.0]
+stock_diameter_mm = 1.3
+nominal_diameter_mm = [1.15, 1.0]
 station_mm = 0.5
 [part.tolerance]
 nominal_mm = 1.0
@@ -30,7 +30,7 @@ diameter_mm = 1.1
 expanded_u_mm = 0.0001
 [camera]
 columns = 120
-rows = 100
+rows = 160
 pixel_um = 3.0
 [optics]
 magnification = 0.2

@@ -147,11 +147,11 @@ fn compare(seed: u64) -> (usize, usize) {
 
 #[test]
 fn our_pid_behind_the_protocol_decides_as_our_pid_itself() {
-    let outcomes: Vec<(usize, usize)> = (0..200).map(compare).collect();
+    let outcomes: Vec<(usize, usize)> = (0..60).map(compare).collect();
     let sum = |of: fn(&(usize, usize)) -> usize| outcomes.iter().map(of).sum::<usize>();
     println!("{} released, {} held", sum(|o| o.0), sum(|o| o.1));
     // Both kinds of decision were compared, and passes after a refusal.
-    assert!(sum(|o| o.0) > 200 && outcomes.iter().filter(|o| o.0 > 0 && o.1 > 0).count() > 50);
+    assert!(sum(|o| o.0) > 60 && outcomes.iter().filter(|o| o.0 > 0 && o.1 > 0).count() > 20);
 }
 
 /// The first pass of the plant, and its measurement.

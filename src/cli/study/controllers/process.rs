@@ -122,7 +122,8 @@ impl Drop for Process {
             Some(status) if !status.success() => tracing::warn!("a controller's program ended with {status}"),
             Some(_) => {}
             None => {
-                tracing::warn!("a controller's program is killed: it runs on after its input has ended");
+                let why = if self.late { "it is late" } else { "it runs on after its input has ended" };
+                tracing::warn!("a controller's program is killed: {why}");
                 let _ = self.child.kill().and_then(|()| self.child.wait().map(drop));
             }
         }
