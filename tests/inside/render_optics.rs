@@ -187,7 +187,7 @@ fn measured_edges_that_cannot_be_are_refused() {
 fn against_table(scene: &Scene, table: &EdgeSpread) -> f64 {
     let request = FrameRequest { format: Some(PixelFormat::F32), ..Default::default() };
     let frame = counts(&Renderer::new(BackendChoice::Cpu).unwrap().render(scene, &request, None).unwrap());
-    let edge = geometric_edges(&scene, &request).unwrap()[4].top_px;
+    let edge = geometric_edges(scene, &request).unwrap()[4].top_px;
     let levels = scene.setup().levels(PixelFormat::F32);
     let reference = StraightReference { esf: table, pixel_um: scene.setup().pixel_mm * 1e3 };
     (0..scene.setup().rows() / 2)

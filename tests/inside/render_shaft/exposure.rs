@@ -61,7 +61,7 @@ fn averaged(
         let high = (lift != 0.0).then(|| lifted(lift));
         let scene = high.as_ref().unwrap_or(&level);
         let frame = counts(&twin.render(scene, &request(angle, z), None).unwrap());
-        let top = geometric_edges(&scene, &request(angle, z)).unwrap();
+        let top = geometric_edges(scene, &request(angle, z)).unwrap();
         sum.resize(frame.len(), 0.0);
         edges.resize(top.len(), 0.0);
         sum.iter_mut().zip(&frame).for_each(|(s, v)| *s += v / f64::from(n));
