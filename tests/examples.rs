@@ -13,7 +13,7 @@ const EXAMPLES: &[Row] = &[
     ("calibrate_two_pins", &[], &["scale        30.", "edge offset", "part         11.2"]),
     ("render_with_truth", &["OUT/frame.png", "8.0"], &["512 x 400 px", "true pixel size", "8.00"]),
     ("live_plot", &["14"], &["    0  11.99", "   13  12.00", "|   ", "  out"]),
-    ("measure_image", &[], &[" mm"]),
+    ("measure_image", &["OUT/frame.png", "30"], &["D = ", " mm (k = "]),
     ("frame_source", &[], &[" mm"]),
     ("closed_loop", &[], &["pass 1"]),
     ("own_controller", &[], &["pass 1", "mean error"]),
