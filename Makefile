@@ -60,4 +60,4 @@ bench:
 	$(CARGO) bench --locked
 
 bless:
-	BLESS=$(CASE) $(CARGO) test --release --locked --test render_golden
+	BLESS=$(CASE) $(CARGO) test --release --locked --lib render_golden

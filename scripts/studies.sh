@@ -49,19 +49,19 @@ for seed in 2 3 4 5 6 7 8 9; do
 done
 
 # -- edges: efficiency, honesty of u, phase bias, clipped light; real washers where they are
-study edges cargo test --release --locked --test gauge_edges -- --nocapture --test-threads 1
-study render cargo test --release --locked --test render_frames --test render_noise -- --nocapture --test-threads 1
-study efficiency cargo test --release --locked --test gauge_edges every_cell -- --ignored --nocapture
-study reference_frames cargo test --release --locked --test gauge_stream sixteen -- --ignored --nocapture
+study edges cargo test --release --locked --lib gauge_edges -- --nocapture --test-threads 1
+study render cargo test --release --locked --lib -- render_frames render_noise --nocapture --test-threads 1
+study efficiency cargo test --release --locked --lib every_cell -- --ignored --nocapture
+study reference_frames cargo test --release --locked --lib sixteen -- --ignored --nocapture
 # 10^4 frames of 2048 x 2048 pixels, 12 bit, in memory: first frame, median, p99 on one thread and on two
 study gauge_frames "$bin" render configs/bench_2048.toml --frames 8 --backend cpu --out "$out/gauge_frames"
 for threads in 1 2; do
   study "gauge_bench_$threads" "$bin" measure "$out/gauge_frames/frames" --um-per-px file --threads "$threads" --bench 10000 --json
 done
 study edge_peers sh benches/peers/run.sh
-study roi cargo test --release --locked --test gauge_stream frames_a_second -- --ignored --nocapture --test-threads 1
+study roi cargo test --release --locked --lib frames_a_second -- --ignored --nocapture --test-threads 1
 # circles and lines of constructed cases (limit 1 nm) with their certificates; sizes and lobes over a turn
-study form cargo test --release --locked --test form_features --test form_turn -- --nocapture --test-threads 1
+study form cargo test --release --locked --lib -- form_features form_turn --nocapture --test-threads 1
 study uncertainty "$bin" study uncertainty --backend cpu
 study coverage "$bin" study coverage --scenes 10000
 study contamination "$bin" study contamination --frames 2300 --clean 10000 --out "$out/contamination"
@@ -99,4 +99,4 @@ study render_memory "$bin" render configs/head_wire.toml --bench 100000 --window
 study render_peers sh benches/peers/render.sh
 
 # -- optics: every edge-spread family, corners, features of the shaft, views, motion
-study optics cargo test --release --locked --test optics_esf --test render_optics --test render_shaft -- --nocapture --test-threads 1
+study optics cargo test --release --locked --lib -- optics_esf render_optics render_shaft --nocapture --test-threads 1

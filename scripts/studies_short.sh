@@ -24,7 +24,7 @@ study() {
 
 # -- accuracy: the main job, edges against the bound, stated against actual u
 study run "$bin" run configs/slender_shaft.toml --backend cpu --no-reference --out "$out/run"
-[ -n "${BIN:-}" ] || study edges cargo test --release --locked --test gauge_edges -- --nocapture --test-threads 1
+[ -n "${BIN:-}" ] || study edges cargo test --release --locked --lib gauge_edges -- --nocapture --test-threads 1
 study uncertainty "$bin" study uncertainty --backend cpu
 # -- coverage: eight classes of 200 scenes from the budget's distributions, deviating and outside ones beside them
 study coverage "$bin" study coverage --scenes 1600

@@ -10,8 +10,8 @@
 //! nothing with the others, which are tested against it.
 //!
 //! A new term of the light enters the shader and [`shadowgraph`] under one name, its parameters
-//! [`params::Params`], and its exact form [`reference`](mod@reference); `tests/render_shaders.rs`
-//! compares layouts and names.
+//! [`params::Params`], and its exact form [`reference`](mod@reference);
+//! `tests/inside/render_shaders.rs` compares layouts and names.
 
 pub mod column_edges;
 pub mod cpu;

@@ -7,7 +7,7 @@ use crate::frame::PixelFormat;
 pub const FILL_ROWS: u32 = 16;
 
 /// Uniforms of `shaders/shadowgraph.wgsl`, which names the same bytes one by one: the groups are in
-/// the order of its members (`tests/render_shaders.rs` compares every offset).
+/// the order of its members (`tests/inside/render_shaders.rs` compares every offset).
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Params {

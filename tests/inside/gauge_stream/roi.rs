@@ -44,7 +44,7 @@ fn two_windows_read_out_together_give_the_edges_of_the_whole_frame() {
     }
 }
 
-/// `cargo test --release --test gauge_stream
+/// `cargo test --release --lib gauge_stream
 /// frames_a_second -- --ignored --nocapture --test-threads 1`
 #[test]
 #[ignore = "a measurement of speed"]
