@@ -139,11 +139,12 @@ fn settings_that_cannot_be_right_are_refused() {
         |settings| Stream::calibrated(&gauge(), &calibration, settings).err().map(|e| e.to_string());
     let of = MeasureSettings::default;
     assert_eq!(refused(of()), None);
+    let tolerance = Some("1 ±0.1".parse().unwrap());
     for (settings, word) in [
         (MeasureSettings { station_mm: Some(-1.0), ..of() }, "measure.station_mm"),
         (MeasureSettings { tolerance: Some("1 ±0.1 (GN)".parse().unwrap()), ..of() }, "--turn"),
-        (MeasureSettings { conformance_probability: 2.0, ..of() }, "conformance probability"),
-        (MeasureSettings { cutoff_upr: f64::NAN, ..of() }, "upr"),
+        (MeasureSettings { tolerance, conformance_probability: 2.0, ..of() }, "conformance probability"),
+        (MeasureSettings { cutoff_upr: f64::NAN, ..of() }, "cutoff"),
     ] {
         let error = refused(settings).unwrap();
         assert!(error.contains(word), "{error}");
