@@ -65,7 +65,9 @@ fn judge_passes(passes: &Value) {
 }
 
 fn judge_series(series: &Value) {
-    assert_eq!((&series["frames"], &series["columns"]), (&200.into(), &(200 * 128).into()), "{series}");
+    assert_eq!(series["frames"], 200, "{series}");
+    // of 200·128 columns those may fail that the residual tests reject by chance
+    assert!(series["columns"].as_u64().expect("columns") > 200 * 126, "{series}");
     // an edge has 0.01 px of noise, the mean over 128 columns of both 0.0013 px
     assert!(series["worst_px"].as_f64().expect("worst_px") < 0.01, "{series}");
 }
