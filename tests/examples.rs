@@ -10,7 +10,7 @@ use std::process::Command;
 type Row = (&'static str, &'static [&'static str], &'static [&'static str]);
 
 const EXAMPLES: &[Row] = &[
-    ("calibrate_two_pins", &[], &["scale        30.", "edge offset", "part         11.2"]),
+    ("calibrate_two_pins", &[], &["scale        30.", "edge offset", "part         11."]),
     ("render_with_truth", &["OUT/frame.png", "8.0"], &["512 x 400 px", "true pixel size", "8.00"]),
     ("live_plot", &["14"], &["    0  11.99", "   13  12.00", "|   ", "  out"]),
     ("measure_image", &["OUT/frame.png", "30"], &["D = ", " mm (k = "]),
