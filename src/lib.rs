@@ -80,3 +80,8 @@ extern crate self as shadowgauge;
 #[cfg(all(test, feature = "cli"))]
 #[path = "../tests/inside/mod.rs"]
 mod inside;
+
+/// The README's example is compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

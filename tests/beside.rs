@@ -9,6 +9,14 @@ use serde_json::Value;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
+/// This crate's levels of optimisation of its dependencies, so that they are built once for both.
+fn profiles() -> String {
+    let text = std::fs::read_to_string(Path::new(ROOT).join("Cargo.toml")).unwrap();
+    let from = text.find("[profile.release.package.").expect("levels of the dependencies");
+    let to = text.find("[profile.bench]").expect("the profile after them");
+    format!("\n{}", &text[from..to])
+}
+
 /// The crate's manifest in a folder of its own, its paths made absolute, with this crate's lock
 /// file beside it: the versions tested are those locked, and none is fetched.
 fn manifest() -> PathBuf {
@@ -17,7 +25,7 @@ fn manifest() -> PathBuf {
     let absolute = text.replace("../..", ROOT).replace("\"src/", &format!("\"{ROOT}/tests/beside/src/"));
     assert_eq!(absolute.matches(ROOT).count(), 3, "two programs and this crate: {absolute}");
     std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join("Cargo.toml"), absolute).unwrap();
+    std::fs::write(folder.join("Cargo.toml"), absolute + &profiles()).unwrap();
     std::fs::copy(Path::new(ROOT).join("Cargo.lock"), folder.join("Cargo.lock")).unwrap();
     folder.join("Cargo.toml")
 }
