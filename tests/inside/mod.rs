@@ -3,11 +3,7 @@
 //! They are compiled with the library (`cargo test --lib inside::NAME`), so that nothing has to be
 //! public for a test's sake; what is public, and the program, are tested from outside by the files
 //! in `tests/`. One file or folder an idea; helpers that several share are in `support`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    reason = "a test that cannot set up its case must fail"
-)]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 mod contamination_field;
 mod control_guards;

@@ -5,8 +5,8 @@
 //! where `CI` is set.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
-use crate::inside::support::render_golden as golden;
 use crate::inside::support::render as support;
+use crate::inside::support::render_golden as golden;
 
 use golden::*;
 use shadowgauge::frame::{FrameView, PixelFormat, Pixels};
