@@ -8,7 +8,7 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
 use shadowgauge::process::{BaseForm, ProcessSettings, Stock, TurningProcess};
-use shadowgauge::studies::optimize::{GeneticSettings, OptimizeConfig, Problem, exact, genetic};
+use shadowgauge::studies::optimize::TimedProblem;
 
 fn pass_of_1000_stations(c: &mut Criterion) {
     let mut settings = ProcessSettings::default();
@@ -32,18 +32,14 @@ fn pass_of_1000_stations(c: &mut Criterion) {
 }
 
 fn cutting_data(c: &mut Criterion) {
-    let Ok(config) = toml::from_str::<OptimizeConfig>(include_str!("../configs/optimize_003.toml")) else {
-        return;
-    };
-    let Ok(problem) = Problem::new(&config) else { return };
-    let settings = GeneticSettings::default();
+    let Ok(problem) = TimedProblem::parse(include_str!("../configs/optimize_003.toml")) else { return };
     let mut group = c.benchmark_group("cutting_data");
     group.sample_size(20);
     group.bench_function("genetic, 10 000 evaluations (limit 100 ms)", |b| {
-        b.iter(|| genetic::minimise(black_box(&problem), &settings, 1));
+        b.iter(|| black_box(&problem).genetic_min(1));
     });
     group.bench_function("exact, proven to 1e-4", |b| {
-        b.iter(|| exact::minimise(black_box(&problem), exact::DEFAULT_GAP));
+        b.iter(|| black_box(&problem).exact_min());
     });
     group.finish();
 }

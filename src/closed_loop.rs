@@ -22,10 +22,10 @@ use std::time::Duration;
 
 use crate::cell::{SeenStation, TrueAxis, TurningCell};
 use crate::conformity::{DecisionRule, part_verdict};
-pub use error::LoopError;
-pub use evidence::Evidence;
-pub use instrument::Calibrated;
-pub use scan::{FrameReading, Progress, Sample};
+pub(crate) use error::LoopError;
+pub(crate) use evidence::Evidence;
+pub(crate) use instrument::Calibrated;
+pub(crate) use scan::{FrameReading, Progress, Sample};
 
 use crate::control::{self, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::gauge::axis_line::AxisLine;
@@ -144,7 +144,7 @@ fn seen_station((from_mm, to_mm): (f64, f64), axis: &AxisLine) -> SeenStation {
 }
 
 /// Verdict on a finished part by its re-measurement (ISO 14253-1); `None` without a tolerance.
-pub fn part_verdict(part: &Part, measured: &DiameterProfile) -> Option<part_verdict::Verdict> {
+pub(crate) fn part_verdict(part: &Part, measured: &DiameterProfile) -> Option<part_verdict::Verdict> {
     let (lower_mm, upper_mm) = part.tolerance?.limits_mm();
     let rule = DecisionRule::new(part.conformance_probability).unwrap_or_default();
     let limits = part_verdict::Limits { lower_mm, upper_mm, rule };

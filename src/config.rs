@@ -15,12 +15,12 @@ use crate::setting::SettingError;
 
 /// The preset of the main job, built into the binary; the same file as
 /// `configs/slender_shaft.toml`.
-pub const SLENDER_SHAFT: &str = include_str!("../configs/slender_shaft.toml");
+pub(crate) const SLENDER_SHAFT: &str = include_str!("../configs/slender_shaft.toml");
 
 /// Why a config is refused.
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
-pub enum ConfigError {
+pub(crate) enum ConfigError {
     /// The file cannot be read.
     #[error("{}: cannot be read: {cause}", path.display())]
     Read {
@@ -69,7 +69,7 @@ pub enum ConfigError {
 ///
 /// # Errors
 /// The first error, with the file, the key and the valid values.
-pub fn load(path: &Path) -> Result<Job, ConfigError> {
+pub(crate) fn load(path: &Path) -> Result<Job, ConfigError> {
     let text =
         std::fs::read_to_string(path).map_err(|cause| ConfigError::Read { path: path.to_owned(), cause })?;
     let file = path.display().to_string();
@@ -106,7 +106,7 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
 ///
 /// # Errors
 /// A file that cannot be read or does not contain an edge.
-pub fn read_measured_edge(esf: &mut Esf, folder: &Path) -> Result<(), SettingError> {
+pub(crate) fn read_measured_edge(esf: &mut Esf, folder: &Path) -> Result<(), SettingError> {
     const KEY: &str = "optics.esf.measured.file";
     let Esf::Measured(measured) = esf else { return Ok(()) };
     let Some(name) = measured.file.clone() else { return Ok(()) };
@@ -120,7 +120,7 @@ pub fn read_measured_edge(esf: &mut Esf, folder: &Path) -> Result<(), SettingErr
 ///
 /// # Errors
 /// As [`load`].
-pub fn parse(text: &str, file: &str) -> Result<Job, ConfigError> {
+pub(crate) fn parse(text: &str, file: &str) -> Result<Job, ConfigError> {
     let job: Job = parse_as(text, file)?;
     job.check().map_err(|e| value_error(text, file, e))?;
     Ok(job)
@@ -131,13 +131,13 @@ pub fn parse(text: &str, file: &str) -> Result<Job, ConfigError> {
 ///
 /// # Errors
 /// Text that is not TOML, an unknown key, a wrong type.
-pub fn parse_as<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Result<T, ConfigError> {
+pub(crate) fn parse_as<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Result<T, ConfigError> {
     toml::from_str(text).map_err(|e| parse_error(text, file, &e))
 }
 
 /// Turns the error of a later check (an override on the command line, the coverage of a scan) into
 /// a config error.
-pub fn value_error(text: &str, file: &str, error: SettingError) -> ConfigError {
+pub(crate) fn value_error(text: &str, file: &str, error: SettingError) -> ConfigError {
     ConfigError::Value {
         file: file.to_owned(),
         span: key_span(text, &error.key),
@@ -152,7 +152,7 @@ pub fn value_error(text: &str, file: &str, error: SettingError) -> ConfigError {
 ///
 /// # Errors
 /// Never for a parsed job; for others, values that TOML cannot represent.
-pub fn hash(job: &Job) -> Result<String, toml::ser::Error> {
+pub(crate) fn hash(job: &Job) -> Result<String, toml::ser::Error> {
     let digest = Sha256::digest(resolved(job)?.as_bytes());
     Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
 }
@@ -161,12 +161,12 @@ pub fn hash(job: &Job) -> Result<String, toml::ser::Error> {
 ///
 /// # Errors
 /// As [`hash`].
-pub fn resolved(job: &Job) -> Result<String, toml::ser::Error> {
+pub(crate) fn resolved(job: &Job) -> Result<String, toml::ser::Error> {
     toml::to_string(job)
 }
 
 /// JSON Schema of a config file.
-pub fn json_schema() -> String {
+pub(crate) fn json_schema() -> String {
     serde_json::to_string_pretty(&schemars::schema_for!(Job)).unwrap_or_default()
 }
 

@@ -7,7 +7,7 @@
 
 mod encoding;
 
-pub use encoding::Encoding;
+pub(crate) use encoding::Encoding;
 
 use thiserror::Error;
 

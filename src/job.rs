@@ -35,13 +35,17 @@ mod workpiece;
 
 pub use crate::conformity::Tolerance;
 #[cfg(feature = "render")]
-pub use edge::{NominalEdge, sampled_edge};
+pub(crate) use edge::NominalEdge;
 #[cfg(feature = "render")]
-pub use error::from_render;
-pub use field_of_view::FieldOfView;
+pub(crate) use edge::sampled_edge;
+#[cfg(feature = "render")]
+pub(crate) use error::from_render;
 pub use loop_job::LoopJob;
-pub use nc_job::NcJob;
+#[cfg(test)]
+pub(crate) use nc_job::NcJob;
 pub use part::Part;
-pub use scan::{Masters, Scan, ScanWhen, StockScan};
+pub(crate) use scan::ScanWhen;
+#[cfg(test)]
+pub(crate) use scan::{Scan, StockScan};
 #[cfg(feature = "render")]
 pub use simulated::Job;

@@ -36,6 +36,11 @@
 //! ([`cell::TurningCell`], [`control::Controller`], [`closed_loop::ClosedLoop::with_controller`];
 //! `examples/own_controller.rs`).
 
+#![cfg_attr(
+    not(feature = "cli"),
+    allow(dead_code, unused_imports, reason = "the program uses what a part of the features leaves unused")
+)]
+
 // -- 0 vocabulary: types, the rule of conformity, mathematics without state
 pub mod conformity;
 pub mod frame;
@@ -67,13 +72,13 @@ pub mod truth;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "render")]
-pub mod config;
+pub(crate) mod config;
 #[cfg(feature = "report")]
-pub mod files;
+pub(crate) mod files;
 #[cfg(feature = "report")]
-pub mod report;
+pub(crate) mod report;
 #[cfg(feature = "report")]
-pub mod run_folder;
+pub(crate) mod run_folder;
 
 #[cfg(all(test, feature = "cli"))]
 extern crate self as shadowgauge;

@@ -18,17 +18,17 @@ pub struct SettingError {
 
 impl SettingError {
     /// An error at `key`, in words.
-    pub fn at(key: impl Into<String>, problem: impl Into<String>) -> Self {
+    pub(crate) fn at(key: impl Into<String>, problem: impl Into<String>) -> Self {
         Self { key: key.into(), found: None, problem: problem.into() }
     }
 
     /// A value out of range for `key`; `right` follows "must be".
-    pub fn of(key: impl Into<String>, found: impl Display, right: impl Display) -> Self {
+    pub(crate) fn of(key: impl Into<String>, found: impl Display, right: impl Display) -> Self {
         Self { found: Some(found.to_string()), ..Self::at(key, format!("must be {right}")) }
     }
 
     /// Value and problem, for a message that names the key itself.
-    pub fn without_key(&self) -> String {
+    pub(crate) fn without_key(&self) -> String {
         self.found.iter().chain([&self.problem]).cloned().collect::<Vec<_>>().join(" ")
     }
 }

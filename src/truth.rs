@@ -39,7 +39,7 @@ pub fn true_edges(scene: &Scene, request: &FrameRequest) -> Result<Vec<TrueEdges
 ///
 /// # Errors
 /// Refuses a shaft that cannot be drawn.
-pub fn station_diameter_mm(shaft: &Shaft, z0_mm: f64, z1_mm: f64) -> Result<f64, RenderError> {
+pub(crate) fn station_diameter_mm(shaft: &Shaft, z0_mm: f64, z1_mm: f64) -> Result<f64, RenderError> {
     Ok(station_diameters_mm(shaft, &[(z0_mm, z1_mm)])?[0])
 }
 
@@ -47,7 +47,10 @@ pub fn station_diameter_mm(shaft: &Shaft, z0_mm: f64, z1_mm: f64) -> Result<f64,
 ///
 /// # Errors
 /// Refuses a shaft that cannot be drawn.
-pub fn station_diameters_mm(shaft: &Shaft, stations_mm: &[(f64, f64)]) -> Result<Vec<f64>, RenderError> {
+pub(crate) fn station_diameters_mm(
+    shaft: &Shaft,
+    stations_mm: &[(f64, f64)],
+) -> Result<Vec<f64>, RenderError> {
     let outline = Outline::new(shaft.clone())?;
     let turned: Vec<_> =
         (0..DIRECTIONS).map(|i| outline.turned(180.0 * i as f64 / DIRECTIONS as f64)).collect();

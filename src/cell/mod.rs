@@ -21,5 +21,8 @@ mod true_probe;
 mod turning_cell;
 
 #[cfg(feature = "render")]
-pub use simulated::{SimulatedCell, base_form};
-pub use turning_cell::{CellError, FollowedCut, SeenStation, TrueAxis, TurningCell};
+pub use simulated::SimulatedCell;
+#[cfg(feature = "render")]
+pub(crate) use simulated::base_form;
+pub use turning_cell::{CellError, TurningCell};
+pub(crate) use turning_cell::{FollowedCut, SeenStation, TrueAxis};

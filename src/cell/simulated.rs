@@ -113,7 +113,7 @@ fn base_form_of(formed: &Shaft) -> BaseForm {
 ///
 /// # Errors
 /// Where the shaft is refused.
-pub fn base_form(job: &Job) -> Result<BaseForm, RenderError> {
+pub(crate) fn base_form(job: &Job) -> Result<BaseForm, RenderError> {
     Ok(base_form_of(&formed(job)?))
 }
 

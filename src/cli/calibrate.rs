@@ -26,7 +26,7 @@ use crate::studies::calibration::{
 
 /// Arguments of `calibrate`.
 #[derive(Debug, clap::Args)]
-pub struct CalibrateArgs {
+pub(crate) struct CalibrateArgs {
     /// The calibration, as configs/calibrate.toml; or a job's config, whose bench is calibrated on
     /// its master pins, rendered.
     config: PathBuf,
@@ -56,7 +56,7 @@ pub struct CalibrateArgs {
 /// # Errors
 /// Exit 2 for a config that is refused; 3 for frames that cannot be read or measured and for
 /// failures of the disk.
-pub fn run(args: &CalibrateArgs) -> CommandResult {
+pub(crate) fn run(args: &CalibrateArgs) -> CommandResult {
     if args.out.extension().is_none_or(|e| e != "json") {
         let name = args.out.display();
         return Err(Failure::refuse(format!(
@@ -89,7 +89,7 @@ pub fn run(args: &CalibrateArgs) -> CommandResult {
 ///
 /// # Errors
 /// As [`run`].
-pub fn make(
+pub(crate) fn make(
     loaded: &mut LoadedPlan,
     esf: Option<&str>,
     backend: BackendChoice,

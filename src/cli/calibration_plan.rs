@@ -10,7 +10,7 @@ use crate::gauge::calibration::Date;
 use crate::studies::calibration::CalibrationPlan;
 
 /// A plan with its text for error messages and its folder.
-pub struct LoadedPlan {
+pub(crate) struct LoadedPlan {
     /// The plan.
     pub plan: CalibrationPlan,
     /// Its text.
@@ -23,7 +23,7 @@ pub struct LoadedPlan {
 const OF_A_PLAN: [&str; 6] = ["optics_id", "simulate", "check", "fields", "thermometer", "valid_days"];
 
 /// Whether a text is a calibration's own file rather than a job's.
-pub fn is_plan(text: &str) -> bool {
+pub(crate) fn is_plan(text: &str) -> bool {
     let Ok(table) = text.parse::<toml::Table>() else { return false };
     OF_A_PLAN.iter().any(|key| table.contains_key(*key))
         || table.get("masters").is_some_and(toml::Value::is_array)
@@ -33,7 +33,7 @@ pub fn is_plan(text: &str) -> bool {
 ///
 /// # Errors
 /// Exit 2 for a text that is refused or names a file that cannot be read.
-pub fn load(path: &Path, today: Date) -> Result<LoadedPlan, Failure> {
+pub(crate) fn load(path: &Path, today: Date) -> Result<LoadedPlan, Failure> {
     let text = ConfigText::read(path)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     if is_plan(&text.text) {
@@ -47,7 +47,7 @@ pub fn load(path: &Path, today: Date) -> Result<LoadedPlan, Failure> {
 ///
 /// # Errors
 /// As [`load`].
-pub fn of_text(text: ConfigText, folder: PathBuf) -> Result<LoadedPlan, Failure> {
+pub(crate) fn of_text(text: ConfigText, folder: PathBuf) -> Result<LoadedPlan, Failure> {
     let mut plan: CalibrationPlan = text.parse()?;
     if let Some(simulate) = &mut plan.simulate {
         if let Some(name) = simulate.config.take() {

@@ -11,7 +11,7 @@ use super::run::execute;
 
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
-pub struct DemoArgs {
+pub(crate) struct DemoArgs {
     /// Run folder; an earlier demo in it is replaced.
     #[arg(long, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
@@ -25,7 +25,7 @@ pub struct DemoArgs {
 ///
 /// # Errors
 /// Exit 2 where the folder holds something else, 3 where a device or a disk fails.
-pub fn run(args: &DemoArgs) -> CommandResult {
+pub(crate) fn run(args: &DemoArgs) -> CommandResult {
     let job = config::parse(config::SLENDER_SHAFT, "configs/slender_shaft.toml").map_err(Failure::refused)?;
     let resolved = config::resolved(&job).map_err(Failure::fail)?;
     clear_earlier(&args.out, &resolved)?;

@@ -4,7 +4,7 @@ use crate::files::OutputError;
 use crate::run_folder::RunFolderError;
 
 /// Exit codes and what each means; a command that is interrupted ends with the shell's 130.
-pub const EXIT_CODES: [(u8, &str); 4] = [
+pub(crate) const EXIT_CODES: [(u8, &str); 4] = [
     (0, "done; where a tolerance is given, proven in tolerance"),
     (
         1,
@@ -16,7 +16,7 @@ pub const EXIT_CODES: [(u8, &str); 4] = [
 
 /// Outcome of a command that did its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub(crate) enum Outcome {
     /// Done; in tolerance where one is given. Exit 0.
     Done,
     /// Done, but a given tolerance is exceeded. Exit 1.
@@ -25,7 +25,7 @@ pub enum Outcome {
 
 /// Why a command stopped, with its exit code.
 #[derive(Debug)]
-pub struct Failure {
+pub(crate) struct Failure {
     /// 2 refused, 3 failed.
     pub exit: u8,
     /// The message for the user.
@@ -34,22 +34,22 @@ pub struct Failure {
 
 impl Failure {
     /// The command line or the config is refused: exit 2.
-    pub fn refused(report: impl Into<miette::Report>) -> Self {
+    pub(crate) fn refused(report: impl Into<miette::Report>) -> Self {
         Self { exit: 2, report: report.into() }
     }
 
     /// A file, an image, an output or a device fails: exit 3.
-    pub fn failed(report: impl Into<miette::Report>) -> Self {
+    pub(crate) fn failed(report: impl Into<miette::Report>) -> Self {
         Self { exit: 3, report: report.into() }
     }
 
     /// As [`Self::refused`], from an error of the library or a text.
-    pub fn refuse(error: impl std::fmt::Display) -> Self {
+    pub(crate) fn refuse(error: impl std::fmt::Display) -> Self {
         Self::refused(miette::miette!("{error}"))
     }
 
     /// As [`Self::failed`], from an error of the library or a text.
-    pub fn fail(error: impl std::fmt::Display) -> Self {
+    pub(crate) fn fail(error: impl std::fmt::Display) -> Self {
         Self::failed(miette::miette!("{error}"))
     }
 }
@@ -61,10 +61,10 @@ impl From<OutputError> for Failure {
 }
 
 /// Result of every subcommand.
-pub type CommandResult = Result<Outcome, Failure>;
+pub(crate) type CommandResult = Result<Outcome, Failure>;
 
 /// A folder that is taken is refused; one that cannot be written or read fails.
-pub fn folder_failure(error: RunFolderError) -> Failure {
+pub(crate) fn folder_failure(error: RunFolderError) -> Failure {
     match error {
         RunFolderError::Taken { .. } => Failure::refuse(error),
         RunFolderError::Output(error) => error.into(),

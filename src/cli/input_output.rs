@@ -7,7 +7,7 @@ use crate::config::{self, ConfigError};
 use crate::files::OutputFolder;
 
 /// A config's text and its name in errors.
-pub struct ConfigText {
+pub(crate) struct ConfigText {
     /// The text.
     pub text: String,
     /// The file's name.
@@ -19,7 +19,7 @@ impl ConfigText {
     ///
     /// # Errors
     /// Exit 2 where it cannot be read.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
+    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         let text = std::fs::read_to_string(path)
             .map_err(|cause| Failure::refused(ConfigError::Read { path: path.to_owned(), cause }))?;
         Ok(Self { text, name: path.display().to_string() })
@@ -29,7 +29,7 @@ impl ConfigText {
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub fn read_or(path: Option<&Path>, name: &str, text: &str) -> Result<Self, Failure> {
+    pub(crate) fn read_or(path: Option<&Path>, name: &str, text: &str) -> Result<Self, Failure> {
         path.map_or_else(|| Ok(Self { text: text.to_owned(), name: name.to_owned() }), Self::read)
     }
 
@@ -37,18 +37,18 @@ impl ConfigText {
     ///
     /// # Errors
     /// Exit 2 for an unknown key, a wrong type or text that is not TOML.
-    pub fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, Failure> {
+    pub(crate) fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, Failure> {
         config::parse_as(&self.text, &self.name).map_err(Failure::refused)
     }
 
     /// A refusal of the text's contents.
-    pub fn refuse(&self, error: impl std::fmt::Display) -> Failure {
+    pub(crate) fn refuse(&self, error: impl std::fmt::Display) -> Failure {
         Failure::refuse(format!("{}: {error}", self.name))
     }
 }
 
 /// A folder for a study's output, which appears in its place once it is finished.
-pub struct StudyFolder(OutputFolder);
+pub(crate) struct StudyFolder(OutputFolder);
 
 impl StudyFolder {
     /// Claims a folder that is absent or empty, where one is requested.
@@ -56,7 +56,7 @@ impl StudyFolder {
     /// # Errors
     /// Exit 2 for one that holds anything or that another process fills, 3 for one that cannot be
     /// written.
-    pub fn claim(path: Option<&Path>) -> Result<Option<Self>, Failure> {
+    pub(crate) fn claim(path: Option<&Path>) -> Result<Option<Self>, Failure> {
         Ok(path.map(OutputFolder::claim).transpose()?.map(Self))
     }
 
@@ -64,7 +64,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// As [`Self::write`].
-    pub fn fill(
+    pub(crate) fn fill(
         folder: Option<Self>,
         write: impl FnOnce(&Self) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
@@ -77,7 +77,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// Exit 3 where the disk or the permissions refuse.
-    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         Ok(self.0.write(name, bytes)?)
     }
 }
@@ -86,7 +86,7 @@ impl StudyFolder {
 ///
 /// # Errors
 /// Exit 3 for rows that CSV cannot represent.
-pub fn csv_text<T: serde::Serialize>(rows: &[T]) -> Result<Vec<u8>, Failure> {
+pub(crate) fn csv_text<T: serde::Serialize>(rows: &[T]) -> Result<Vec<u8>, Failure> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     rows.iter().try_for_each(|row| writer.serialize(row)).map_err(Failure::fail)?;
     writer.into_inner().map_err(Failure::fail)
@@ -96,7 +96,7 @@ pub fn csv_text<T: serde::Serialize>(rows: &[T]) -> Result<Vec<u8>, Failure> {
 ///
 /// # Errors
 /// Exit 3 for values that JSON cannot represent.
-pub fn json_text<T: serde::Serialize>(value: &T) -> Result<String, Failure> {
+pub(crate) fn json_text<T: serde::Serialize>(value: &T) -> Result<String, Failure> {
     serde_json::to_string_pretty(value).map_err(Failure::fail)
 }
 
@@ -104,7 +104,11 @@ pub fn json_text<T: serde::Serialize>(value: &T) -> Result<String, Failure> {
 ///
 /// # Errors
 /// As [`json_text`].
-pub fn say_study<T: serde::Serialize>(study: &T, json: bool, in_words: impl FnOnce(&T)) -> CommandResult {
+pub(crate) fn say_study<T: serde::Serialize>(
+    study: &T,
+    json: bool,
+    in_words: impl FnOnce(&T),
+) -> CommandResult {
     if json {
         say_line!("{}", json_text(study)?);
     } else {

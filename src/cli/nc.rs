@@ -31,7 +31,7 @@ enum Form {
 
 /// Arguments of `nc`.
 #[derive(Debug, clap::Args)]
-pub struct NcArgs {
+pub(crate) struct NcArgs {
     /// A run folder.
     run: PathBuf,
     /// fanuc, linuxcnc or gsk.
@@ -72,7 +72,7 @@ fn dialect(word: &str) -> Result<Dialect, String> {
 /// # Errors
 /// Exit 2 for a pass, a machine file or offsets that are refused, 3 for a run folder that cannot be
 /// read.
-pub fn run(args: &NcArgs) -> CommandResult {
+pub(crate) fn run(args: &NcArgs) -> CommandResult {
     let folder = RunFolder::open(&args.run).map_err(Failure::fail)?;
     let text = folder.config_text().map_err(Failure::fail)?;
     let name = folder.path().join("run.toml").display().to_string();

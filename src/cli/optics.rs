@@ -16,14 +16,14 @@ use crate::render::settings::{Esf, Optics, SetupSettings};
 
 /// What `optics` shows.
 #[derive(Debug, clap::Subcommand)]
-pub enum OpticsCommand {
+pub(crate) enum OpticsCommand {
     /// Light over the distance from the geometric edge, as `--esf FILE` reads it.
     Esf(EsfArgs),
 }
 
 /// Arguments of `optics esf`.
 #[derive(Debug, clap::Args)]
-pub struct EsfArgs {
+pub(crate) struct EsfArgs {
     /// A job's config, or a calibration's with [simulate].
     config: PathBuf,
     /// Radius of the part, mm, which only a glancing reflection depends on; that of the finished
@@ -50,7 +50,7 @@ fn length(text: &str) -> Result<f64, String> {
 }
 
 /// Nominal optics of a config, without random deviations.
-pub struct NominalOptics {
+pub(crate) struct NominalOptics {
     /// Lens and edge spread.
     pub optics: Optics,
     /// Nominal size of a pixel on the object, mm.
@@ -65,7 +65,7 @@ impl NominalOptics {
     /// # Errors
     /// Exit 2 for a config that is refused, or a calibration of recorded frames, which has no
     /// optics.
-    pub fn load(path: &Path) -> Result<Self, Failure> {
+    pub(crate) fn load(path: &Path) -> Result<Self, Failure> {
         let of = |setup: SetupSettings, radius_mm| Self {
             pixel_mm: setup.nominal_pixel_mm(),
             optics: setup.optics,
@@ -95,7 +95,7 @@ impl NominalOptics {
     ///
     /// # Errors
     /// Exit 2 for optics whose table cannot be computed.
-    pub fn edge(&self, radius_mm: f64, axis_y_mm: f64) -> Result<NominalEdge, Failure> {
+    pub(crate) fn edge(&self, radius_mm: f64, axis_y_mm: f64) -> Result<NominalEdge, Failure> {
         NominalEdge::new(&self.optics, self.pixel_mm, radius_mm, axis_y_mm).map_err(Failure::refuse)
     }
 }
@@ -104,7 +104,7 @@ impl NominalOptics {
 ///
 /// # Errors
 /// Exit 2 for a config or optics that are refused.
-pub fn run(command: &OpticsCommand) -> CommandResult {
+pub(crate) fn run(command: &OpticsCommand) -> CommandResult {
     let OpticsCommand::Esf(args) = command;
     if !args.axis_y_mm.is_finite() {
         return Err(Failure::refuse("--axis-y-mm: a finite distance in mm is needed"));

@@ -10,7 +10,7 @@ use crate::studies::optimize::{self, Constraint, OptimizeConfig, Problem, Soluti
 
 /// Arguments of `optimize`.
 #[derive(Debug, clap::Args)]
-pub struct OptimizeArgs {
+pub(crate) struct OptimizeArgs {
     /// The problem, as configs/optimize_003.toml.
     config: PathBuf,
     /// Print JSON.
@@ -29,7 +29,7 @@ pub struct OptimizeArgs {
 ///
 /// # Errors
 /// Exit 2 for a config that is refused, 3 for a disk that fails.
-pub fn run(args: &OptimizeArgs) -> CommandResult {
+pub(crate) fn run(args: &OptimizeArgs) -> CommandResult {
     let text = ConfigText::read(&args.config)?;
     let mut config: OptimizeConfig = text.parse()?;
     config.genetic.seed = args.seed.unwrap_or(config.genetic.seed);

@@ -11,7 +11,7 @@ use super::failure::Failure;
 static FIRST_ERROR: OnceLock<Error> = OnceLock::new();
 
 /// Writes to stdout; nothing after an error.
-pub fn write(text: Arguments<'_>) {
+pub(crate) fn write(text: Arguments<'_>) {
     if FIRST_ERROR.get().is_none() {
         keep(stdout().lock().write_fmt(text));
     }
@@ -28,7 +28,7 @@ fn keep(result: Result<(), Error>) {
 ///
 /// # Errors
 /// Exit 3 where stdout cannot be written.
-pub fn finish() -> Result<(), Failure> {
+pub(crate) fn finish() -> Result<(), Failure> {
     if FIRST_ERROR.get().is_none() {
         keep(stdout().lock().flush());
     }

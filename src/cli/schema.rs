@@ -4,13 +4,13 @@ use super::failure::{CommandResult, Outcome};
 
 /// Arguments of `schema`: none.
 #[derive(Debug, clap::Args)]
-pub struct SchemaArgs {}
+pub(crate) struct SchemaArgs {}
 
 /// Prints the schema.
 ///
 /// # Errors
 /// Never.
-pub fn run(_: &SchemaArgs) -> CommandResult {
+pub(crate) fn run(_: &SchemaArgs) -> CommandResult {
     say_line!("{}", crate::config::json_schema());
     Ok(Outcome::Done)
 }

@@ -43,7 +43,7 @@ pub struct Sample {
 }
 
 /// Called after each frame: (frames done, frames in the pass).
-pub type Progress<'p> = &'p mut dyn FnMut(usize, usize);
+pub(crate) type Progress<'p> = &'p mut dyn FnMut(usize, usize);
 
 /// Frames of a scan, and the time they took.
 #[derive(Default)]

@@ -24,7 +24,7 @@ pub enum SizeCriterion {
 
 impl SizeCriterion {
     /// Its modifiers as written on a drawing.
-    pub fn as_str(self) -> &'static str {
+    pub(crate) fn as_str(self) -> &'static str {
         match self {
             Self::TwoPoint => "(LP)",
             Self::Envelope => "(E)",
@@ -34,7 +34,7 @@ impl SizeCriterion {
     }
 
     /// Whether it needs the sections of a whole turn, over the length.
-    pub fn needs_turn(self) -> bool {
+    pub(crate) fn needs_turn(self) -> bool {
         self != Self::TwoPoint
     }
 

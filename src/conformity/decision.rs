@@ -20,15 +20,15 @@ use crate::profile::Diameter;
 
 /// Degrees of freedom of an uncertainty that is not estimated from scatter (type B), or from that
 /// of very many values.
-pub const MANY: f64 = f64::INFINITY;
+pub(crate) const MANY: f64 = f64::INFINITY;
 /// Probability of conformity where none is stated (ISO 14253-1:2017).
-pub const PROBABILITY: f64 = 0.95;
+pub(crate) const PROBABILITY: f64 = 0.95;
 /// Student's t is the normal distribution from here on to 1e-5 of u.
 const NORMAL_FROM: f64 = 1e5;
 
 /// A reading with the distribution of the true value about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub(crate) struct Estimate {
     /// The reading, mm.
     pub value_mm: f64,
     /// Combined standard uncertainty, mm.
@@ -39,7 +39,7 @@ pub struct Estimate {
 
 impl Estimate {
     /// Of a diameter whose u has so many effective degrees of freedom.
-    pub fn of(diameter: &Diameter, freedom: f64) -> Self {
+    pub(crate) fn of(diameter: &Diameter, freedom: f64) -> Self {
         Self { value_mm: diameter.d_mm, u_mm: diameter.u_mm(), freedom }
     }
 
@@ -48,7 +48,7 @@ impl Estimate {
     }
 
     /// Probability that the true value lies below a limit.
-    pub fn below(&self, limit_mm: f64) -> f64 {
+    pub(crate) fn below(&self, limit_mm: f64) -> f64 {
         let away = limit_mm - self.value_mm;
         if self.u_mm == 0.0 {
             return if away >= 0.0 { 1.0 } else { 0.0 };
@@ -58,7 +58,7 @@ impl Estimate {
 
     /// Probability that the true value lies between two limits, one of which may be infinite; 0 for
     /// NaN.
-    pub fn within(&self, lower_mm: f64, upper_mm: f64) -> f64 {
+    pub(crate) fn within(&self, lower_mm: f64, upper_mm: f64) -> f64 {
         if !self.is_known() {
             return 0.0;
         }
@@ -89,7 +89,7 @@ fn quantile(probability: f64, freedom: f64) -> f64 {
 
 /// The outcome of the decision rule for a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Decision {
+pub(crate) enum Decision {
     /// The true value lies within both limits.
     Conforms,
     /// It lies below the lower limit.
@@ -102,7 +102,7 @@ pub enum Decision {
 
 /// Accepts and rejects with a stated probability, 0.5 or more.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DecisionRule {
+pub(crate) struct DecisionRule {
     probability: f64,
 }
 
@@ -117,7 +117,7 @@ impl DecisionRule {
     ///
     /// # Errors
     /// A probability below 0.5, or not below 1.
-    pub fn new(probability: f64) -> Result<Self, JudgementError> {
+    pub(crate) fn new(probability: f64) -> Result<Self, JudgementError> {
         if (0.5..1.0).contains(&probability) {
             Ok(Self { probability })
         } else {
@@ -125,13 +125,8 @@ impl DecisionRule {
         }
     }
 
-    /// The stated probability.
-    pub fn probability(self) -> f64 {
-        self.probability
-    }
-
     /// Decides on an estimate against two limits, one of which may be infinite.
-    pub fn decide(self, estimate: &Estimate, lower_mm: f64, upper_mm: f64) -> Decision {
+    pub(crate) fn decide(self, estimate: &Estimate, lower_mm: f64, upper_mm: f64) -> Decision {
         if estimate.within(lower_mm, upper_mm) >= self.probability {
             Decision::Conforms
         } else if !estimate.is_known() {
@@ -147,7 +142,7 @@ impl DecisionRule {
 
     /// Guard band on either side of a zone of this width, mm: readings farther inside are accepted.
     /// `None` where the zone accepts none.
-    pub fn guard_mm(self, u_mm: f64, freedom: f64, width_mm: f64) -> Option<f64> {
+    pub(crate) fn guard_mm(self, u_mm: f64, freedom: f64, width_mm: f64) -> Option<f64> {
         let accepted = |guard_mm: f64| {
             // Far from the other limit the rounding of the quantile is larger than its effect.
             Estimate { value_mm: guard_mm, u_mm, freedom }.within(0.0, width_mm) >= self.probability - 1e-12
@@ -178,7 +173,7 @@ impl DecisionRule {
     }
 
     /// Least width of a zone that accepts anything, mm: 2·t_ν((1 + p)/2)·u.
-    pub fn least_width_mm(self, u_mm: f64, freedom: f64) -> f64 {
+    pub(crate) fn least_width_mm(self, u_mm: f64, freedom: f64) -> f64 {
         2.0 * quantile(0.5 + 0.5 * self.probability, freedom) * u_mm
     }
 }

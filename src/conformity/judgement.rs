@@ -27,7 +27,7 @@ pub enum Judgement {
 
 impl Judgement {
     /// How far from good: 0 good, 1 not proven, 2 proven bad.
-    pub fn severity(self) -> u8 {
+    pub(crate) fn severity(self) -> u8 {
         match self {
             Self::GO => 0,
             Self::LO | Self::HI => 1,
@@ -63,7 +63,7 @@ pub enum Limits {
 
 /// Limits with a decision rule, checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Judge {
+pub(crate) struct Judge {
     limits: Limits,
     rule: DecisionRule,
 }
@@ -73,7 +73,7 @@ impl Judge {
     ///
     /// # Errors
     /// Limits out of order; a probability out of range.
-    pub fn new(limits: Limits, conformance_probability: f64) -> Result<Self, JudgementError> {
+    pub(crate) fn new(limits: Limits, conformance_probability: f64) -> Result<Self, JudgementError> {
         let limits_mm = match limits {
             Limits::Tolerance { lower_mm, upper_mm } => vec![lower_mm, upper_mm],
             Limits::Four { ll_mm, lo_mm, hi_mm, hh_mm } => vec![ll_mm, lo_mm, hi_mm, hh_mm],
@@ -87,12 +87,12 @@ impl Judge {
     }
 
     /// The rule.
-    pub fn rule(&self) -> DecisionRule {
+    pub(crate) fn rule(&self) -> DecisionRule {
         self.rule
     }
 
     /// Limits between which a diameter is good, mm.
-    pub fn good_mm(&self) -> (f64, f64) {
+    pub(crate) fn good_mm(&self) -> (f64, f64) {
         match self.limits {
             Limits::Tolerance { lower_mm, upper_mm } => (lower_mm, upper_mm),
             Limits::Four { lo_mm, hi_mm, .. } => (lo_mm, hi_mm),
@@ -101,13 +101,13 @@ impl Judge {
 
     /// Guard band of a reading whose u has so many effective degrees of freedom, mm; `None` where
     /// it leaves no acceptance zone.
-    pub fn guard_mm(&self, diameter: &Diameter, freedom: f64) -> Option<f64> {
+    pub(crate) fn guard_mm(&self, diameter: &Diameter, freedom: f64) -> Option<f64> {
         let (lower, upper) = self.good_mm();
         self.rule.guard_mm(diameter.u_mm(), freedom, upper - lower)
     }
 
     /// Judges a diameter by its combined standard uncertainty and its effective degrees of freedom.
-    pub fn judge(&self, diameter: &Diameter, freedom: f64) -> Judgement {
+    pub(crate) fn judge(&self, diameter: &Diameter, freedom: f64) -> Judgement {
         let estimate = Estimate::of(diameter, freedom);
         let (lower, upper) = self.good_mm();
         // NaN is neither proven good nor above the middle.
@@ -134,7 +134,7 @@ impl Judge {
     ///
     /// # Errors
     /// The gap's reason.
-    pub fn judge_reading(&self, reading: &Reading, freedom: f64) -> Result<Judgement, Reason> {
+    pub(crate) fn judge_reading(&self, reading: &Reading, freedom: f64) -> Result<Judgement, Reason> {
         match reading {
             Reading::Value(diameter) => Ok(self.judge(diameter, freedom)),
             Reading::Gap(reason) => Err(*reason),
@@ -145,7 +145,7 @@ impl Judge {
     ///
     /// # Errors
     /// The width of the zone that would be needed.
-    pub fn check_uncertainty(&self, u_mm: f64, freedom: f64) -> Result<(), JudgementError> {
+    pub(crate) fn check_uncertainty(&self, u_mm: f64, freedom: f64) -> Result<(), JudgementError> {
         let (low, high) = self.good_mm();
         let least_mm = self.rule.least_width_mm(u_mm, freedom);
         if least_mm <= high - low {

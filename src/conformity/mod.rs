@@ -17,11 +17,11 @@ mod drawing;
 mod error;
 mod iso_286;
 mod judgement;
-pub mod part_verdict;
+pub(crate) mod part_verdict;
 mod tolerance;
 
-pub use criterion::SizeCriterion;
-pub use decision::{Decision, DecisionRule, Estimate, MANY, PROBABILITY};
-pub use error::{JudgementError, ToleranceError};
-pub use judgement::{Judge, Judgement, Limits};
+pub(crate) use criterion::SizeCriterion;
+pub(crate) use decision::{Decision, DecisionRule, Estimate, MANY, PROBABILITY};
+pub(crate) use error::JudgementError;
+pub(crate) use judgement::{Judge, Judgement};
 pub use tolerance::Tolerance;

@@ -9,7 +9,7 @@ use crate::profile::{DiameterProfile, Station};
 
 /// Limits of size and the decision rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Lower limit of the diameter, mm.
     pub lower_mm: f64,
     /// Upper limit of the diameter, mm.
@@ -21,7 +21,7 @@ pub struct Limits {
 /// Verdict on a station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Conformity {
+pub(crate) enum Conformity {
     /// Proven within the limits.
     Conforms,
     /// Proven below the lower limit: scrap.
@@ -36,7 +36,7 @@ pub enum Conformity {
 
 /// Verdict on a part.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Verdict {
+pub(crate) struct Verdict {
     /// Every station, in the profile's order.
     pub stations: Vec<Conformity>,
     /// Stations conforming.
@@ -48,7 +48,7 @@ pub struct Verdict {
 /// Verdict on a whole part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum PartConformity {
+pub(crate) enum PartConformity {
     /// Proven within the limits at every station.
     Conforms,
     /// Nowhere proven outside, but not proven inside everywhere: too close to a limit, or not
@@ -60,7 +60,7 @@ pub enum PartConformity {
 
 impl Verdict {
     /// The verdict as one value.
-    pub fn part(&self) -> PartConformity {
+    pub(crate) fn part(&self) -> PartConformity {
         let any = |what: Conformity| self.stations.contains(&what);
         if any(Conformity::Undersize) || any(Conformity::Oversize) {
             PartConformity::Violates
@@ -72,7 +72,7 @@ impl Verdict {
     }
 
     /// The verdict in words.
-    pub fn words(&self) -> String {
+    pub(crate) fn words(&self) -> String {
         let why = self.alarm.as_deref().unwrap_or("there is no station");
         match self.part() {
             PartConformity::Conforms => {
@@ -85,7 +85,7 @@ impl Verdict {
 }
 
 /// Judges a re-measured part.
-pub fn judge(measured: &DiameterProfile, limits: &Limits) -> Verdict {
+pub(crate) fn judge(measured: &DiameterProfile, limits: &Limits) -> Verdict {
     let stations: Vec<Conformity> = measured.stations.iter().map(|s| judge_station(s, limits)).collect();
     let count = |what: Conformity| stations.iter().filter(|s| **s == what).count();
     let conforming = count(Conformity::Conforms);

@@ -20,7 +20,7 @@ const REFERENCE_CUT: (f64, CuttingData) = (0.25, CuttingData { speed_m_per_min: 
 /// # Errors
 /// A setting out of range, stations that do not ascend or are too few for the shapes, and a loop
 /// that is unstable at `plant_gain` with error copying, unless `allow_unstable` is set.
-pub fn build(
+pub(crate) fn build(
     settings: &ControlSettings,
     station_z_mm: &[f64],
 ) -> Result<Box<dyn Controller + Send>, ControlError> {
@@ -45,7 +45,7 @@ fn guarded<L: Law + Send + 'static>(settings: &ControlSettings, law: L) -> Box<d
 
 /// Assesses the loop of the controller in the settings, with `plant` at `plant_gain`; `None` for a
 /// controller without feedback.
-pub fn assess(settings: &ControlSettings, plant: Plant) -> Option<StabilityReport> {
+pub(crate) fn assess(settings: &ControlSettings, plant: Plant) -> Option<StabilityReport> {
     let transfer = transfer(settings)?;
     Some(judge(&describe(settings), &transfer, plant, settings.plant_gain))
 }
@@ -54,7 +54,7 @@ pub fn assess(settings: &ControlSettings, plant: Plant) -> Option<StabilityRepor
 ///
 /// Iterative learning is assessed where its filter passes everything (Q = 1, the least stable
 /// case), the model-based controller where it follows every deviation at once (its filter gain 1).
-pub fn transfer(settings: &ControlSettings) -> Option<Transfer> {
+pub(crate) fn transfer(settings: &ControlSettings) -> Option<Transfer> {
     let s = settings;
     match s.controller {
         ControllerName::None => None,
@@ -70,7 +70,7 @@ pub fn transfer(settings: &ControlSettings) -> Option<Transfer> {
 }
 
 /// Controller and form in words.
-pub fn describe(settings: &ControlSettings) -> String {
+pub(crate) fn describe(settings: &ControlSettings) -> String {
     let s = settings;
     match s.controller {
         ControllerName::None => "none".into(),

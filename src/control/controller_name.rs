@@ -27,11 +27,11 @@ pub enum ControllerName {
 
 impl ControllerName {
     /// Every controller, in the order in which comparisons list them.
-    pub const ALL: [Self; 7] =
+    pub(crate) const ALL: [Self; 7] =
         [Self::None, Self::Pid, Self::Lsq, Self::Ewma, Self::Dewma, Self::Ilc, Self::Model];
 
     /// The word used on the command line and in files.
-    pub fn as_str(self) -> &'static str {
+    pub(crate) fn as_str(self) -> &'static str {
         match self {
             Self::None => "none",
             Self::Pid => "pid",

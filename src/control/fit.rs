@@ -20,7 +20,7 @@ const RANK_TOLERANCE: f64 = 1e-12;
 
 /// A fitted linear model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fit {
+pub(crate) struct Fit {
     /// Coefficients, one per column of the design.
     pub coefficients: DVector<f64>,
     /// Their covariance, from the stated uncertainties.
@@ -36,12 +36,12 @@ pub struct Fit {
 }
 
 /// Weighted least squares; `None` where the columns are not independent or there are too few rows.
-pub fn weighted(design: &DMatrix<f64>, y: &DVector<f64>, u: &DVector<f64>) -> Option<Fit> {
+pub(crate) fn weighted(design: &DMatrix<f64>, y: &DVector<f64>, u: &DVector<f64>) -> Option<Fit> {
     solve(design, y, u, &DVector::from_element(y.len(), 1.0))
 }
 
 /// Huber's robust fit; `None` as for [`weighted`].
-pub fn huber(design: &DMatrix<f64>, y: &DVector<f64>, u: &DVector<f64>) -> Option<Fit> {
+pub(crate) fn huber(design: &DMatrix<f64>, y: &DVector<f64>, u: &DVector<f64>) -> Option<Fit> {
     let mut fit = weighted(design, y, u)?;
     for _ in 0..HUBER_ROUNDS {
         let weights = huber_weights(&fit.residuals.component_div(u));

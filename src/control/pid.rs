@@ -32,7 +32,7 @@ struct Loop {
 
 /// Independent PID loops, one per channel (station or shape).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pid {
+pub(crate) struct Pid {
     gains: Gains,
     loops: Vec<Loop>,
 }
@@ -40,14 +40,14 @@ pub struct Pid {
 impl Pid {
     /// Loops at rest. Only the gains, the algorithm, the filter, the limits and the deadband of
     /// `settings` are used here.
-    pub fn new(settings: &PidSettings, channels: usize) -> Self {
+    pub(crate) fn new(settings: &PidSettings, channels: usize) -> Self {
         Self { gains: Gains { settings: settings.clone() }, loops: vec![Loop::default(); channels] }
     }
 
     /// Takes the errors of one pass, one per channel, and returns the outputs u(k).
     ///
     /// Channels beyond the shorter of errors and loops do not change.
-    pub fn step(&mut self, errors: &[f64]) -> Vec<f64> {
+    pub(crate) fn step(&mut self, errors: &[f64]) -> Vec<f64> {
         let gains = &self.gains;
         self.loops.iter_mut().zip(errors).map(|(state, &e)| gains.step(state, e)).collect()
     }

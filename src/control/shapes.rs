@@ -53,7 +53,7 @@ impl Default for PhysicalShapes {
 
 impl Shapes {
     /// Number of shape functions.
-    pub fn count(self) -> usize {
+    pub(crate) fn count(self) -> usize {
         match self {
             Self::Line => 2,
             Self::Quadratic => 3,
@@ -63,7 +63,7 @@ impl Shapes {
     }
 
     /// Names of the shapes, in the order of the design's columns.
-    pub fn names(self) -> Vec<String> {
+    pub(crate) fn names(self) -> Vec<String> {
         let Self::Physical(p) = self else {
             return (0..self.count()).map(|degree| format!("P{degree}")).collect();
         };
@@ -73,7 +73,7 @@ impl Shapes {
     }
 
     /// Description of the shapes for reports.
-    pub fn describe(self) -> String {
+    pub(crate) fn describe(self) -> String {
         match self {
             Self::Line => "line".into(),
             Self::Quadratic => "quadratic".into(),
@@ -86,7 +86,7 @@ impl Shapes {
     ///
     /// # Errors
     /// [`ControlError::TooFewStations`] where there are fewer stations than shapes.
-    pub fn design(self, station_z_mm: &[f64]) -> Result<DMatrix<f64>, ControlError> {
+    pub(crate) fn design(self, station_z_mm: &[f64]) -> Result<DMatrix<f64>, ControlError> {
         let (stations, shapes) = (station_z_mm.len(), self.count());
         if stations < shapes {
             return Err(ControlError::TooFewStations { stations, shapes });

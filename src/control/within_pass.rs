@@ -15,7 +15,7 @@ use crate::profile::DiameterProfile;
 
 /// A pass in progress.
 #[derive(Clone, Debug)]
-pub struct WithinPass {
+pub(crate) struct WithinPass {
     settings: WithinPassSettings,
     plant_gain: f64,
     stations: Vec<StationOffset>,
@@ -33,19 +33,24 @@ struct StationOffset {
 
 impl WithinPass {
     /// Begins a pass with the planned offsets.
-    pub fn begin(settings: WithinPassSettings, plant_gain: f64, planned_mm: &[f64]) -> Self {
+    pub(crate) fn begin(settings: WithinPassSettings, plant_gain: f64, planned_mm: &[f64]) -> Self {
         let planned = |o: &f64| StationOffset { planned_mm: *o, applied_mm: *o, read: false };
         Self { settings, plant_gain, stations: planned_mm.iter().map(planned).collect() }
     }
 
     /// Offsets as they were applied, mm of diameter.
-    pub fn applied_mm(&self) -> Vec<f64> {
+    pub(crate) fn applied_mm(&self) -> Vec<f64> {
         self.stations.iter().map(|s| s.applied_mm).collect()
     }
 
     /// Puts the offsets in force as the machine rounds them: stations that may still be changed are
     /// cut with these.
-    pub fn put_in_force(&mut self, in_force_mm: &[f64], stations_z_mm: &[f64], ahead: impl Fn(f64) -> bool) {
+    pub(crate) fn put_in_force(
+        &mut self,
+        in_force_mm: &[f64],
+        stations_z_mm: &[f64],
+        ahead: impl Fn(f64) -> bool,
+    ) {
         for (station, (in_force, z_mm)) in self.stations.iter_mut().zip(in_force_mm.iter().zip(stations_z_mm))
         {
             if !station.read && ahead(*z_mm) {
@@ -56,7 +61,7 @@ impl WithinPass {
 
     /// Takes the stations read so far; `ahead` states which may still be changed. Returns new
     /// offsets where stations were newly read.
-    pub fn decide(
+    pub(crate) fn decide(
         &mut self,
         nominal_mm: f64,
         measured: &DiameterProfile,

@@ -8,7 +8,7 @@ use thiserror::Error;
 /// Why an output is not written. All but [`OutputError::Failed`] are refusals.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum OutputError {
+pub(crate) enum OutputError {
     /// Something exists there that must not be replaced.
     #[error("{}: {what}", path.display())]
     Refused {
@@ -45,7 +45,7 @@ impl OutputError {
     }
 
     /// Whether the error lies in the command line, not in the disk.
-    pub fn is_refusal(&self) -> bool {
+    pub(crate) fn is_refusal(&self) -> bool {
         !matches!(self, Self::Failed { .. })
     }
 }

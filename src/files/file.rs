@@ -16,7 +16,7 @@ static STDOUT_IS_TAKEN: AtomicBool = AtomicBool::new(false);
 /// An output file claimed by this process: one that may not be written is refused before any work
 /// is done. If dropped unwritten, it leaves the old file as it was.
 #[derive(Debug)]
-pub struct OutputFile {
+pub(crate) struct OutputFile {
     named: PathBuf,
     to: To,
 }
@@ -34,7 +34,7 @@ impl OutputFile {
     /// # Errors
     /// An input, a folder, a block device, the file that stdout goes to, stdout twice, an output
     /// that another process writes; a disk or permissions that refuse.
-    pub fn claim(path: &Path, inputs: impl IntoIterator<Item = PathBuf>) -> Result<Self, OutputError> {
+    pub(crate) fn claim(path: &Path, inputs: impl IntoIterator<Item = PathBuf>) -> Result<Self, OutputError> {
         let named = path.to_owned();
         if let Some(input) = inputs.into_iter().find(|input| is_same_file(path, input)) {
             let what = if input == path { String::new() } else { format!(" ({})", input.display()) };
@@ -72,7 +72,7 @@ impl OutputFile {
     }
 
     /// Whether it is the process's stdout, which must then have no other output.
-    pub fn is_stdout(&self) -> bool {
+    pub(crate) fn is_stdout(&self) -> bool {
         matches!(self.to, To::Stdout)
     }
 
@@ -80,7 +80,7 @@ impl OutputFile {
     ///
     /// # Errors
     /// Where the disk, the reader or the permissions refuse.
-    pub fn write(self, bytes: &[u8]) -> Result<(), OutputError> {
+    pub(crate) fn write(self, bytes: &[u8]) -> Result<(), OutputError> {
         self.write_with(|out| out.write_all(bytes))
     }
 
@@ -88,7 +88,7 @@ impl OutputFile {
     ///
     /// # Errors
     /// As [`Self::write`], and the errors of `pieces`.
-    pub fn write_with(
+    pub(crate) fn write_with(
         self,
         pieces: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), OutputError> {

@@ -13,7 +13,7 @@ use super::place::{behind_links, folder_of, temporary};
 /// it is absent, inside it where it exists (it may be a mount point, or have a mode of its own). If
 /// dropped before [`OutputFolder::finish`], it leaves nothing.
 #[derive(Debug)]
-pub struct OutputFolder {
+pub(crate) struct OutputFolder {
     named: PathBuf,
     target: PathBuf,
     staging: PathBuf,
@@ -53,7 +53,7 @@ impl OutputFolder {
     /// # Errors
     /// Anything but an absent or empty folder; one that another process fills; a disk or
     /// permissions that refuse.
-    pub fn claim(path: &Path) -> Result<Self, OutputError> {
+    pub(crate) fn claim(path: &Path) -> Result<Self, OutputError> {
         let target = behind_links(path).map_err(OutputError::failed(path))?;
         if target.file_name().is_none() && !target.is_dir() {
             return Err(OutputError::refused(path, "names no folder"));
@@ -84,16 +84,11 @@ impl OutputFolder {
         Ok(folder)
     }
 
-    /// The folder in which its files are written until it is finished.
-    pub fn staging(&self) -> &Path {
-        &self.staging
-    }
-
     /// Writes a file; its name may contain folders.
     ///
     /// # Errors
     /// Where the disk or the permissions refuse.
-    pub fn write(&self, name: impl AsRef<Path>, bytes: &[u8]) -> Result<(), OutputError> {
+    pub(crate) fn write(&self, name: impl AsRef<Path>, bytes: &[u8]) -> Result<(), OutputError> {
         let path = self.staging.join(&name);
         std::fs::create_dir_all(folder_of(&path))
             .and_then(|()| std::fs::write(&path, bytes))
@@ -104,7 +99,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// Where the disk or the permissions refuse.
-    pub fn finish(mut self) -> Result<(), OutputError> {
+    pub(crate) fn finish(mut self) -> Result<(), OutputError> {
         let moved = if self.stands {
             std::fs::read_dir(&self.staging).and_then(|entries| {
                 for entry in entries {
@@ -140,7 +135,7 @@ impl Drop for OutputFolder {
 ///
 /// # Errors
 /// Where the disk or the permissions refuse.
-pub fn make_folder(path: &Path) -> Result<(), OutputError> {
+pub(crate) fn make_folder(path: &Path) -> Result<(), OutputError> {
     behind_links(path).and_then(std::fs::create_dir_all).map_err(OutputError::failed(path))
 }
 
@@ -148,7 +143,7 @@ pub fn make_folder(path: &Path) -> Result<(), OutputError> {
 ///
 /// # Errors
 /// Where the disk or the permissions refuse.
-pub fn clear(folder: &Path) -> Result<(), OutputError> {
+pub(crate) fn clear(folder: &Path) -> Result<(), OutputError> {
     each_entry(folder, &|entry| remove(entry)).map_err(OutputError::failed(folder))
 }
 
@@ -157,7 +152,7 @@ pub fn clear(folder: &Path) -> Result<(), OutputError> {
 ///
 /// # Errors
 /// Where the disk or the permissions refuse.
-pub fn clear_temporary(folder: &Path) -> Result<(), OutputError> {
+pub(crate) fn clear_temporary(folder: &Path) -> Result<(), OutputError> {
     clear_temporary_in(folder).map_err(OutputError::failed(folder))
 }
 

@@ -15,7 +15,7 @@ const ATTEMPTS: usize = 100;
 
 /// A locked file with the name of its holder; removed when the lock ends, unless it was moved away.
 #[derive(Debug)]
-pub struct Lock {
+pub(crate) struct Lock {
     path: PathBuf,
     file: File,
 }
@@ -26,7 +26,7 @@ impl Lock {
     /// # Errors
     /// [`OutputError::Held`] where another process has it; [`OutputError::Failed`] where the file
     /// cannot be made.
-    pub fn take(path: &Path, of: &Path) -> Result<Self, OutputError> {
+    pub(crate) fn take(path: &Path, of: &Path) -> Result<Self, OutputError> {
         for _ in 0..ATTEMPTS {
             let mut file = OpenOptions::new()
                 .read(true)
@@ -71,7 +71,7 @@ impl Lock {
     }
 
     /// Path of the file.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 }

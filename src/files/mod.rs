@@ -22,9 +22,9 @@ mod lock;
 mod names;
 mod place;
 
-pub use error::OutputError;
-pub use file::OutputFile;
-pub use folder::{OutputFolder, clear, clear_temporary, make_folder};
-pub use lock::Lock;
-pub use names::{LOCK_NAME, TEMPORARY};
-pub use place::{is_same_file, replace};
+pub(crate) use error::OutputError;
+pub(crate) use file::OutputFile;
+pub(crate) use folder::{OutputFolder, clear, clear_temporary, make_folder};
+pub(crate) use lock::Lock;
+pub(crate) use names::{LOCK_NAME, TEMPORARY};
+pub(crate) use place::replace;

@@ -1,6 +1,6 @@
 //! Fixed names of outputs that are not yet complete.
 
 /// How all temporary names begin.
-pub const TEMPORARY: &str = ".tmp-";
+pub(crate) const TEMPORARY: &str = ".tmp-";
 /// The lock in a folder that is written to.
-pub const LOCK_NAME: &str = ".tmp-lock";
+pub(crate) const LOCK_NAME: &str = ".tmp-lock";

@@ -87,7 +87,7 @@ pub(super) fn temporary(path: &Path) -> PathBuf {
 }
 
 /// Whether both paths name one file that exists.
-pub fn is_same_file(a: &Path, b: &Path) -> bool {
+pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     match (std::fs::metadata(a), std::fs::metadata(b)) {
         (Ok(a), Ok(b)) => same(&a, &b),
         _ => false,
@@ -130,7 +130,7 @@ fn is_block_device(_: &Metadata) -> bool {
 ///
 /// # Errors
 /// Where the disk or the permissions refuse; no partial file remains under `path`.
-pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     let (target, before) = match of(path)? {
         Place::File { path, before } => (path, before),
         Place::Stdout | Place::Through(_) => return Err(OutputError::refused(path, "is no file")),

@@ -27,28 +27,28 @@ impl Default for Encoding {
 
 impl Encoding {
     /// Grey values in proportion to the light.
-    pub const LINEAR: Self = Self { light_at_quarters: [0.25, 0.5, 0.75] };
+    pub(crate) const LINEAR: Self = Self { light_at_quarters: [0.25, 0.5, 0.75] };
     /// sRGB (IEC 61966-2-1): ((v + .055)/1.055)^2.4 at .25, .5 and .75.
-    pub const SRGB: Self = Self { light_at_quarters: [0.050_876, 0.214_041, 0.522_522] };
+    pub(crate) const SRGB: Self = Self { light_at_quarters: [0.050_876, 0.214_041, 0.522_522] };
 
     /// The encoding of a curve of light over grey value, both as shares of full scale.
-    pub fn of(light: impl Fn(f64) -> f64) -> Self {
+    pub(crate) fn of(light: impl Fn(f64) -> f64) -> Self {
         Self { light_at_quarters: [0.25, 0.5, 0.75].map(light) }
     }
 
     /// Whether both encode light in the same way.
-    pub fn is_same(&self, other: &Self) -> bool {
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
         let pairs = self.light_at_quarters.iter().zip(&other.light_at_quarters);
         pairs.into_iter().all(|(a, b)| (a - b).abs() <= SAME)
     }
 
     /// Whether grey values are proportional to the light.
-    pub fn is_linear(&self) -> bool {
+    pub(crate) fn is_linear(&self) -> bool {
         self.is_same(&Self::LINEAR)
     }
 
     /// The first share that is outside 0 to 1 or does not increase.
-    pub fn impossible(&self) -> Option<f64> {
+    pub(crate) fn impossible(&self) -> Option<f64> {
         let [a, b, c] = self.light_at_quarters;
         let wrong = [a, b, c].into_iter().find(|l| !(0.0..=1.0).contains(l));
         wrong.or_else(|| (!(a <= b && b <= c)).then_some(b))

@@ -156,7 +156,7 @@ pub struct FrameEdges {
 
 /// Mean edge (or width) over columns.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mean {
+pub(crate) struct Mean {
     /// Mean, px.
     pub value_px: f64,
     /// Standard uncertainty with the shared part carried, px.
@@ -210,7 +210,7 @@ impl FrameEdges {
     }
 
     /// Unweighted mean of one line's usable edges over `columns`; `None` without any.
-    pub fn mean(line: &[Edge], shared_length: f32, columns: std::ops::Range<usize>) -> Option<Mean> {
+    pub(crate) fn mean(line: &[Edge], shared_length: f32, columns: std::ops::Range<usize>) -> Option<Mean> {
         let used: Vec<(usize, &Edge)> = columns
             .filter_map(|c| line.get(c).map(|edge| (c, edge)))
             .filter(|(_, edge)| edge.is_usable())

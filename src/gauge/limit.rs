@@ -21,7 +21,7 @@ static REPLACED: OnceLock<(String, f64)> = OnceLock::new();
 
 /// One threshold: its name (`grey_ends.beyond`) and its default value.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Limit {
+pub(crate) struct Limit {
     /// Group and field, joined by a point.
     pub name: String,
     /// The default value, in the unit that its documentation states.
@@ -35,7 +35,7 @@ pub struct Limit {
 ///
 /// # Errors
 /// One threshold has been replaced already.
-pub fn replace(name: &str, value: f64) -> Result<(), SettingError> {
+pub(crate) fn replace(name: &str, value: f64) -> Result<(), SettingError> {
     let text = "one threshold of a process is replaced, once";
     REPLACED.set((name.to_owned(), value)).map_err(|_| SettingError::at("limits", text))
 }

@@ -15,45 +15,51 @@
 //! that `tests/architecture.rs` holds.
 
 pub mod calibration;
-pub mod diameter;
+pub(crate) mod diameter;
 mod edge;
 mod edges;
 pub mod form;
 mod instrument;
 pub(crate) mod limit;
-pub mod ring;
-pub mod sensor;
+pub(crate) mod ring;
+pub(crate) mod sensor;
 mod settings;
-pub mod thresholds;
-pub mod uncertainty;
+pub(crate) mod thresholds;
+pub(crate) mod uncertainty;
 mod width;
 
-pub use diameter::{axis_line, plausibility};
-pub use form::size;
-pub use sensor::photon_transfer;
-pub use uncertainty::{budget, monte_carlo, stated};
+pub(crate) use diameter::{axis_line, plausibility};
+#[cfg(test)]
+pub(crate) use form::size;
+pub(crate) use sensor::photon_transfer;
+pub use uncertainty::stated;
+pub(crate) use uncertainty::{budget, monte_carlo};
 
-pub use calibration::{
-    AxisZero, CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure,
-    MasterMeasurement,
-};
+pub use calibration::{Calibration, MasterCertificate, MasterMeasurement};
+pub(crate) use calibration::{CalibrationError, MasterFigure};
+#[cfg(test)]
+pub(crate) use diameter::ColumnDiameter;
 #[cfg(feature = "render")]
 pub(crate) use diameter::station_mean::StationColumns;
-pub use diameter::{ColumnDiameter, ColumnDiameters, StationAverager};
-pub use edge::edge_stream::EdgeStream;
-pub use edge::estimation::model_bias::ResidualAccumulator;
-pub use edge::estimation::slanted_edge::least_travel_px;
-pub use edge::model::edge_table::EdgeTable;
-pub use edge::model::systematic_residual::SystematicResidual;
-pub use edge::parallel::Lanes;
-pub use edge::settled::SettledStream;
-pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean, ShadowsSeen};
+pub(crate) use diameter::{ColumnDiameters, StationAverager};
+pub(crate) use edge::edge_stream::EdgeStream;
+pub(crate) use edge::estimation::model_bias::ResidualAccumulator;
+pub(crate) use edge::estimation::slanted_edge::least_travel_px;
+pub(crate) use edge::model::edge_table::EdgeTable;
+pub(crate) use edge::model::systematic_residual::SystematicResidual;
+pub(crate) use edge::parallel::Lanes;
+pub(crate) use edge::settled::SettledStream;
+#[cfg(test)]
+pub(crate) use edges::EdgeState;
+pub use edges::FrameEdges;
+pub(crate) use edges::{Edge, FrameRefused, ShadowsSeen};
 pub use instrument::Gauge;
-pub use limit::{Limit, replace as replace_limit};
-pub use settings::{
-    Blur, EsfModel, EsfSamples, GaugeSettings, Levels, Noise, Polarity, Rejection, StationSettings, Which,
-};
-pub use width::axis_pose::Pose;
-pub use width::largest_caliper::{LargestCaliper, largest_caliper, largest_caliper_over};
-pub use width::stretch::crests::crest_pitch_px;
-pub use width::stretch::largest_value::LEAST_STRETCH;
+pub(crate) use limit::{Limit, replace as replace_limit};
+pub(crate) use settings::{EsfModel, EsfSamples, Rejection, Which};
+pub use settings::{GaugeSettings, Polarity};
+#[cfg(test)]
+pub(crate) use settings::{Levels, StationSettings};
+pub(crate) use width::axis_pose::Pose;
+pub(crate) use width::largest_caliper::{LargestCaliper, largest_caliper, largest_caliper_over};
+pub(crate) use width::stretch::crests::crest_pitch_px;
+pub(crate) use width::stretch::largest_value::LEAST_STRETCH;

@@ -138,7 +138,7 @@ pub enum EsfModel {
 
 impl EsfModel {
     /// Its name, as in `[gauge.esf]`.
-    pub fn name(&self) -> &'static str {
+    pub(crate) fn name(&self) -> &'static str {
         match self {
             Self::Gaussian {} => "gaussian",
             Self::Table(_) => "table",
@@ -199,7 +199,7 @@ pub enum Blur {
 
 impl Blur {
     /// The blur where it is given, px.
-    pub fn given_px(&self) -> Option<f64> {
+    pub(crate) fn given_px(&self) -> Option<f64> {
         match self {
             Self::Given { sigma_px } => Some(*sigma_px),
             Self::Estimated {} => None,
@@ -257,7 +257,7 @@ impl GaugeSettings {
     /// These settings for a part whose outline goes up and down by itself (threads, knurls): flanks
     /// to 71° are measured, and nothing is refused for leaving its neighbours or the axis.
     #[must_use]
-    pub fn for_crests(self) -> Self {
+    pub(crate) fn for_crests(self) -> Self {
         Self { rejection: Rejection::Off, max_slope: 3.0, outlier_px: 1e3, ..self }
     }
 
@@ -265,7 +265,7 @@ impl GaugeSettings {
     ///
     /// # Errors
     /// Names the first key out of its range and what would be right.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         within("gauge.min_diameter_px", self.min_diameter_px, 4.0, 1e5, "4 or more pixels")?;
         within("gauge.min_snr", self.min_snr, 4.0, 1e6, "4 or more")?;
         within("gauge.max_slope", self.max_slope, 1e-3, 3.0, "0.001 to 3")?;
@@ -407,7 +407,7 @@ impl PlausibilitySettings {
     ///
     /// # Errors
     /// Names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         within("gauge.plausibility.turn_limit_mm", self.turn_limit_mm, 1e-6, 1e3, "a change above 0, mm")?;
         within("gauge.plausibility.pass_limit_mm", self.pass_limit_mm, 1e-6, 1e3, "a departure above 0, mm")?;
         within("gauge.plausibility.coverage", self.coverage, 1.0, 10.0, "1 to 10")

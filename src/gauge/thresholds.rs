@@ -93,7 +93,7 @@ use super::width::stretch::largest_value::LargestValueLimits;
 
 /// Every threshold with its default value.
 #[must_use]
-pub fn every() -> Vec<Limit> {
+pub(crate) fn every() -> Vec<Limit> {
     let rooms = [
         of_sensor(),
         of_model(),

@@ -32,7 +32,7 @@ const PLAIN: Sampling = Sampling { step_px: 0.05, fade_px: 44.0, reach_px: 60.0 
 const RINGS: Sampling = Sampling { step_px: 0.1, fade_px: 152.0, reach_px: 192.0 };
 
 /// An edge-spread function, light over distance, of the nominal optics, without random deviations.
-pub struct NominalEdge {
+pub(crate) struct NominalEdge {
     table: EsfTable,
     place: TablePlace,
     pixel_um: f64,
@@ -44,19 +44,24 @@ impl NominalEdge {
     ///
     /// # Errors
     /// Optics whose table cannot be computed.
-    pub fn new(optics: &Optics, pixel_mm: f64, radius_mm: f64, axis_y_mm: f64) -> Result<Self, RenderError> {
+    pub(crate) fn new(
+        optics: &Optics,
+        pixel_mm: f64,
+        radius_mm: f64,
+        axis_y_mm: f64,
+    ) -> Result<Self, RenderError> {
         let extent = Extent { pixel_mm, depth_mm: axis_y_mm.abs(), radius_mm: (radius_mm, radius_mm) };
         let table = EsfTable::new(&optics.esf, optics, &extent)?;
         Ok(Self { place: table.place(axis_y_mm, radius_mm, 0.0), table, pixel_um: 1e3 * pixel_mm })
     }
 
     /// Light at a distance from the geometric edge into the light, µm on the object.
-    pub fn light(&self, distance_um: f64) -> f64 {
+    pub(crate) fn light(&self, distance_um: f64) -> f64 {
         self.table.light(&self.place, distance_um / self.pixel_um)
     }
 
     /// Range in which it differs from shadow and light, µm on the object.
-    pub fn range_um(&self) -> (f64, f64) {
+    pub(crate) fn range_um(&self) -> (f64, f64) {
         let stretched = self.place.scale_px / self.table.scale_px;
         let all = self.table.sources().iter().map(EdgeSpread::range_um);
         let (low, high) = all.fold((0.0_f64, 0.0_f64), |(l, h), (a, b)| (l.min(a), h.max(b)));
@@ -73,7 +78,7 @@ impl NominalEdge {
     }
 
     /// Distances and light, even steps with the geometric edge on one of them.
-    pub fn samples(&self) -> (Vec<f64>, Vec<f64>) {
+    pub(crate) fn samples(&self) -> (Vec<f64>, Vec<f64>) {
         let (low, high) = self.range_um();
         let step = (self.sharp_um() / STEPS_PER_SHARP).max((high - low) / MOST_STEPS);
         let (from, to) = ((low / step).floor() as i64, (high / step).ceil() as i64);
@@ -83,7 +88,7 @@ impl NominalEdge {
     }
 
     /// The model that a gauge fits, at a scale.
-    pub fn model(&self, um_per_px: f64) -> EsfModel {
+    pub(crate) fn model(&self, um_per_px: f64) -> EsfModel {
         let (from, to) = self.range_um();
         sampled_edge(from / um_per_px, to / um_per_px, |d_px| self.light(d_px * um_per_px))
     }
@@ -91,7 +96,7 @@ impl NominalEdge {
 
 /// Samples over a range of an edge in px, widened by a pixel so that the ends are flat. Ripples
 /// that extend beyond the largest table (a laser's) fade out beyond the windows.
-pub fn sampled_edge(from_px: f64, to_px: f64, light: impl Fn(f64) -> f64) -> EsfModel {
+pub(crate) fn sampled_edge(from_px: f64, to_px: f64, light: impl Fn(f64) -> f64) -> EsfModel {
     let sample = |sampling: Sampling| {
         let Sampling { step_px, fade_px, reach_px } = sampling;
         let fade = |d_px: f64| {

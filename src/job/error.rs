@@ -8,7 +8,7 @@ use crate::setting::SettingError;
 
 /// An error of the renderer as one of the job.
 #[cfg(feature = "render")]
-pub fn from_render(error: RenderError) -> SettingError {
+pub(crate) fn from_render(error: RenderError) -> SettingError {
     match error {
         RenderError::Setting(error) => error,
         other => SettingError::at("optics", other.to_string()),

@@ -40,18 +40,18 @@ impl Default for FieldOfView {
 
 impl FieldOfView {
     /// Length along z of the whole field, mm.
-    pub fn length_mm(&self) -> f64 {
+    pub(crate) fn length_mm(&self) -> f64 {
         f64::from(self.columns) * self.mm_per_px
     }
 
     /// Height of the field, mm.
-    pub fn height_mm(&self) -> f64 {
+    pub(crate) fn height_mm(&self) -> f64 {
         f64::from(self.rows) * self.mm_per_px
     }
 
     /// Limit of the telecentricity error by the lens' data sheet (`optics.telecentricity_mrad`),
     /// 1/mm: masters in one plane do not show it.
-    pub fn limit_telecentricity_per_mm(&self) -> f64 {
+    pub(crate) fn limit_telecentricity_per_mm(&self) -> f64 {
         let (rows, columns) = (f64::from(self.rows), f64::from(self.columns));
         let half_mm = 0.5 * rows.hypot(columns) * self.mm_per_px;
         (1e-3 * self.telecentricity_mrad).tan().abs() / half_mm

@@ -73,14 +73,14 @@ fn order_of_angles(angles: usize) -> Vec<usize> {
 impl LoopJob {
     /// Speed of the spindle in pass `pass` (from 1), rev/min: the cutting speed at the pass's
     /// nominal diameter.
-    pub fn spindle_rpm(&self, pass: u32) -> f64 {
+    pub(crate) fn spindle_rpm(&self, pass: u32) -> f64 {
         1e3 * self.cutting.speed_m_per_min / (PI * self.part.target_mm(pass))
     }
 
     /// Frames of pass `pass` while it is cut: at every field of the scan a burst over the angles of
     /// half a turn, over as many whole turns as the camera needs; fields that the tool's end keeps
     /// from the gauge are scanned after it.
-    pub fn follow_plan(&self, pass: u32) -> FollowPlan {
+    pub(crate) fn follow_plan(&self, pass: u32) -> FollowPlan {
         let towards_chuck = self.feed_direction == FeedDirection::TowardsChuck;
         let (length, behind) = (self.part.length_mm, self.scan.behind_tool_mm);
         let way = if towards_chuck { -1.0 } else { 1.0 };
@@ -125,7 +125,7 @@ impl LoopJob {
 
     /// Conditions of the part while it is scanned: its temperature, and its material's expansion
     /// where that matters.
-    pub fn part_conditions(&self) -> Conditions {
+    pub(crate) fn part_conditions(&self) -> Conditions {
         let (rise, limit) = (self.scan.part_rise_k, self.scan.limit_part_rise_k);
         let exact = Conditions::default();
         if rise == 0.0 && limit == 0.0 {

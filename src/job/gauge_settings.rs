@@ -12,7 +12,7 @@ impl Job {
     ///
     /// # Errors
     /// Optics whose table cannot be computed.
-    pub fn gauge_settings(&self) -> Result<GaugeSettings, SettingError> {
+    pub(crate) fn gauge_settings(&self) -> Result<GaugeSettings, SettingError> {
         if self.gauge.esf != (EsfModel::Optics {}) {
             return Ok(self.gauge.clone());
         }

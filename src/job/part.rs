@@ -51,13 +51,13 @@ impl Default for Part {
 
 impl Part {
     /// Number of passes.
-    pub fn passes(&self) -> usize {
+    pub(crate) fn passes(&self) -> usize {
         self.nominal_diameter_mm.len()
     }
 
     /// Target diameter of pass `pass` (from 1), mm: its nominal; for the last pass with the aim
     /// added.
-    pub fn target_mm(&self, pass: u32) -> f64 {
+    pub(crate) fn target_mm(&self, pass: u32) -> f64 {
         let index = (pass as usize).saturating_sub(1).min(self.passes().saturating_sub(1));
         let aim = if index + 1 == self.passes() { self.aim_mm } else { 0.0 };
         self.nominal_diameter_mm.get(index).copied().unwrap_or(self.stock_diameter_mm) + aim
@@ -65,7 +65,7 @@ impl Part {
 
     /// Middles of the stations, mm from the chuck face: those listed, otherwise side by side from
     /// the chuck face; a remainder shorter than a station at the end is left out.
-    pub fn station_z_mm(&self) -> Vec<f64> {
+    pub(crate) fn station_z_mm(&self) -> Vec<f64> {
         if let Some(listed) = &self.station_z_mm {
             return listed.clone();
         }

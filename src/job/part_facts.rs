@@ -13,7 +13,7 @@ impl Job {
     /// What a controller in another program is given of the job: the order, nothing of the truth.
     /// Its seed follows from the job's, of which everything random of the simulation is drawn,
     /// and has 32 bits, so that every language reads it exactly.
-    pub fn part_facts(&self) -> PartFacts {
+    pub(crate) fn part_facts(&self) -> PartFacts {
         let order = self.loop_job();
         let mut random = Pcg64::seed_from_u64(self.seed ^ STREAM);
         PartFacts {

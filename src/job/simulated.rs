@@ -99,7 +99,7 @@ impl Default for Job {
 
 impl Job {
     /// The optical setup of the simulator, put together.
-    pub fn setup_settings(&self) -> SetupSettings {
+    pub(crate) fn setup_settings(&self) -> SetupSettings {
         SetupSettings {
             camera: self.camera.clone(),
             optics: self.optics.clone(),
@@ -113,7 +113,7 @@ impl Job {
 
     /// The loop's half as the config gives it: the camera by its data sheet, and of the process
     /// only what drawing and handbooks give.
-    pub fn loop_job(&self) -> LoopJob {
+    pub(crate) fn loop_job(&self) -> LoopJob {
         let material = self.process.material.resolve();
         let steel = Conditions::default().expansion_um_per_m_k;
         LoopJob {
@@ -167,12 +167,12 @@ impl Job {
     ///
     /// # Errors
     /// The controller's reason.
-    pub fn check_control(&self) -> Result<(), SettingError> {
+    pub(crate) fn check_control(&self) -> Result<(), SettingError> {
         self.loop_job().check_control()
     }
 
     /// Warnings for a run: a force law for another material, an aim at a limit of size.
-    pub fn cautions(&self) -> Vec<String> {
+    pub(crate) fn cautions(&self) -> Vec<String> {
         let model =
             self.control.controller == ControllerName::Model && self.control.model.coefficient_n.is_none();
         let force =
@@ -184,7 +184,7 @@ impl Job {
     ///
     /// # Errors
     /// The first setting that is refused.
-    pub fn check(&self) -> Result<(), SettingError> {
+    pub(crate) fn check(&self) -> Result<(), SettingError> {
         let in_loop = self.loop_job();
         in_loop.check_passes()?;
         self.setup_settings().check().map_err(from_render)?;
@@ -198,7 +198,7 @@ impl Job {
     ///
     /// # Errors
     /// Names the key and what would be enough.
-    pub fn check_coverage(&self) -> Result<(), SettingError> {
+    pub(crate) fn check_coverage(&self) -> Result<(), SettingError> {
         if let Some(key) = self.shaft.finished_key() {
             return Err(SettingError::at(
                 key,

@@ -21,7 +21,7 @@ pub fn known_conditions(calibration: Option<&Calibration>) -> Conditions {
 ///
 /// # Errors
 /// Names the first condition out of its range.
-pub fn conditions(
+pub(crate) fn conditions(
     calibration: Option<&Calibration>,
     given: Option<&GivenConditions>,
     part_temperature_c: Option<f64>,
@@ -36,7 +36,7 @@ pub fn conditions(
 }
 
 /// The edge-spread function: the one stated, otherwise the masters', otherwise the Gaussian.
-pub fn edge_model(stated: Option<EsfModel>, calibration: Option<&Calibration>) -> EsfModel {
+pub(crate) fn edge_model(stated: Option<EsfModel>, calibration: Option<&Calibration>) -> EsfModel {
     stated.or_else(|| calibration.and_then(Calibration::edge_model)).unwrap_or_default()
 }
 
@@ -45,7 +45,7 @@ impl Gauge {
     ///
     /// # Errors
     /// A setting out of its range; an edge-spread function that is not the masters'.
-    pub fn calibrated(
+    pub(crate) fn calibrated(
         settings: GaugeSettings,
         calibration: Option<&Calibration>,
     ) -> Result<Self, MeasureError> {

@@ -14,7 +14,7 @@ pub struct Flags {
 
 impl Flags {
     /// Counts so many more columns with a reason.
-    pub fn add(&mut self, reason: Reason, columns: usize) {
+    pub(crate) fn add(&mut self, reason: Reason, columns: usize) {
         let place = self.counts.binary_search_by(|(known, _)| known.as_str().cmp(reason.as_str()));
         match place {
             Ok(at) => self.counts[at].1 += columns,
@@ -28,7 +28,7 @@ impl Flags {
     }
 
     /// Reasons with their columns.
-    pub fn iter(&self) -> impl Iterator<Item = (Reason, usize)> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (Reason, usize)> {
         self.counts.iter().copied()
     }
 

@@ -28,7 +28,7 @@ impl Verdict {
     }
 
     /// Whether nothing was to be judged.
-    pub fn is_absent(&self) -> bool {
+    pub(crate) fn is_absent(&self) -> bool {
         *self == Self::NotJudged
     }
 }

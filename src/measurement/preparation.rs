@@ -10,7 +10,7 @@ use crate::gauge::sensor::ShaftRuns;
 ///
 /// # Errors
 /// Another size than the calibration's.
-pub fn prepared(
+pub(crate) fn prepared(
     name: &str,
     frame: Frame,
     calibration: Option<&Calibration>,

@@ -87,7 +87,7 @@ impl MeasureSettings {
     ///
     /// # Errors
     /// Names the first setting out of its range.
-    pub fn validate(&self) -> Result<(), MeasureError> {
+    pub(crate) fn validate(&self) -> Result<(), MeasureError> {
         let given = [
             ("measure.stretch_mm", self.stretch_mm),
             ("measure.station_mm", self.station_mm),
@@ -102,7 +102,7 @@ impl MeasureSettings {
     }
 
     /// The first setting given that needs millimetres.
-    pub fn needs_scale(&self) -> Option<&'static str> {
+    pub(crate) fn needs_scale(&self) -> Option<&'static str> {
         [
             (self.tolerance.is_some(), "tolerance"),
             (self.station_mm.is_some(), "station_mm"),
@@ -116,7 +116,7 @@ impl MeasureSettings {
     }
 
     /// Least width of a stretch that counts for the largest diameter, columns.
-    pub fn least_stretch(&self, calibration: Option<&Calibration>) -> usize {
+    pub(crate) fn least_stretch(&self, calibration: Option<&Calibration>) -> usize {
         let columns = self.stretch_mm.zip(calibration).map(|(mm, c)| (mm / c.scale_mm_per_px).ceil());
         match (self.stretch_columns, columns) {
             (Some(columns), _) => usize::from(columns),

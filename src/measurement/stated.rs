@@ -5,7 +5,11 @@ use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::calibration::Conditions;
 
 /// The budget of a reading, with a row for scale and edge offset without an uncertainty.
-pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditions: &Conditions) -> Budget {
+pub(crate) fn stated_budget(
+    reading: &WidthReading,
+    calibration: &Calibration,
+    conditions: &Conditions,
+) -> Budget {
     let mut budget = reading.budget(calibration, conditions);
     if is_uncalibrated(calibration) {
         // Without masters the part's edges and temperature have no reference: U is the image's

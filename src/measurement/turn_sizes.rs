@@ -45,7 +45,7 @@ pub struct JudgedSize {
 
 impl TurnJudged {
     /// The judgement; a size that was not measured is not proven small enough.
-    pub fn judgement(&self) -> Judgement {
+    pub(crate) fn judgement(&self) -> Judgement {
         self.size.as_ref().map_or(Judgement::HI, |size| size.judgement)
     }
 }

@@ -45,7 +45,7 @@ pub enum Warning {
 
 impl Warning {
     /// Whether it is about the image, not about the diameter in millimetres.
-    pub fn is_of_image(&self) -> bool {
+    pub(crate) fn is_of_image(&self) -> bool {
         !matches!(self, Self::Blur(_) | Self::NoNumber)
     }
 

@@ -24,10 +24,10 @@ const ORIENT_LIMIT_S: f64 = 10.0;
 
 impl Dialect {
     /// All dialects.
-    pub const ALL: [Self; 3] = [Self::Fanuc, Self::Linuxcnc, Self::Gsk];
+    pub(crate) const ALL: [Self; 3] = [Self::Fanuc, Self::Linuxcnc, Self::Gsk];
 
     /// The word used on the command line.
-    pub fn as_str(self) -> &'static str {
+    pub(crate) fn as_str(self) -> &'static str {
         match self {
             Self::Fanuc => "fanuc",
             Self::Linuxcnc => "linuxcnc",
@@ -36,7 +36,7 @@ impl Dialect {
     }
 
     /// Least increment of X as a diameter, mm, and its decimals: what a number is rounded to.
-    pub fn x_decimals(self) -> usize {
+    pub(crate) fn x_decimals(self) -> usize {
         match self {
             // IS-B, the usual increment system; 980TDi in its .001 mm setting
             Self::Fanuc | Self::Gsk => 3,
@@ -45,16 +45,8 @@ impl Dialect {
     }
 
     /// Whether a program can write the wear register.
-    pub fn has_wear_register(self) -> bool {
+    pub(crate) fn has_wear_register(self) -> bool {
         self == Self::Fanuc
-    }
-
-    /// Suffix of the file.
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Linuxcnc => "ngc",
-            Self::Fanuc | Self::Gsk => "nc",
-        }
     }
 
     pub(super) fn comment(self, text: &str) -> String {

@@ -5,7 +5,7 @@ use crate::setting::SettingError;
 /// A program that cannot be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum NcError {
+pub(crate) enum NcError {
     /// A value of the `[nc]` table is out of its range.
     #[error(transparent)]
     Setting(#[from] SettingError),

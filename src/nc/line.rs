@@ -4,7 +4,7 @@ use crate::numerics::line::Line;
 
 /// A fitted line.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct LineFit {
+pub(crate) struct LineFit {
     /// Slope b (eq. 5), in the unit of ε.
     pub b: f64,
     /// Intercept a (eq. 6), in the unit of ε.
@@ -15,7 +15,7 @@ pub struct LineFit {
 
 /// b = Σ(x − x̄)(ε − ε̄)/Σ(x − x̄)², a = ε̄ − b·x̄; `None` for fewer than two different x or
 /// lengths that differ.
-pub fn fit_line(x: &[f64], error: &[f64]) -> Option<LineFit> {
+pub(crate) fn fit_line(x: &[f64], error: &[f64]) -> Option<LineFit> {
     if x.len() != error.len() || x.len() < 2 {
         return None;
     }

@@ -12,7 +12,7 @@ use crate::setting::{SettingError, require};
 
 /// The way the tool travels while it cuts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Direction {
+pub(crate) enum Direction {
     /// From the tailstock to the chuck.
     #[default]
     TowardsChuck,

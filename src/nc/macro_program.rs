@@ -32,7 +32,7 @@ const COEFFICIENT_DECIMALS: usize = 6;
 
 /// A finishing pass by macro variables.
 #[derive(Clone, Debug)]
-pub struct MacroProgram<'a> {
+pub(crate) struct MacroProgram<'a> {
     /// #802 and #803, in `unit_mm`.
     pub line: LineFit,
     /// Unit of b and a, mm: .01 fits the paper's experiment.
@@ -53,7 +53,7 @@ pub struct MacroProgram<'a> {
 
 /// Values of the variables at the end of the program.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct MacroValues {
+pub(crate) struct MacroValues {
     /// #804, in the unit of the fit.
     pub v804: f64,
     /// #805, in the unit of the fit.
@@ -68,7 +68,7 @@ pub struct MacroValues {
 
 impl MacroProgram<'_> {
     /// Equations 9, 10, 7, 8, in this order.
-    pub fn values(&self) -> MacroValues {
+    pub(crate) fn values(&self) -> MacroValues {
         let v804 = self.line.b * X_START + self.line.a;
         let v805 = self.line.b + self.line.a;
         let (start, end) = self.diameter_mm;
@@ -90,7 +90,7 @@ impl MacroProgram<'_> {
     /// # Errors
     /// Settings out of range, a cone beyond the correction limit, machine data that are missing, a
     /// block that collides.
-    pub fn write(&self, dialect: Dialect) -> Result<Written<MacroValues>, NcError> {
+    pub(crate) fn write(&self, dialect: Dialect) -> Result<Written<MacroValues>, NcError> {
         let (s, v) = (self.settings, self.values());
         s.validate()?;
         let nominal = self.diameter_mm.0.max(self.diameter_mm.1);

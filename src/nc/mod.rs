@@ -34,7 +34,7 @@ mod probe;
 mod probe_settings;
 mod probing_program;
 mod qualification;
-pub mod replay;
+pub(crate) mod replay;
 mod route;
 mod settings;
 mod skeleton;
@@ -42,18 +42,23 @@ mod stated;
 mod surroundings;
 mod turning;
 
-pub use dialect::Dialect;
-pub use error::NcError;
-pub use line::{LineFit, fit_line};
-pub use machine::{
-    Centre, ChangePosition, Chuck, Direction, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation,
-    Tailstock, Travel, WearX,
+pub(crate) use dialect::Dialect;
+pub(crate) use error::NcError;
+pub(crate) use line::{LineFit, fit_line};
+pub(crate) use machine::Direction;
+#[cfg(test)]
+pub(crate) use machine::{
+    Centre, ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation, Tailstock,
+    Travel, WearX,
 };
-pub use macro_program::{MacroProgram, MacroValues};
-pub use path::{Path, dry_run};
-pub use probe_settings::{NcProbe, ProbeReference};
-pub use probing_program::ProbingProgram;
-pub use qualification::{Qualification, Qualified};
-pub use route::Workpiece;
-pub use settings::{NcSettings, Remeasure};
-pub use turning::{TurningProgram, Written};
+pub(crate) use macro_program::{MacroProgram, MacroValues};
+pub(crate) use path::{Path, dry_run};
+#[cfg(test)]
+pub(crate) use probe_settings::{NcProbe, ProbeReference};
+pub(crate) use probing_program::ProbingProgram;
+pub(crate) use qualification::Qualification;
+pub(crate) use route::Workpiece;
+pub(crate) use settings::NcSettings;
+#[cfg(test)]
+pub(crate) use settings::Remeasure;
+pub(crate) use turning::{TurningProgram, Written};

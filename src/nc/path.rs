@@ -9,7 +9,7 @@ use crate::plan::{DiameterOffset, PassPlan};
 
 /// A path over the stations; beyond the outer ones programs continue level to the ends of the cut.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Path {
+pub(crate) struct Path {
     /// (Z, X) of every knot from the tailstock to the chuck, as they stand in the program, mm.
     pub knots: Vec<(f64, f64)>,
     /// Value that the wear register adds to X, mm of diameter (−ō, rounded; 0 without a register).
@@ -23,7 +23,7 @@ impl Path {
     ///
     /// # Errors
     /// Offsets for other stations, too large ones, or a path that leaves its range.
-    pub fn new(plan: &PassPlan, settings: &NcSettings, dialect: Dialect) -> Result<Self, NcError> {
+    pub(crate) fn new(plan: &PassPlan, settings: &NcSettings, dialect: Dialect) -> Result<Self, NcError> {
         settings.validate()?;
         check(plan, settings)?;
         let decimals = dialect.x_decimals();
@@ -53,7 +53,7 @@ impl Path {
     }
 
     /// Largest difference between the offsets in force and those requested, mm of diameter.
-    pub fn largest_departure(&self, plan: &PassPlan) -> f64 {
+    pub(crate) fn largest_departure(&self, plan: &PassPlan) -> f64 {
         let differences = self.in_force.o_mm.iter().zip(&plan.offset.o_mm).map(|(a, b)| (a - b).abs());
         differences.fold(0.0, f64::max)
     }
@@ -140,7 +140,7 @@ fn in_force(plan: &PassPlan, knots: &[(f64, f64)], wear: f64) -> DiameterOffset 
 }
 
 /// The list of a dry run: every station's old and new offset, and the reason.
-pub fn dry_run(old: &DiameterOffset, plan: &PassPlan, path: &Path, reason: &str) -> String {
+pub(crate) fn dry_run(old: &DiameterOffset, plan: &PassPlan, path: &Path, reason: &str) -> String {
     let mut text = format!(
         "pass {}: {} knots, wear register {:+.4} mm, largest departure from the offsets asked for {:.5} mm\n\
          reason: {reason}\n       z/mm     old/mm   asked/mm  program/mm  commanded/mm\n",

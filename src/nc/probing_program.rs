@@ -33,7 +33,7 @@ const SHARE_DECIMALS: usize = 9;
 
 /// A finishing pass that measures its own correction.
 #[derive(Clone, Debug)]
-pub struct ProbingProgram<'a> {
+pub(crate) struct ProbingProgram<'a> {
     /// Diameter to be cut, mm.
     pub nominal_mm: f64,
     /// The part before the pass; its free end lies at Z = length.
@@ -61,7 +61,7 @@ impl ProbingProgram<'_> {
     /// # Errors
     /// No probe in the settings, machine data that are missing, places that cannot be touched, a
     /// block that collides.
-    pub fn write(&self, dialect: Dialect) -> Result<Written<Vec<f64>>, NcError> {
+    pub(crate) fn write(&self, dialect: Dialect) -> Result<Written<Vec<f64>>, NcError> {
         let (skeleton, probe) = self.prepare(dialect)?;
         let places = skeleton.places(&probe)?;
         let text = self.text(&skeleton, &probe, &places)?;
@@ -74,7 +74,8 @@ impl ProbingProgram<'_> {
     ///
     /// # Errors
     /// As [`Self::write`], but for the replay.
-    pub fn working_space(
+    #[cfg(test)]
+    pub(crate) fn working_space(
         &self,
         dialect: Dialect,
         before: Vec<(f64, f64)>,

@@ -41,7 +41,7 @@ const TITLE: &str = "PROBE QUALIFICATION";
 
 /// A qualification of the machine's probe.
 #[derive(Clone, Debug)]
-pub struct Qualification<'a> {
+pub(crate) struct Qualification<'a> {
     settings: &'a NcSettings,
     piece: Workpiece,
     probe: NcProbe,
@@ -50,7 +50,7 @@ pub struct Qualification<'a> {
 
 /// Where a qualification touches.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Qualified {
+pub(crate) struct Qualified {
     /// Z of the touches, mm.
     pub z_mm: f64,
     /// Touches altogether.
@@ -62,7 +62,7 @@ impl<'a> Qualification<'a> {
     ///
     /// # Errors
     /// Without the data of a probe or of its reference, or where they are out of range.
-    pub fn new(settings: &'a NcSettings) -> Result<Self, NcError> {
+    pub(crate) fn new(settings: &'a NcSettings) -> Result<Self, NcError> {
         settings.validate()?;
         let Some((probe, reference)) = settings.probe.and_then(|p| Some((p, p.reference?))) else {
             return Err(NcError::Plan(
@@ -80,7 +80,7 @@ impl<'a> Qualification<'a> {
     ///
     /// # Errors
     /// Machine data that are missing, a place that cannot be touched, a block that collides.
-    pub fn write(&self, dialect: Dialect) -> Result<Written<Qualified>, NcError> {
+    pub(crate) fn write(&self, dialect: Dialect) -> Result<Written<Qualified>, NcError> {
         let skeleton = self.skeleton(dialect)?;
         self.reaches()?;
         let text = self.text(&skeleton);
@@ -105,7 +105,12 @@ impl<'a> Qualification<'a> {
     ///
     /// # Errors
     /// As [`Self::write`], but for the replay.
-    pub fn working_space(&self, dialect: Dialect, surface: Surface) -> Result<WorkingSpace<'_>, NcError> {
+    #[cfg(test)]
+    pub(crate) fn working_space(
+        &self,
+        dialect: Dialect,
+        surface: Surface,
+    ) -> Result<WorkingSpace<'_>, NcError> {
         let skeleton = self.skeleton(dialect)?;
         Ok(self.working_space_of(&skeleton, surface))
     }

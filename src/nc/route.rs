@@ -32,7 +32,7 @@ const ROOM_AT_CHANGE_MM: f64 = 20.0;
 
 /// The part as it stands in the machine before the pass.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Workpiece {
+pub(crate) struct Workpiece {
     /// Length from the face that clamps it to its end face, mm.
     pub length_mm: f64,
     /// Diameter of the blank, mm, which remains where no pass cuts.
@@ -52,7 +52,7 @@ pub struct Workpiece {
 
 impl Workpiece {
     /// A part without steady rests, cut towards the chuck.
-    pub fn new(length_mm: f64, stock_mm: f64, before_mm: f64) -> Self {
+    pub(crate) fn new(length_mm: f64, stock_mm: f64, before_mm: f64) -> Self {
         Self {
             length_mm,
             stock_mm,

@@ -126,7 +126,7 @@ impl NcSettings {
     ///
     /// # Errors
     /// [`SettingError`] names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         let number = |key, value: u32, most: u32, right| {
             require((1..=most).contains(&value), key, f64::from(value), right)
         };

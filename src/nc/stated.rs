@@ -11,7 +11,7 @@ impl NcSettings {
     ///
     /// # Errors
     /// [`NcError::Unstated`] names each key and where to look up its value.
-    pub fn check_stated(&self, dialect: Dialect) -> Result<(), NcError> {
+    pub(crate) fn check_stated(&self, dialect: Dialect) -> Result<(), NcError> {
         let missing: Vec<&str> = [
             self.wear_x.is_none().then(|| dialect.look_up_wear_x()),
             self.geometry_offset.is_none().then(|| dialect.look_up_geometry_offset()),
@@ -36,7 +36,7 @@ impl NcSettings {
 
     /// Whether the mean of a correction goes into the wear register: where the register can be
     /// written and its number does not also choose the geometry.
-    pub fn uses_wear_register(&self, dialect: Dialect) -> bool {
+    pub(crate) fn uses_wear_register(&self, dialect: Dialect) -> bool {
         dialect.has_wear_register() && self.geometry_offset != Some(GeometryOffset::ByOffset)
     }
 

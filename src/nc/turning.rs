@@ -16,7 +16,7 @@ const SAME_Z_MM: f64 = 1e-3;
 
 /// A pass to be written.
 #[derive(Clone, Copy, Debug)]
-pub struct TurningProgram<'a> {
+pub(crate) struct TurningProgram<'a> {
     /// The pass with the offsets asked for.
     pub plan: &'a PassPlan,
     /// Machine and path.
@@ -31,7 +31,7 @@ pub struct TurningProgram<'a> {
 
 /// A program that has passed its replay.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Written<P> {
+pub(crate) struct Written<P> {
     /// Its text.
     pub text: String,
     /// The cut.
@@ -46,7 +46,7 @@ impl<'a> TurningProgram<'a> {
     /// # Errors
     /// As [`Path::new`]; a part that does not fit the plan; machine data that are missing; a block
     /// that collides.
-    pub fn write(&self, dialect: Dialect) -> Result<Written<Path>, NcError> {
+    pub(crate) fn write(&self, dialect: Dialect) -> Result<Written<Path>, NcError> {
         let (path, skeleton) = self.prepare(dialect)?;
         let mut lines = self.head(&skeleton, &path);
         lines.extend(skeleton.once("PASS WAS CUT ALREADY"));
@@ -62,7 +62,8 @@ impl<'a> TurningProgram<'a> {
     ///
     /// # Errors
     /// As [`Self::write`], but for the replay.
-    pub fn working_space(&self, dialect: Dialect) -> Result<replay::WorkingSpace<'a>, NcError> {
+    #[cfg(test)]
+    pub(crate) fn working_space(&self, dialect: Dialect) -> Result<replay::WorkingSpace<'a>, NcError> {
         self.prepare(dialect).map(|(_, skeleton)| self.working_space_of(&skeleton))
     }
 

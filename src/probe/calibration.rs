@@ -24,7 +24,7 @@ pub enum CalibrationError {
 
 /// Touches of a master, and its certificate.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MasterTouches {
+pub(crate) struct MasterTouches {
     /// Certified diameter at 20 °C, mm.
     pub diameter_mm: f64,
     /// Standard uncertainty of it, mm.
@@ -54,7 +54,7 @@ pub struct ProbeCalibration {
 ///
 /// # Errors
 /// No master, or one that was not touched.
-pub fn calibrate(
+pub(crate) fn calibrate(
     settings: &ProbeSettings,
     masters: &[MasterTouches],
 ) -> Result<ProbeCalibration, CalibrationError> {
@@ -91,7 +91,7 @@ pub fn calibrate(
 
 impl ProbeSettings {
     /// Variance of one touch by repeatability and by the increment of the control, mm² (radius).
-    pub fn touch_variance_mm2(&self) -> f64 {
+    pub(crate) fn touch_variance_mm2(&self) -> f64 {
         // a rectangle as wide as the increment (GUM F.2.2.1)
         1e-6 * (self.repeatability_um.powi(2) + self.resolution_um.powi(2) / 12.0)
     }

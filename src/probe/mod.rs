@@ -17,13 +17,17 @@
 
 mod calibration;
 mod pairs;
-pub mod pretravel;
+pub(crate) mod pretravel;
 mod profile;
 mod settings;
 mod touch;
 
-pub use calibration::{CalibrationError, MasterTouches, ProbeCalibration, calibrate};
-pub use pairs::{Pair, orders, pairs};
-pub use profile::{common_parts, corrected, of_master, profile};
-pub use settings::{ProbeSettings, ProbeTemperature, Sides, Stylus};
-pub use touch::{Side, Touch, TouchOrder};
+pub(crate) use calibration::{CalibrationError, MasterTouches, ProbeCalibration, calibrate};
+pub(crate) use pairs::{orders, pairs};
+pub(crate) use profile::{common_parts, corrected, of_master, profile};
+pub use settings::ProbeSettings;
+#[cfg(test)]
+pub(crate) use settings::{ProbeTemperature, Sides, Stylus};
+#[cfg(test)]
+pub(crate) use touch::Side;
+pub use touch::{Touch, TouchOrder};

@@ -5,7 +5,7 @@ use super::touch::{Side, Touch, TouchOrder};
 
 /// Both touches of a two-point diameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub(crate) struct Pair {
     /// Place, mm.
     pub z_mm: f64,
     /// Spindle angle of the first touch, degrees.
@@ -20,7 +20,12 @@ pub struct Pair {
 }
 
 /// Touches of `count` two-point diameters at every place, pair after pair.
-pub fn orders(settings: &ProbeSettings, z_mm: &[f64], count: usize, expected_mm: f64) -> Vec<TouchOrder> {
+pub(crate) fn orders(
+    settings: &ProbeSettings,
+    z_mm: &[f64],
+    count: usize,
+    expected_mm: f64,
+) -> Vec<TouchOrder> {
     let one = |z_mm: f64, i: usize| {
         let angle_deg = 180.0 * i as f64 / count.max(1) as f64;
         let first = TouchOrder { z_mm, angle_deg, side: Side::Carrier, expected_mm };
@@ -34,7 +39,7 @@ pub fn orders(settings: &ProbeSettings, z_mm: &[f64], count: usize, expected_mm:
 }
 
 /// Touches in the order of [`orders`] as two-point diameters.
-pub fn pairs(touches: &[Touch]) -> Vec<Pair> {
+pub(crate) fn pairs(touches: &[Touch]) -> Vec<Pair> {
     let out = |t: &Touch| t.x_mm.map(|x| t.order.side.sign() * x);
     touches
         .chunks_exact(2)

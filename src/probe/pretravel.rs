@@ -18,7 +18,7 @@ use super::settings::{ProbeSettings, Stylus};
 
 /// Force and pre-travel of a probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pretravel {
+pub(crate) struct Pretravel {
     spring_n: f64,
     /// 2L/r.
     lever: f64,
@@ -31,7 +31,7 @@ pub struct Pretravel {
 
 impl Pretravel {
     /// The model of these settings.
-    pub fn new(s: &ProbeSettings) -> Self {
+    pub(crate) fn new(s: &ProbeSettings) -> Self {
         let section = std::f64::consts::PI * s.stem_mm.powi(2) / 4.0;
         let inertia = std::f64::consts::PI * s.stem_mm.powi(4) / 64.0;
         Self {
@@ -54,7 +54,7 @@ impl Pretravel {
     }
 
     /// Force at the signal of a touch whose surface pushes along the unit vector `normal`, N.
-    pub fn force_n(&self, normal: [f64; 3]) -> f64 {
+    pub(crate) fn force_n(&self, normal: [f64; 3]) -> f64 {
         let (along, across) = self.shares(normal);
         let angle = across[1].atan2(across[0]) - self.lobe;
         let third = std::f64::consts::TAU / 3.0;
@@ -63,7 +63,7 @@ impl Pretravel {
     }
 
     /// Travel of the probe along `normal` from the touch to the signal, mm.
-    pub fn travel_mm(&self, normal: [f64; 3]) -> f64 {
+    pub(crate) fn travel_mm(&self, normal: [f64; 3]) -> f64 {
         let (along, across) = self.shares(normal);
         let square = across[0].powi(2) + across[1].powi(2);
         self.force_n(normal) * (square * self.across_mm_per_n + along * along * self.along_mm_per_n)

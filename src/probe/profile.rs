@@ -20,7 +20,7 @@ const MANY_FREEDOM: f64 = 1000.0;
 /// The scatter of a station's angles (form, texture, the touches themselves) is pooled over the
 /// stations and gives the random part; the contributions of calibration, temperature, height,
 /// yielding and, from one side, axis, guideway and drift are common.
-pub fn profile(
+pub(crate) fn profile(
     settings: &ProbeSettings,
     calibration: &ProbeCalibration,
     pairs: &[Pair],
@@ -76,14 +76,14 @@ fn yields_mm(settings: &ProbeSettings) -> f64 {
 }
 
 /// A two-point diameter, corrected and at 20 °C, mm; half of the largest yield is added.
-pub fn corrected(settings: &ProbeSettings, calibration: &ProbeCalibration, read_mm: f64) -> f64 {
+pub(crate) fn corrected(settings: &ProbeSettings, calibration: &ProbeCalibration, read_mm: f64) -> f64 {
     let t = &settings.temperature;
     let grown = 1.0 + 1e-6 * t.expansion_um_per_m_k * (t.part_c - 20.0);
     (read_mm - calibration.probe_correction_mm + 0.5 * yields_mm(settings)) / grown
 }
 
 /// A master's diameter, corrected and at 20 °C, mm.
-pub fn of_master(settings: &ProbeSettings, calibration: &ProbeCalibration, read_mm: f64) -> f64 {
+pub(crate) fn of_master(settings: &ProbeSettings, calibration: &ProbeCalibration, read_mm: f64) -> f64 {
     let t = &settings.temperature;
     let grown = 1.0 + 1e-6 * t.expansion_um_per_m_k * (t.master_c - 20.0);
     (read_mm - calibration.probe_correction_mm) / grown
@@ -96,7 +96,7 @@ fn u_common(settings: &ProbeSettings, calibration: &ProbeCalibration, d_mm: f64)
 
 /// Sources of the common uncertainty of a diameter near `d_mm`, each with its standard uncertainty,
 /// mm.
-pub fn common_parts(
+pub(crate) fn common_parts(
     settings: &ProbeSettings,
     calibration: &ProbeCalibration,
     d_mm: f64,

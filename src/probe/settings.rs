@@ -143,7 +143,7 @@ impl ProbeSettings {
     ///
     /// # Errors
     /// Names the key and what would be right.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         let two_at_tip = self.sides == Sides::Two && self.stylus == Stylus::AlongX;
         let right =
             "one with stylus = \"along_x\": its tip does not reach the far side; along_y or along_z does";

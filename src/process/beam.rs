@@ -23,7 +23,7 @@ use super::section::Section;
 /// One part of the shaft, from its support to the face at the tool. Rotations and moments are
 /// counted positive away from the support, so that left and right parts follow the same equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Part {
+pub(crate) enum Part {
     /// Supported by a force at the tip alone (centre in the tailstock): the face can rotate freely
     /// about the tip, and yields by `compliance_mm_per_n` under a force whose moment about the tip
     /// vanishes.
@@ -40,18 +40,18 @@ pub enum Part {
 impl Part {
     /// A clamped end that yields by `compliance_mm_per_n` and tilts by `tilt_per_n_mm`; zero for
     /// rigid.
-    pub fn clamped(compliance_mm_per_n: f64, tilt_per_n_mm: f64) -> Self {
+    pub(crate) fn clamped(compliance_mm_per_n: f64, tilt_per_n_mm: f64) -> Self {
         Self::Held(Matrix2::from_diagonal(&Vector2::new(compliance_mm_per_n, tilt_per_n_mm)))
     }
 
     /// An end on a centre that yields by `compliance_mm_per_n`; zero for rigid, infinite for a free
     /// end.
-    pub fn hinged(compliance_mm_per_n: f64) -> Self {
+    pub(crate) fn hinged(compliance_mm_per_n: f64) -> Self {
         Self::Hinged { compliance_mm_per_n, lever_mm: 0.0 }
     }
 
     /// Lengthens the part by an element of `length_mm`.
-    pub fn extend(&mut self, length_mm: f64, section: &Section) {
+    pub(crate) fn extend(&mut self, length_mm: f64, section: &Section) {
         let h = length_mm;
         match self {
             Self::Hinged { compliance_mm_per_n, lever_mm } => {
@@ -69,7 +69,7 @@ impl Part {
 
     /// Adds a radial support (a steady rest) at the face; `compliance_mm_per_n` is zero for a rigid
     /// one.
-    pub fn support(&mut self, compliance_mm_per_n: f64) {
+    pub(crate) fn support(&mut self, compliance_mm_per_n: f64) {
         let rest = compliance_mm_per_n;
         match *self {
             Self::Hinged { compliance_mm_per_n: c, lever_mm: b } => {
@@ -106,7 +106,7 @@ fn element_compliance(h: f64, section: &Section) -> Matrix2<f64> {
 }
 
 /// Radial deflection per newton, mm/N, of a load where the faces of `left` and `right` meet.
-pub fn compliance_at_joint(left: &Part, right: &Part) -> f64 {
+pub(crate) fn compliance_at_joint(left: &Part, right: &Part) -> f64 {
     match (left, right) {
         (Part::Held(held), &Part::Hinged { compliance_mm_per_n, lever_mm })
         | (&Part::Hinged { compliance_mm_per_n, lever_mm }, Part::Held(held)) => {
@@ -144,7 +144,7 @@ fn two_hinged(c: f64, a: f64, d: f64, b: f64) -> f64 {
 
 /// A steady rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SteadyRest {
+pub(crate) struct SteadyRest {
     /// Where it stands, mm.
     pub z_mm: f64,
     /// Radial compliance, mm/N; zero for a rigid one.
@@ -153,7 +153,7 @@ pub struct SteadyRest {
 
 /// Supports of a shaft in the machine.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Supports {
+pub(crate) struct Supports {
     /// The chuck's end, before the first element.
     pub chuck: Part,
     /// The tailstock's end, before the first element.
@@ -172,7 +172,8 @@ impl Supports {
 
 /// Radial deflection at the load per newton of load, mm/N, for a load at every node of a grid of
 /// equal elements: `sections.len() + 1` values from chuck to tailstock.
-pub fn travelling_load(step_mm: f64, sections: &[Section], supports: &Supports) -> Vec<f64> {
+#[cfg(test)]
+pub(crate) fn travelling_load(step_mm: f64, sections: &[Section], supports: &Supports) -> Vec<f64> {
     let lefts = left_parts(step_mm, sections, supports);
     let mut right = supports.tailstock;
     let mut compliance = vec![0.0; lefts.len()];

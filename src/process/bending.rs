@@ -82,20 +82,20 @@ impl BendingSettings {
     }
 
     /// Whether anything bends the axis once the tool is clear.
-    pub fn is_straight(&self) -> bool {
+    pub(crate) fn is_straight(&self) -> bool {
         let offsets = [self.tailstock_x_um, self.tailstock_y_um, self.chuck_eccentricity_um];
         !self.self_weight && !self.tailstock_push && offsets.iter().all(|o| *o == 0.0)
     }
 
     /// Direction from the spindle's axis to the tool, (x, y).
-    pub fn towards_tool(&self) -> [f64; 2] {
+    pub(crate) fn towards_tool(&self) -> [f64; 2] {
         direction(self.tool_deg)
     }
 
     /// The cutting force on the shaft in the image plane and towards the camera, N: the radial part
     /// away from the tool, the tangential one against the surface's motion under it (ISO 3002-4;
     /// the spindle turns from x towards y).
-    pub fn force_n(&self, force: &Components) -> [f64; 2] {
+    pub(crate) fn force_n(&self, force: &Components) -> [f64; 2] {
         let [x, y] = self.towards_tool();
         [-force.passive_n * x + force.cutting_n * y, -force.passive_n * y - force.cutting_n * x]
     }
@@ -111,14 +111,14 @@ fn direction(deg: f64) -> [f64; 2] {
 }
 
 /// Weight of a solid round bar per unit length, N/mm.
-pub fn weight_n_per_mm(diameter_mm: f64, material: &Material) -> f64 {
+pub(crate) fn weight_n_per_mm(diameter_mm: f64, material: &Material) -> f64 {
     let area_mm2 = std::f64::consts::FRAC_PI_4 * diameter_mm * diameter_mm;
     1e-9 * material.density_kg_per_m3 * area_mm2 * GRAVITY_M_PER_S2
 }
 
 /// A shaft in its supports: diameters of elements of equal length from chuck to tailstock.
 #[derive(Clone, Debug)]
-pub struct HeldShaft<'a> {
+pub(crate) struct HeldShaft<'a> {
     /// Length of an element, mm.
     pub step_mm: f64,
     /// Diameter of every element, mm.
@@ -135,7 +135,7 @@ pub struct HeldShaft<'a> {
 
 /// A cutting force and the place where it acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ForceAt {
+pub(crate) struct ForceAt {
     /// Machine z of the tool, mm.
     pub z_mm: f64,
     /// Components, N.
@@ -158,7 +158,7 @@ impl HeldShaft<'_> {
 
     /// The axis at every node in the machine's frame, mm along x and y: weight, tailstock and, with
     /// a `force`, the tool. `None` where the thrust buckles the shaft.
-    pub fn still_mm(&self, force: Option<&ForceAt>) -> Option<Vec<AxisKnot>> {
+    pub(crate) fn still_mm(&self, force: Option<&ForceAt>) -> Option<Vec<AxisKnot>> {
         let pull = force.map_or([0.0; 2], |f| self.bending.force_n(&f.force));
         let offset = [self.bending.tailstock_x_um, self.bending.tailstock_y_um];
         let gravity = self.bending.gravity();
@@ -177,7 +177,7 @@ impl HeldShaft<'_> {
 
     /// The axis at every node in the body's frame, mm: the chuck's eccentricity, and the thrust on
     /// a `bow`; the bow itself is not in it.
-    pub fn turning_mm(&self, bow: &[AxisKnot]) -> Option<Vec<AxisKnot>> {
+    pub(crate) fn turning_mm(&self, bow: &[AxisKnot]) -> Option<Vec<AxisKnot>> {
         let held = direction(self.bending.chuck_eccentricity_deg);
         let thrust_n = self.thrust();
         let plane = |axis: usize| {
@@ -242,7 +242,7 @@ fn thrust_on_bow(bow: &[AxisKnot], offset: impl Fn(&AxisKnot) -> f64, thrust_n: 
 }
 
 /// The sum of two lines of an axis at the z values of both; an empty line is straight.
-pub fn sum_of_lines(a: &[AxisKnot], b: &[AxisKnot]) -> Vec<AxisKnot> {
+pub(crate) fn sum_of_lines(a: &[AxisKnot], b: &[AxisKnot]) -> Vec<AxisKnot> {
     if a.is_empty() || b.is_empty() {
         return [a, b].concat();
     }
@@ -257,7 +257,7 @@ pub fn sum_of_lines(a: &[AxisKnot], b: &[AxisKnot]) -> Vec<AxisKnot> {
 }
 
 /// A line at z, mm along x and y: linear between its knots, constant beyond; zero without knots.
-pub fn axis_at(knots: &[AxisKnot], z_mm: f64) -> [f64; 2] {
+pub(crate) fn axis_at(knots: &[AxisKnot], z_mm: f64) -> [f64; 2] {
     match neighbours(knots, |k| k.z_mm <= z_mm) {
         (Some(a), Some(b)) => {
             let share = (z_mm - a.z_mm) / (b.z_mm - a.z_mm);

@@ -26,7 +26,7 @@ pub struct GuidewayPoint {
 
 impl GuidewayPoint {
     /// Displacement at `z_mm` away from the workpiece, mm (radial); zero without points.
-    pub fn away_mm(points: &[Self], z_mm: f64) -> f64 {
+    pub(crate) fn away_mm(points: &[Self], z_mm: f64) -> f64 {
         let pair = neighbours(points, |p| p.z_mm < z_mm);
         linear_between(pair, z_mm, |p| (p.z_mm, p.away_um)).unwrap_or(0.0) * 1e-3
     }

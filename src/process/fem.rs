@@ -108,7 +108,7 @@ impl System {
 /// Radial deflection in mm of every node (`sections.len() + 1` of them, `step_mm` apart) under
 /// forces in N at nodes. `None` where the supports leave the shaft free to move, or a force does
 /// not act at a node.
-pub fn deflection_line_mm(
+pub(crate) fn deflection_line_mm(
     step_mm: f64,
     sections: &[Section],
     supports: &Supports,

@@ -17,7 +17,7 @@ use crate::plan::CuttingData;
 
 /// One measured force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ForcePoint {
+pub(crate) struct ForcePoint {
     /// Depth of cut, mm.
     pub depth_mm: f64,
     /// Cutting speed, m/min.
@@ -30,7 +30,7 @@ pub struct ForcePoint {
 
 impl ForcePoint {
     /// Feed and speed of the point.
-    pub fn cutting(&self) -> CuttingData {
+    pub(crate) fn cutting(&self) -> CuttingData {
         CuttingData { speed_m_per_min: self.speed_m_per_min, feed_mm_per_rev: self.feed_mm_per_rev }
     }
 }
@@ -38,7 +38,7 @@ impl ForcePoint {
 /// Why forces cannot be read or fitted.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum FitError {
+pub(crate) enum FitError {
     /// The table cannot be read.
     #[error(
         "forces: {0}; the columns must be depth_mm, speed_m_per_min, feed_mm_per_rev, force_n with a header line"
@@ -71,7 +71,7 @@ pub enum FitError {
 ///
 /// # Errors
 /// A table that cannot be parsed, or a value that is not above zero.
-pub fn read_forces(from: impl Read) -> Result<Vec<ForcePoint>, FitError> {
+pub(crate) fn read_forces(from: impl Read) -> Result<Vec<ForcePoint>, FitError> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(from);
     let points: Vec<ForcePoint> = reader.deserialize().collect::<Result<_, _>>()?;
     for (index, p) in points.iter().enumerate() {
@@ -90,7 +90,7 @@ pub fn read_forces(from: impl Read) -> Result<Vec<ForcePoint>, FitError> {
 
 /// An estimated or given constant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Estimate {
+pub(crate) struct Estimate {
     /// Name as in the config.
     pub name: &'static str,
     /// Value.
@@ -101,7 +101,7 @@ pub struct Estimate {
 
 /// A fitted power law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PowerFit {
+pub(crate) struct PowerFit {
     /// The law, with the range of the data as its range of validity.
     pub law: PowerLaw,
     /// C, x, y, z with their intervals.
@@ -118,7 +118,11 @@ pub struct PowerFit {
 ///
 /// # Errors
 /// Too few points, or factors that cannot be separated.
-pub fn fit_power_law(points: &[ForcePoint], given: &PowerLaw, confidence: f64) -> Result<PowerFit, FitError> {
+pub(crate) fn fit_power_law(
+    points: &[ForcePoint],
+    given: &PowerLaw,
+    confidence: f64,
+) -> Result<PowerFit, FitError> {
     let factors: [fn(&ForcePoint) -> f64; 3] =
         [|p| p.depth_mm.ln(), |p| p.feed_mm_per_rev.ln(), |p| p.speed_m_per_min.ln()];
     let exponents = [given.depth_exponent, given.feed_exponent, given.speed_exponent];

@@ -14,7 +14,7 @@ use crate::setting::SettingError;
 
 /// The material of Tables 1 and 2 of the slender-shaft paper, by its name in the table of
 /// materials.
-pub const FITTED_TO: &str = "C45";
+pub(crate) const FITTED_TO: &str = "C45";
 
 /// The force law, `[process.force.power]` or `[process.force.kienzle]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -55,10 +55,10 @@ impl Default for FittedRange {
 
 impl FittedRange {
     /// Table 1 of the slender-shaft paper alone: one feed, one speed.
-    pub const TABLE_1: Self =
+    pub(crate) const TABLE_1: Self =
         Self { depth_mm: [0.10, 0.38], feed_mm_per_rev: [0.10, 0.10], speed_m_per_min: [40.0, 40.0] };
     /// Table 2 alone: one depth, one feed.
-    pub const TABLE_2: Self =
+    pub(crate) const TABLE_2: Self =
         Self { depth_mm: [0.20, 0.20], feed_mm_per_rev: [0.10, 0.10], speed_m_per_min: [30.0, 100.0] };
 }
 
@@ -105,7 +105,7 @@ impl Default for PowerLaw {
 
 /// A force law at given feed, speed and tool: a function of the depth alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DepthLaw {
+pub(crate) struct DepthLaw {
     shape: Shape,
     /// Factor on every component: scatter of the material, wear.
     factor: f64,
@@ -120,12 +120,12 @@ enum Shape {
 impl DepthLaw {
     /// The same law with every force multiplied.
     #[must_use]
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         Self { factor: self.factor * factor, ..self }
     }
 
     /// Radial force in N at a depth in mm; zero without contact.
-    pub fn force_n(&self, depth_mm: f64) -> f64 {
+    pub(crate) fn force_n(&self, depth_mm: f64) -> f64 {
         let plain = match &self.shape {
             _ if depth_mm <= 0.0 => 0.0,
             Shape::Power { at_one_mm_n, exponent, .. } => at_one_mm_n * depth_mm.powf(*exponent),
@@ -135,7 +135,7 @@ impl DepthLaw {
     }
 
     /// Slope of the radial force, N/mm, at a depth above zero.
-    pub fn slope_n_per_mm(&self, depth_mm: f64) -> f64 {
+    pub(crate) fn slope_n_per_mm(&self, depth_mm: f64) -> f64 {
         match &self.shape {
             Shape::Power { exponent, .. } => exponent * self.force_n(depth_mm) / depth_mm,
             Shape::Edge(edge) => self.factor * edge.passive_slope_n_per_mm(depth_mm),
@@ -143,7 +143,7 @@ impl DepthLaw {
     }
 
     /// All three components in N at a depth in mm.
-    pub fn components(&self, depth_mm: f64) -> Components {
+    pub(crate) fn components(&self, depth_mm: f64) -> Components {
         match &self.shape {
             Shape::Power { cutting_ratio, feed_ratio, .. } => {
                 let passive_n = self.force_n(depth_mm);
@@ -163,7 +163,7 @@ impl DepthLaw {
     /// The actual depth of cut a, mm, where the tool is set a₀ = `set_mm` deep and the shaft has
     /// the compliance w = `compliance_mm_per_n`: the root of a + w·F(a) = a₀. Newton's method kept
     /// inside its bracket, to 1e-13 mm or the resolution of a double.
-    pub fn depth_mm(&self, set_mm: f64, compliance_mm_per_n: f64) -> f64 {
+    pub(crate) fn depth_mm(&self, set_mm: f64, compliance_mm_per_n: f64) -> f64 {
         if set_mm <= 0.0 {
             return 0.0;
         }
@@ -185,29 +185,29 @@ impl DepthLaw {
 
 impl PowerLaw {
     /// Table 1 of the slender-shaft paper: the depth series, over its own range.
-    pub fn table_1() -> Self {
+    pub(crate) fn table_1() -> Self {
         Self { fitted: FittedRange::TABLE_1, ..Self::default() }
     }
 
     /// Table 2 of the slender-shaft paper: the speed series at one depth, whose forces are 9.14
     /// times smaller than Table 1's at the same cutting data. C is the geometric mean over its rows
     /// with z = -0.3 and a handbook's x.
-    pub fn table_2() -> Self {
+    pub(crate) fn table_2() -> Self {
         Self { coefficient_n: 521.2, depth_exponent: 0.9, fitted: FittedRange::TABLE_2, ..Self::default() }
     }
 
     /// Radial force, N, at a depth in mm.
-    pub fn force_n(&self, depth_mm: f64, cutting: &CuttingData) -> f64 {
+    pub(crate) fn force_n(&self, depth_mm: f64, cutting: &CuttingData) -> f64 {
         self.at(cutting).force_n(depth_mm)
     }
 
     /// The law at the given cutting data, with the tool that it was fitted to.
-    pub fn at(&self, cutting: &CuttingData) -> DepthLaw {
+    pub(crate) fn at(&self, cutting: &CuttingData) -> DepthLaw {
         self.with_factors(cutting, &ToolFactors::ONE)
     }
 
     /// The law at the given cutting data, with another tool.
-    pub fn with_tool(&self, cutting: &CuttingData, tool: &ToolSettings) -> DepthLaw {
+    pub(crate) fn with_tool(&self, cutting: &CuttingData, tool: &ToolSettings) -> DepthLaw {
         self.with_factors(cutting, &ToolFactors::of(tool).over(&ToolFactors::of(&self.fitted_tool)))
     }
 
@@ -248,7 +248,7 @@ impl PowerLaw {
 impl ForceLaw {
     /// The law at the given cutting data, tool and material. Without any data for the material the
     /// force is zero; [`super::ProcessSettings::validate`] refuses that.
-    pub fn at(&self, cutting: &CuttingData, tool: &ToolSettings, material: &Material) -> DepthLaw {
+    pub(crate) fn at(&self, cutting: &CuttingData, tool: &ToolSettings, material: &Material) -> DepthLaw {
         match self {
             Self::Power(law) => law.with_tool(cutting, tool),
             Self::Kienzle(law) => match law.at(cutting.feed_mm_per_rev, tool, material) {
@@ -261,7 +261,7 @@ impl ForceLaw {
     /// A note where the law was fitted to another material than the one cut: Table 1 is for 45
     /// steel, and its numbers do not follow `process.material`; a coefficient set in the config is
     /// assumed to belong to the material set there.
-    pub fn of_another_material(&self, material: &Material) -> Option<String> {
+    pub(crate) fn of_another_material(&self, material: &Material) -> Option<String> {
         let table_1 =
             matches!(self, Self::Power(law) if law.coefficient_n == PowerLaw::table_1().coefficient_n);
         (table_1 && material.name != FITTED_TO).then(|| {
@@ -275,7 +275,7 @@ impl ForceLaw {
 
     /// What lies outside the range of the data behind the law, in words; empty inside it.
     /// `depth_mm` from and to.
-    pub fn extrapolation(
+    pub(crate) fn extrapolation(
         &self,
         cutting: &CuttingData,
         depth_mm: [f64; 2],

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// The three components of the cutting force (ISO 3002-4), N.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Components {
+pub(crate) struct Components {
     /// F_c, tangential, along the cutting speed.
     pub cutting_n: f64,
     /// F_f, axial, against the feed.

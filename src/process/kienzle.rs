@@ -27,7 +27,7 @@ use crate::setting::SettingError;
 
 /// Chips thinner than this lie below the data that kc1.1 and mc were fitted to; there k_c rises
 /// faster, mm.
-pub const THINNEST_CHIP_MM: f64 = 0.05;
+pub(crate) const THINNEST_CHIP_MM: f64 = 0.05;
 
 /// `[process.force.kienzle]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -68,7 +68,7 @@ impl KienzleLaw {
     }
 
     /// Mean chip thickness a_p·f over the engaged length of the edge, mm.
-    pub fn mean_chip_mm(feed_mm: f64, depth_mm: f64, tool: &ToolSettings) -> f64 {
+    pub(crate) fn mean_chip_mm(feed_mm: f64, depth_mm: f64, tool: &ToolSettings) -> f64 {
         let lead = tool.lead_angle_deg.to_radians();
         let nose_depth = tool.nose_radius_mm * (1.0 - lead.cos());
         let engaged = (1.0 - depth_mm.min(nose_depth) / tool.nose_radius_mm).acos();
@@ -77,7 +77,7 @@ impl KienzleLaw {
     }
 
     /// The law on a tool at a feed; `None` where neither the config nor the material has a value.
-    pub fn at(&self, feed_mm: f64, tool: &ToolSettings, material: &Material) -> Option<EdgeLaw> {
+    pub(crate) fn at(&self, feed_mm: f64, tool: &ToolSettings, material: &Material) -> Option<EdgeLaw> {
         let kc11 = self.kc11_n_per_mm2.or(material.kienzle.map(|k| k.kc11_n_per_mm2))?;
         let mc = self.mc.or(material.kienzle.map(|k| k.mc))?;
         let lead = tool.lead_angle_deg.to_radians();
@@ -97,7 +97,7 @@ impl KienzleLaw {
 
 /// Kienzle's law for a tool at a feed: forces as functions of the depth alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgeLaw {
+pub(crate) struct EdgeLaw {
     per_length_n: f64,
     exponent: f64,
     normal_ratio: f64,
@@ -135,7 +135,7 @@ impl EdgeLaw {
     }
 
     /// Radial (passive) force, N.
-    pub fn passive_n(&self, depth_mm: f64) -> f64 {
+    pub(crate) fn passive_n(&self, depth_mm: f64) -> f64 {
         if depth_mm <= 0.0 {
             return 0.0;
         }
@@ -146,7 +146,7 @@ impl EdgeLaw {
     }
 
     /// dF_p/da, N/mm: the edge element that the next depth engages.
-    pub fn passive_slope_n_per_mm(&self, depth_mm: f64) -> f64 {
+    pub(crate) fn passive_slope_n_per_mm(&self, depth_mm: f64) -> f64 {
         let (sin, cos) = if depth_mm < self.nose_depth_mm() {
             (self.sin_engaged(depth_mm), 1.0 - depth_mm / self.nose_radius_mm)
         } else {
@@ -156,7 +156,7 @@ impl EdgeLaw {
     }
 
     /// All three components, N.
-    pub fn components(&self, depth_mm: f64) -> Components {
+    pub(crate) fn components(&self, depth_mm: f64) -> Components {
         if depth_mm <= 0.0 {
             return Components::default();
         }

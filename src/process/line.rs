@@ -23,7 +23,7 @@ use super::section::Section;
 
 /// A piece of constant section.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
+pub(crate) struct Span {
     /// Length, mm.
     pub length_mm: f64,
     /// Stiffness.
@@ -34,7 +34,7 @@ pub struct Span {
 
 /// A transverse force.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointForce {
+pub(crate) struct PointForce {
     /// Where, mm from the chuck face.
     pub z_mm: f64,
     /// Force along +u, N.
@@ -43,7 +43,7 @@ pub struct PointForce {
 
 /// What bends a shaft in one plane besides its own weight.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Action {
+pub(crate) struct Action {
     /// Point forces.
     pub forces: Vec<PointForce>,
     /// Axial compression, N.
@@ -189,7 +189,7 @@ enum Event {
 /// it.
 ///
 /// Forces and rests outside the shaft are moved to its ends.
-pub fn deflection_line_mm(spans: &[Span], supports: &Supports, action: &Action) -> Option<Vec<f64>> {
+pub(crate) fn deflection_line_mm(spans: &[Span], supports: &Supports, action: &Action) -> Option<Vec<f64>> {
     let length: f64 = spans.iter().map(|s| s.length_mm).sum();
     let forces = action.forces.iter().map(|f| (f.z_mm, Event::Force(f.force_n)));
     let rests = supports.steady_rests.iter().enumerate();

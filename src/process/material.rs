@@ -11,7 +11,7 @@
 
 /// Main values of the specific cutting force k_c = kc1.1·h^(-mc), h in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KienzleData {
+pub(crate) struct KienzleData {
     /// kc1.1, N/mm² at a chip 1 mm thick and 1 mm wide.
     pub kc11_n_per_mm2: f64,
     /// mc, dimensionless.
@@ -20,7 +20,7 @@ pub struct KienzleData {
 
 /// A workpiece material.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material {
+pub(crate) struct Material {
     /// Name as in the config.
     pub name: &'static str,
     /// Young's modulus E, N/mm².
@@ -61,7 +61,7 @@ const fn steel(name: &'static str, kc11: f64, mc: f64) -> Material {
 }
 
 /// All materials.
-pub const MATERIALS: [Material; 9] = [
+pub(crate) const MATERIALS: [Material; 9] = [
     steel("C45", 2220.0, 0.14),
     steel("C60", 2130.0, 0.18),
     steel("E295", 1990.0, 0.26),
@@ -101,12 +101,12 @@ pub const MATERIALS: [Material; 9] = [
 ];
 
 /// The material of that name.
-pub fn find(name: &str) -> Option<&'static Material> {
+pub(crate) fn find(name: &str) -> Option<&'static Material> {
     MATERIALS.iter().find(|material| material.name.eq_ignore_ascii_case(name))
 }
 
 /// All names, for an error message.
-pub fn names() -> String {
+pub(crate) fn names() -> String {
     MATERIALS.map(|material| material.name).join(", ")
 }
 

@@ -12,38 +12,42 @@
 //! is a variant of [`ForceLaw`]; a new cause of error a table of `settings` and a term in
 //! `turning`.
 
-pub mod beam;
-pub mod bending;
+pub(crate) mod beam;
+pub(crate) mod bending;
 mod check;
 mod cut;
 mod disturbance;
-pub mod fem;
-pub mod fit;
+pub(crate) mod fem;
+pub(crate) mod fit;
 mod force;
 mod force_components;
-pub mod geometry;
-pub mod kienzle;
-pub mod line;
-pub mod material;
+pub(crate) mod geometry;
+pub(crate) mod kienzle;
+pub(crate) mod line;
+pub(crate) mod material;
 mod random;
 mod section;
 mod settings;
-pub mod stepped;
+pub(crate) mod stepped;
 mod texture;
 mod tool;
-pub mod tool_factors;
+pub(crate) mod tool_factors;
 mod turning;
 
-pub use crate::plan::{CutSummary, FeedDirection};
-pub use bending::BendingSettings;
-pub use disturbance::{DisturbanceSettings, GuidewayPoint};
-pub use force::{DepthLaw, FITTED_TO, FittedRange, ForceLaw, PowerLaw};
-pub use force_components::Components;
-pub use section::Section;
-pub use settings::{
-    BelowMinimumChip, MaterialSettings, PassSettings, ProcessSettings, SteadyRestSettings, SupportSettings,
-    TextureSettings,
-};
-pub use tool::ToolSettings;
-pub use turning::followed::{Contributions, FollowedPass};
-pub use turning::{BaseForm, ProcessError, Stock, TurningProcess};
+pub(crate) use crate::plan::FeedDirection;
+#[cfg(test)]
+pub(crate) use bending::BendingSettings;
+pub(crate) use disturbance::{DisturbanceSettings, GuidewayPoint};
+#[cfg(test)]
+pub(crate) use force::DepthLaw;
+pub(crate) use force::{FITTED_TO, FittedRange, ForceLaw, PowerLaw};
+pub(crate) use force_components::Components;
+pub(crate) use section::Section;
+pub use settings::ProcessSettings;
+#[cfg(test)]
+pub(crate) use settings::SteadyRestSettings;
+pub(crate) use settings::{BelowMinimumChip, MaterialSettings, SupportSettings};
+pub(crate) use tool::ToolSettings;
+pub(crate) use turning::ProcessError;
+pub(crate) use turning::followed::{Contributions, FollowedPass};
+pub use turning::{BaseForm, Stock, TurningProcess};

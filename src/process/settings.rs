@@ -70,7 +70,7 @@ impl MaterialSettings {
     ///
     /// # Errors
     /// A name that is not in the table, or a number out of range.
-    pub fn resolve(&self) -> Result<Material, SettingError> {
+    pub(crate) fn resolve(&self) -> Result<Material, SettingError> {
         let known = material::find(&self.name)
             .ok_or_else(|| refuse("material.name", &self.name, format!("one of {}", material::names())))?;
         let resolved = Material {
@@ -129,7 +129,7 @@ impl Default for SupportSettings {
 
 impl SupportSettings {
     /// Supports as the beam needs them.
-    pub fn supports(&self) -> Supports {
+    pub(crate) fn supports(&self) -> Supports {
         // 1 N/µm = 1e3 N/mm; 1 N·m/mrad = 1e6 N·mm/rad.
         let rest = |rest: &SteadyRestSettings| SteadyRest {
             z_mm: rest.z_mm,
@@ -208,7 +208,7 @@ impl ProcessSettings {
     ///
     /// # Errors
     /// Names the first key out of range and what would be right.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         let material = self.material.resolve()?;
         self.force.validate(&material)?;
         self.tool.validate("tool")?;

@@ -5,7 +5,7 @@ use super::section::Section;
 
 /// A piece of constant diameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
+pub(crate) struct Piece {
     /// Length, mm.
     pub length_mm: f64,
     /// Section ahead of the tool.
@@ -16,7 +16,7 @@ pub struct Piece {
 
 /// A shaft of pieces from chuck to tailstock, and its supports.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SteppedShaft {
+pub(crate) struct SteppedShaft {
     /// Pieces, in the order of z.
     pub pieces: Vec<Piece>,
     /// Supports.
@@ -25,7 +25,7 @@ pub struct SteppedShaft {
 
 /// The highest compliance under a travelling load.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Softest {
+pub(crate) struct Softest {
     /// Where, mm.
     pub z_mm: f64,
     /// Radial deflection at the load per newton, mm/N.
@@ -37,13 +37,13 @@ const SCAN: usize = 1000;
 
 impl SteppedShaft {
     /// Length from chuck to tailstock, mm.
-    pub fn length_mm(&self) -> f64 {
+    pub(crate) fn length_mm(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.length_mm).sum()
     }
 
     /// Radial deflection at a load at `z_mm` per newton, mm/N. Positions outside the shaft are
     /// moved to its ends.
-    pub fn compliance_mm_per_n(&self, z_mm: f64) -> f64 {
+    pub(crate) fn compliance_mm_per_n(&self, z_mm: f64) -> f64 {
         let length = self.length_mm();
         let z = z_mm.clamp(0.0, length);
         let mut rests: Vec<(f64, f64)> =
@@ -60,7 +60,7 @@ impl SteppedShaft {
     }
 
     /// Where the shaft yields most, by a scan and a golden section search around its best position.
-    pub fn softest(&self) -> Softest {
+    pub(crate) fn softest(&self) -> Softest {
         let step = self.length_mm() / SCAN as f64;
         let at = |z: f64| self.compliance_mm_per_n(z);
         let best =

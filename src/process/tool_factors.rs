@@ -30,7 +30,7 @@ use super::tool::ToolSettings;
 
 /// Factors on the force components; 1 for the handbook's reference tool.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ToolFactors {
+pub(crate) struct ToolFactors {
     /// On F_c, tangential.
     pub cutting: f64,
     /// On F_f, axial.
@@ -79,11 +79,11 @@ fn power(table: &[Line], x: f64) -> [f64; 3] {
 
 impl ToolFactors {
     /// All factors 1.
-    pub const ONE: Self = Self { cutting: 1.0, feed: 1.0, passive: 1.0 };
+    pub(crate) const ONE: Self = Self { cutting: 1.0, feed: 1.0, passive: 1.0 };
 
     /// All factors of a tool relative to the handbook's reference tool. Angles outside the tables
     /// (κ_r 30-90°, γ -15 to 20°, λ_s -15 to 5°) take the table's end.
-    pub fn of(tool: &ToolSettings) -> Self {
+    pub(crate) fn of(tool: &ToolSettings) -> Self {
         let all = [
             held(&LEAD, tool.lead_angle_deg),
             held(&RAKE, tool.rake_deg),
@@ -95,7 +95,7 @@ impl ToolFactors {
 
     /// The factors of a tool whose edge is integrated (Kienzle): lead angle and nose radius are in
     /// the integral, rake and inclination remain, relative to the 6° and 0° of the tabulated kc1.1.
-    pub fn beside_the_edge(tool: &ToolSettings) -> Self {
+    pub(crate) fn beside_the_edge(tool: &ToolSettings) -> Self {
         let at = |rake: f64, inclination: f64| {
             Self::product(&[held(&RAKE, rake), held(&INCLINATION, inclination)])
         };
@@ -104,7 +104,7 @@ impl ToolFactors {
 
     /// These factors relative to another tool's; exactly 1 for the same tool.
     #[must_use]
-    pub fn over(&self, other: &Self) -> Self {
+    pub(crate) fn over(&self, other: &Self) -> Self {
         Self {
             cutting: self.cutting / other.cutting,
             feed: self.feed / other.feed,
@@ -124,7 +124,7 @@ const TABULATED_RAKE_DEG: f64 = 6.0;
 /// Theoretical height of the feed marks, mm: f²/8r where the nose alone draws them (f ≤ 2r·sin
 /// κ'_r, exact form), beyond that the nose and the straight minor edge (G. Boothroyd, W. Knight,
 /// Fundamentals of Machining and Machine Tools, chapter on roughness).
-pub fn feed_mark_mm(feed_mm_per_rev: f64, tool: &ToolSettings) -> f64 {
+pub(crate) fn feed_mark_mm(feed_mm_per_rev: f64, tool: &ToolSettings) -> f64 {
     let (f, r) = (feed_mm_per_rev, tool.nose_radius_mm);
     let (sin, cos) = tool.minor_angle_deg.to_radians().sin_cos();
     if f <= 2.0 * r * sin {
@@ -135,7 +135,7 @@ pub fn feed_mark_mm(feed_mm_per_rev: f64, tool: &ToolSettings) -> f64 {
 
 /// The largest feed whose marks are at most `height_mm` high, mm/r, up to `most_mm_per_rev`. The
 /// height grows with the feed.
-pub fn largest_feed_mm_per_rev(height_mm: f64, most_mm_per_rev: f64, tool: &ToolSettings) -> f64 {
+pub(crate) fn largest_feed_mm_per_rev(height_mm: f64, most_mm_per_rev: f64, tool: &ToolSettings) -> f64 {
     let by_nose = (8.0 * tool.nose_radius_mm * height_mm).sqrt();
     if by_nose <= 2.0 * tool.nose_radius_mm * tool.minor_angle_deg.to_radians().sin() {
         return by_nose.min(most_mm_per_rev);

@@ -164,17 +164,17 @@ impl TurningProcess {
     }
 
     /// Machine z of the nodes, mm, ascending from 0 to the length.
-    pub fn node_z_mm(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn node_z_mm(&self) -> impl Iterator<Item = f64> + '_ {
         (0..self.diameter_mm.len()).map(|node| node as f64 * self.step_mm)
     }
 
     /// Mean diameter of the unloaded workpiece at every node, mm.
-    pub fn diameter_mm(&self) -> &[f64] {
+    pub(crate) fn diameter_mm(&self) -> &[f64] {
         &self.diameter_mm
     }
 
     /// The blank as it was clamped, with the surface of a drawn or rolled bar left out.
-    pub fn blank(&self) -> Shaft {
+    pub(crate) fn blank(&self) -> Shaft {
         let knot = |(z_mm, diameter): (f64, &f64)| ProfileKnot { z_mm, radius_mm: 0.5 * diameter };
         let (deflection, bow) = self.axis();
         Shaft {
@@ -191,17 +191,17 @@ impl TurningProcess {
     }
 
     /// What the last pass cut.
-    pub fn last_cut(&self) -> Option<&CutSummary> {
+    pub(crate) fn last_cut(&self) -> Option<&CutSummary> {
         self.last_cut.as_ref()
     }
 
     /// Puts a fresh edge into the holder.
-    pub fn change_insert(&mut self) {
+    pub(crate) fn change_insert(&mut self) {
         self.wear_mm = 0.0;
     }
 
     /// Lets the machine cool down: drift and warming start again.
-    pub fn cool_down(&mut self) {
+    pub(crate) fn cool_down(&mut self) {
         self.since_cold = 0;
     }
 
@@ -210,7 +210,7 @@ impl TurningProcess {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn next_blank(&self, stock: Stock, seed: u64) -> Result<Self, ProcessError> {
+    pub(crate) fn next_blank(&self, stock: Stock, seed: u64) -> Result<Self, ProcessError> {
         let fresh = Self::new(&self.settings, stock, &self.form, seed)?;
         let Self { cuts, since_cold, wear_mm, .. } = *self;
         Ok(Self { cuts, since_cold, wear_mm, ..fresh })
@@ -221,7 +221,7 @@ impl TurningProcess {
     ///
     /// # Errors
     /// A plan that contradicts itself, a depth of cut below the minimum chip, a shaft that buckles.
-    pub fn cut(&mut self, plan: &PassPlan) -> Result<Shaft, ProcessError> {
+    pub(crate) fn cut(&mut self, plan: &PassPlan) -> Result<Shaft, ProcessError> {
         let first = self.cuts == 0;
         let summary = self.cut_profile(plan)?;
         if first {

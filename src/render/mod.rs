@@ -8,26 +8,33 @@
 //! From the body to the pixel: [`form`] (a body from the `[shaft]` table), [`silhouette`] (its
 //! outline in f64), [`optics`] (edge spread, lens), [`motion`], [`contamination`], `sensor`;
 //! [`scene`] joins them into the job of one frame, and [`kernel`] (the shader and its CPU twin) or
-//! [`gpu`] computes it. The twin ([`shadowgraph`]) is compared with [`reference`](mod@reference),
+//! [`gpu`] computes it. The twin ([`shadowgraph`]) is compared with `reference`,
 //! which shares no code with it. A new effect on the light goes into the folder of its cause, has a
 //! table in [`settings`], and enters a frame in [`scene`]; a folder imports only folders that
 //! `tests/architecture.rs` lists before it.
 
 pub mod contamination;
 mod error;
-pub mod form;
-pub mod gpu;
-pub mod kernel;
-pub mod motion;
-pub mod optics;
+pub(crate) mod form;
+pub(crate) mod gpu;
+pub(crate) mod kernel;
+pub(crate) mod motion;
+pub(crate) mod optics;
 mod renderer;
-pub mod scene;
+pub(crate) mod scene;
 mod sensor;
 pub mod settings;
-pub mod silhouette;
+pub(crate) mod silhouette;
 
 pub use error::RenderError;
-pub use kernel::{column_edges as columns, light_map, noise, params, reference, shadowgraph};
-pub use optics::{edge_spread as esf_families, esf_table as esf, lens};
+#[cfg(test)]
+pub(crate) use kernel::{column_edges as columns, noise, params};
+#[cfg(test)]
+#[cfg(test)]
+pub(crate) use kernel::{reference, shadowgraph};
+pub use optics::lens;
+#[cfg(test)]
+pub(crate) use optics::{edge_spread as esf_families, esf_table as esf};
 pub use renderer::{BackendChoice, Renderer};
-pub use scene::{FrameRequest, OpticalSetup, Scene, frame_job, geometric_edges};
+pub(crate) use scene::geometric_edges;
+pub use scene::{FrameRequest, OpticalSetup, Scene, frame_job};

@@ -12,20 +12,25 @@
 //! vibration an arcsine of variance A²/2; cases in between are integrated over time. A strobe is an
 //! exposure of its own, shorter and later.
 
-use std::f64::consts::{PI, TAU};
+#[cfg(test)]
+use std::f64::consts::PI;
+use std::f64::consts::TAU;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::error::{RenderError, within};
+#[cfg(test)]
+use crate::render::optics::edge_spread::EdgeSpread;
+use crate::render::optics::edge_spread::Shifts;
 use crate::render::optics::edge_spread::quadrature::{gauss_legendre, panels};
-use crate::render::optics::edge_spread::{EdgeSpread, Shifts};
 
 /// Nodes per panel of at most half a radian of the fastest motion: accurate to 1e-12 of its
 /// amplitude.
 const NODES: usize = 4;
 
 /// Periods from which a sinusoid's phase no longer matters and the arcsine distribution is used.
+#[cfg(test)]
 const MANY_PERIODS: f64 = 64.0;
 
 /// Periods up to which a vibration is integrated over time in a rendered exposure.
@@ -75,7 +80,7 @@ pub struct Motion {
 
 /// The time during which light is collected, µs after the start of exposure.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightTime {
+pub(crate) struct LightTime {
     /// Start.
     pub start_us: f64,
     /// Duration.
@@ -88,7 +93,7 @@ impl Motion {
     /// # Errors
     /// Names the key that is wrong and what would be right: a flash outside the exposure, light for
     /// longer than a revolution without consent.
-    pub fn check(&self, exposure_us: f64) -> Result<(), RenderError> {
+    pub(crate) fn check(&self, exposure_us: f64) -> Result<(), RenderError> {
         within("camera.exposure_us", exposure_us, 1e-3, 1e7)?;
         within("motion.spindle_rpm", self.spindle_rpm, -1e6, 1e6)?;
         within("motion.carriage_mm_s", self.carriage_mm_s, -1e5, 1e5)?;
@@ -114,7 +119,7 @@ impl Motion {
     }
 
     /// The time during which light is collected.
-    pub fn light_time(&self, exposure_us: f64) -> LightTime {
+    pub(crate) fn light_time(&self, exposure_us: f64) -> LightTime {
         match self.strobe {
             Some(s) => LightTime { start_us: s.delay_us, length_us: s.pulse_us },
             None => LightTime { start_us: 0.0, length_us: exposure_us },
@@ -124,7 +129,8 @@ impl Motion {
     /// Spindle angle and carriage position (degrees, mm past the start of exposure) at nodes over
     /// the light's time, with weights that add up to one: for outlines whose form turns through the
     /// edge faster than a sinusoid describes.
-    pub fn poses(&self, exposure_us: f64, nodes: usize) -> Vec<(f64, f64, f64)> {
+    #[cfg(test)]
+    pub(crate) fn poses(&self, exposure_us: f64, nodes: usize) -> Vec<(f64, f64, f64)> {
         let time = self.light_time(exposure_us);
         let pose = |(x, w): (f64, f64)| {
             let t_s = (time.start_us + 0.5 * (x + 1.0) * time.length_us) * 1e-6;
@@ -138,7 +144,7 @@ impl Motion {
     ///
     /// Four Gauss nodes per two radians of the fastest motion, including a form of `undulations`
     /// per revolution; vibrations of more than 8 periods enter as arcsine distributions.
-    pub fn instants(&self, exposure_us: f64, undulations: f64) -> Vec<Pose> {
+    pub(crate) fn instants(&self, exposure_us: f64, undulations: f64) -> Vec<Pose> {
         let time = self.light_time(exposure_us);
         let periods = |v: &Vibration| v.frequency_hz * time.length_us * 1e-6;
         let (fast, slow): (Vec<Vibration>, Vec<Vibration>) = self
@@ -177,7 +183,8 @@ impl Motion {
     /// The path of an edge whose height changes by `slope` (dx/dz) along the shaft and that follows
     /// the sinusoids of `turning`, given per revolution of the spindle (run-out has 1 undulation,
     /// lobes their order).
-    pub fn path(&self, slope: f64, turning: &[Turning]) -> EdgePath {
+    #[cfg(test)]
+    pub(crate) fn path(&self, slope: f64, turning: &[Turning]) -> EdgePath {
         let mut waves: Vec<Wave> = self
             .vibration
             .iter()
@@ -199,7 +206,7 @@ impl Motion {
 
 /// Positions of shaft and camera at an instant of an exposure, relative to its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub(crate) struct Pose {
     /// Turn of the spindle, degrees.
     pub angle_deg: f64,
     /// Travel of the carriage along z, mm.
@@ -212,7 +219,8 @@ pub struct Pose {
 
 /// A motion of the edge tied to the spindle: A·sin(k·φ + phase).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turning {
+#[cfg(test)]
+pub(crate) struct Turning {
     /// Undulations per revolution.
     pub undulations: f64,
     /// Amplitude, µm.
@@ -222,6 +230,7 @@ pub struct Turning {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg(test)]
 struct Wave {
     amplitude_um: f64,
     /// Periods per µs.
@@ -231,20 +240,24 @@ struct Wave {
 
 /// The motion of an edge, µm up in the image over µs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct EdgePath {
+#[cfg(test)]
+pub(crate) struct EdgePath {
     um_per_us: f64,
     waves: Vec<Wave>,
 }
 
+#[cfg(test)]
 impl EdgePath {
     /// Position at `t_us` after the start of exposure, µm.
-    pub fn at_um(&self, t_us: f64) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn at_um(&self, t_us: f64) -> f64 {
         let wave = |w: &Wave| w.amplitude_um * (TAU * w.per_us * t_us + w.phase_rad).sin();
         self.um_per_us * t_us + self.waves.iter().map(wave).sum::<f64>()
     }
 
     /// Mean position over the light's time, µm, which is that of the blurred edge. Closed form.
-    pub fn mean_um(&self, time: LightTime) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn mean_um(&self, time: LightTime) -> f64 {
         let middle = time.start_us + 0.5 * time.length_us;
         let wave = |w: &Wave| {
             let half = PI * w.per_us * time.length_us;
@@ -258,7 +271,8 @@ impl EdgePath {
     ///
     /// Waves of more than 64 periods enter as arcsine distributions; the others and the steady
     /// motion are integrated over time.
-    pub fn shifts(&self, time: LightTime) -> Shifts {
+    #[cfg(test)]
+    pub(crate) fn shifts(&self, time: LightTime) -> Shifts {
         let (fast, slow): (Vec<Wave>, Vec<Wave>) =
             self.waves.iter().partition(|w| (w.per_us * time.length_us).abs() > MANY_PERIODS);
         let quickest = slow.iter().map(|w| TAU * (w.per_us * time.length_us).abs()).fold(1.0, f64::max);
@@ -275,7 +289,8 @@ impl EdgePath {
     ///
     /// # Errors
     /// As [`EdgeSpread::tabulate`].
-    pub fn blurred(
+    #[cfg(test)]
+    pub(crate) fn blurred(
         &self,
         edge: &EdgeSpread,
         time: LightTime,

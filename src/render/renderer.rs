@@ -41,7 +41,6 @@ pub struct Renderer {
 /// State of the device during a run.
 #[derive(Debug)]
 struct Loss {
-    why: String,
     adapter: String,
 }
 
@@ -119,22 +118,17 @@ impl Renderer {
     /// The same renderer, for which a device that fails is an error: for comparisons of the device
     /// with the twin.
     #[must_use]
-    pub fn strict(self) -> Self {
+    pub(crate) fn strict(self) -> Self {
         Self { strict: true, ..self }
     }
 
-    /// Why the device is no longer used, where that is so.
-    pub fn lost(&self) -> Option<&str> {
-        self.lost.get().map(|loss| loss.why.as_str())
-    }
-
     /// `vulkan`, `gl` or `cpu`.
-    pub fn backend_name(&self) -> &str {
+    pub(crate) fn backend_name(&self) -> &str {
         &self.backend
     }
 
     /// The adapter's name, or `CPU twin`; both where the device was lost during the run.
-    pub fn adapter_name(&self) -> &str {
+    pub(crate) fn adapter_name(&self) -> &str {
         self.lost.get().map_or(&self.adapter, |loss| &loss.adapter)
     }
 
@@ -159,12 +153,11 @@ impl Renderer {
             Ok(()) => Ok(true),
             Err(e) if self.strict => Err(e),
             Err(e) => {
-                let why = e.to_string();
                 if self.lost.get().is_none() {
-                    tracing::warn!("{why}; the run goes on with the CPU twin");
+                    tracing::warn!("{e}; the run goes on with the CPU twin");
                 }
                 let adapter = format!("{}, lost on the way, then the CPU twin", self.adapter);
-                let _ = self.lost.set(Loss { why, adapter });
+                let _ = self.lost.set(Loss { adapter });
                 Ok(false)
             }
         }
@@ -188,7 +181,7 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Self::render`].
-    pub fn render_masked(
+    pub(crate) fn render_masked(
         &self,
         scene: &Scene,
         request: &FrameRequest,
@@ -234,7 +227,7 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Self::draw`].
-    pub fn draw_constant(&self, job: &Job<'_>, reuse: Option<Buffer>) -> Result<Buffer, RenderError> {
+    pub(crate) fn draw_constant(&self, job: &Job<'_>, reuse: Option<Buffer>) -> Result<Buffer, RenderError> {
         let mut buffer = fitting(job, reuse);
         if !self.on_device(job, Work::Constant, &mut buffer)? {
             match &mut buffer {

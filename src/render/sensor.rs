@@ -76,7 +76,7 @@ impl Sensor {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("sensor.electrons_per_count", self.electrons_per_count, 1e-4, 1e5)?;
         within("sensor.quantum_efficiency", self.quantum_efficiency, 1e-3, 1.0)?;
         within("sensor.read_noise_e", self.read_noise_e, 0.0, 1e4)?;
@@ -106,11 +106,8 @@ pub enum SensorPreset {
 }
 
 impl SensorPreset {
-    /// Every preset.
-    pub const ALL: [Self; 3] = [Self::SonyImx900, Self::SonyImx900HighGain, Self::LucidAtx470s];
-
     /// The sensor with the published figures.
-    pub fn sensor(self) -> Sensor {
+    pub(crate) fn sensor(self) -> Sensor {
         let sensor = Sensor {
             preset: Some(self),
             format: PixelFormat::Mono12,

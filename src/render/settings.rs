@@ -10,10 +10,12 @@ use serde::{Deserialize, Serialize};
 use super::contamination::Contamination;
 use super::error::{RenderError, within};
 use super::motion::Motion;
-pub use super::sensor::{Sensor, SensorPreset};
+pub(crate) use super::sensor::Sensor;
 use crate::frame::Roi;
 use crate::render::optics::lens::FieldLight;
-pub use crate::render::optics::settings::{Entocentric, Esf, GaussianEsf, Optics};
+#[cfg(test)]
+pub(crate) use crate::render::optics::settings::Entocentric;
+pub(crate) use crate::render::optics::settings::{Esf, GaussianEsf, Optics};
 
 /// The pixel matrix and its timing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -68,7 +70,7 @@ pub struct EdgeWindows {
 
 impl EdgeWindows {
     /// Both windows over `columns` columns, the upper one first.
-    pub fn rois(&self, columns: u32) -> [Roi; 2] {
+    pub(crate) fn rois(&self, columns: u32) -> [Roi; 2] {
         [self.upper_row, self.lower_row].map(|row| Roi { row, column: 0, rows: self.rows, columns })
     }
 }
@@ -91,13 +93,13 @@ impl Default for Camera {
 impl Camera {
     /// Rows of a frame that has the optical axis in its middle: all rows, or for two windows twice
     /// the place of the axis between them.
-    pub fn rows_about_axis(&self) -> f64 {
+    pub(crate) fn rows_about_axis(&self) -> f64 {
         let between = |w: EdgeWindows| f64::from(w.upper_row + w.lower_row) - f64::from(w.rows);
         f64::from(self.rows) - self.windows.map_or(0.0, between)
     }
 
     /// Time from one frame, or one reading of a line camera, to the next, ms.
-    pub fn period_ms(&self) -> f64 {
+    pub(crate) fn period_ms(&self) -> f64 {
         self.line.map_or(self.frame_period_ms, |line| line.rate_khz.recip())
     }
 
@@ -119,7 +121,7 @@ impl Camera {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("camera.columns", f64::from(self.columns), 1.0, 16384.0)?;
         within("camera.rows", f64::from(self.rows), 1.0, 16384.0)?;
         within("camera.pixel_um", self.pixel_um, 0.1, 100.0)?;
@@ -160,7 +162,7 @@ impl Default for Light {
 impl Light {
     /// Grey value of the bright field with a sensor whose true gain is `electrons_per_count`: the
     /// configured one, or black level + η·photons/(electrons per count).
-    pub fn bright_in(&self, sensor: &Sensor, electrons_per_count: f64) -> f64 {
+    pub(crate) fn bright_in(&self, sensor: &Sensor, electrons_per_count: f64) -> f64 {
         self.bright_photons.map_or(self.bright_counts, |photons| {
             sensor.black_level_counts + sensor.quantum_efficiency * photons / electrons_per_count
         })
@@ -170,7 +172,7 @@ impl Light {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self, sensor: &Sensor) -> Result<(), RenderError> {
+    pub(crate) fn check(&self, sensor: &Sensor) -> Result<(), RenderError> {
         within("light.shadow_counts", self.shadow_counts, sensor.black_level_counts, 65535.0)?;
         let full = f64::from(sensor.format.full_scale().unwrap_or(u16::MAX));
         if let Some(photons) = self.bright_photons {
@@ -212,7 +214,7 @@ impl SetupDeviations {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("departures.magnification_rel", self.magnification_rel, 0.0, 0.1)?;
         within("departures.blur_rel", self.blur_rel, 0.0, 0.2)?;
         within("departures.gain_rel", self.gain_rel, 0.0, 0.2)
@@ -244,7 +246,7 @@ impl SetupSettings {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         self.camera.check()?;
         self.optics.check()?;
         self.motion.check(self.camera.exposure_us)?;
@@ -255,7 +257,7 @@ impl SetupSettings {
     }
 
     /// Nominal size of a pixel on the object, mm.
-    pub fn nominal_pixel_mm(&self) -> f64 {
+    pub(crate) fn nominal_pixel_mm(&self) -> f64 {
         self.camera.pixel_um * 1e-3 / self.optics.magnification
     }
 }

@@ -19,7 +19,7 @@ const UNSEEN: usize = 1;
 ///
 /// # Errors
 /// Where a chart cannot be drawn.
-pub fn axis_section(
+pub(crate) fn axis_section(
     page: &mut Page,
     rows: &[AxisRow],
     truth: &[TrueAxisRow],

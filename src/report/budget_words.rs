@@ -4,10 +4,10 @@ use crate::gauge::budget::Budget;
 use crate::gauge::stated::stated;
 
 /// Columns of [`budget_rows`].
-pub const BUDGET_HEADER: [&str; 6] = ["source", "input", "distribution", "share", "u / µm", "% of u²"];
+pub(crate) const BUDGET_HEADER: [&str; 6] = ["source", "input", "distribution", "share", "u / µm", "% of u²"];
 
 /// The rows of a budget, largest first.
-pub fn budget_rows(budget: &Budget) -> Vec<Vec<String>> {
+pub(crate) fn budget_rows(budget: &Budget) -> Vec<Vec<String>> {
     let total = budget.u_mm().powi(2);
     let mut rows: Vec<_> = budget.contributions.iter().collect();
     rows.sort_by(|a, b| b.u_mm.total_cmp(&a.u_mm));

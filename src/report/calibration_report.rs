@@ -13,7 +13,10 @@ use crate::studies::calibration::{Calibrated, CalibrationPlan, edge_model_line, 
 ///
 /// # Errors
 /// Where a chart cannot be drawn.
-pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Result<String, ReportError> {
+pub(crate) fn calibration_report(
+    plan: &CalibrationPlan,
+    calibrated: &Calibrated,
+) -> Result<String, ReportError> {
     let calibration = &calibrated.calibration;
     let mut page = Page::new(format!("Calibration of {}", plan.optics_id));
     let Some(setup) = &calibration.setup else { return Ok(page.finish()) };

@@ -5,7 +5,7 @@ use crate::run_folder::RunFolderError;
 /// Why a report cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ReportError {
+pub(crate) enum ReportError {
     /// The run folder cannot be read.
     #[error(transparent)]
     Folder(#[from] RunFolderError),

@@ -54,7 +54,7 @@ fn sizes_chart(rows: &[FormRow], pass: u32) -> Chart {
 ///
 /// # Errors
 /// Where a chart cannot be drawn.
-pub fn form_section(
+pub(crate) fn form_section(
     page: &mut Page,
     rows: &[FormRow],
     parts: &[PartFormRow],

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 /// A page under construction.
 #[derive(Clone, Debug, Default)]
-pub struct Page {
+pub(crate) struct Page {
     title: String,
     body: String,
 }
@@ -24,26 +24,26 @@ const SENTENCE: usize = 32;
 
 impl Page {
     /// An empty page.
-    pub fn new(title: impl Into<String>) -> Self {
+    pub(crate) fn new(title: impl Into<String>) -> Self {
         let title = title.into();
         let body = format!("<h1>{}</h1>\n", escape(&title));
         Self { title, body }
     }
 
     /// A section's heading.
-    pub fn heading(&mut self, text: &str) -> &mut Self {
+    pub(crate) fn heading(&mut self, text: &str) -> &mut Self {
         let _ = writeln!(self.body, "<h2>{}</h2>", escape(text));
         self
     }
 
     /// A paragraph of plain text.
-    pub fn text(&mut self, text: &str) -> &mut Self {
+    pub(crate) fn text(&mut self, text: &str) -> &mut Self {
         let _ = writeln!(self.body, "<p>{}</p>", escape(text));
         self
     }
 
     /// A table; cells are plain text.
-    pub fn table(&mut self, header: &[&str], rows: &[Vec<String>]) -> &mut Self {
+    pub(crate) fn table(&mut self, header: &[&str], rows: &[Vec<String>]) -> &mut Self {
         self.body.push_str("<table><tr>");
         for cell in header {
             let _ = write!(self.body, "<th>{}</th>", escape(cell));
@@ -62,7 +62,7 @@ impl Page {
     }
 
     /// A figure: SVG or `<img>` markup, with a caption in plain text.
-    pub fn figure(&mut self, markup: &str, caption: &str) -> &mut Self {
+    pub(crate) fn figure(&mut self, markup: &str, caption: &str) -> &mut Self {
         let _ = writeln!(self.body, "<figure>{markup}<figcaption>{}</figcaption></figure>", escape(caption));
         self
     }
@@ -71,7 +71,7 @@ impl Page {
     ///
     /// # Errors
     /// Those of `inside`.
-    pub fn folded<E>(
+    pub(crate) fn folded<E>(
         &mut self,
         line: &str,
         inside: impl FnOnce(&mut Self) -> Result<(), E>,
@@ -83,7 +83,7 @@ impl Page {
     }
 
     /// The page's text.
-    pub fn finish(&self) -> String {
+    pub(crate) fn finish(&self) -> String {
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{}</title><style>{STYLE}</style></head>\n<body>\n{}</body></html>\n",
             escape(&self.title),
@@ -93,12 +93,12 @@ impl Page {
 }
 
 /// Text made safe for HTML.
-pub fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Bytes as base64 (RFC 4648), for `data:` addresses.
-pub fn base64(bytes: &[u8]) -> String {
+pub(crate) fn base64(bytes: &[u8]) -> String {
     const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {

@@ -7,7 +7,7 @@ use plotters::prelude::*;
 
 /// Colours that colour-blind readers can distinguish (Okabe and Ito; a brown in place of their
 /// yellow), in order of use.
-pub const PALETTE: [RGBColor; 8] = [
+pub(crate) const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -38,7 +38,7 @@ const LETTER: f64 = 7.0;
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mark {
+pub(crate) enum Mark {
     /// A line through the points.
     Line,
     /// A thin, pale line for context.
@@ -55,7 +55,7 @@ pub enum Mark {
 
 /// The outline of a band about points (x, y, half width), in one piece: rows with a gap are left
 /// out.
-pub fn band(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Vec<(f64, f64)> {
+pub(crate) fn band(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Vec<(f64, f64)> {
     let usable = points.filter(|p| p.1.is_finite() && p.2.is_finite());
     let mut outline: Vec<(f64, f64)> = usable.clone().map(|(x, y, half)| (x, y + half)).collect();
     let mut back: Vec<(f64, f64)> = usable.map(|(x, y, half)| (x, y - half)).collect();
@@ -66,7 +66,7 @@ pub fn band(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Vec<(f64, 
 
 /// One series of a chart. Points that are not finite break a line.
 #[derive(Clone, Debug)]
-pub struct Series {
+pub(crate) struct Series {
     /// Name in the legend; empty for none.
     pub name: String,
     /// Points (x, y).
@@ -79,7 +79,7 @@ pub struct Series {
 
 impl Series {
     /// A series.
-    pub fn new(name: impl Into<String>, mark: Mark, colour: usize, points: Vec<(f64, f64)>) -> Self {
+    pub(crate) fn new(name: impl Into<String>, mark: Mark, colour: usize, points: Vec<(f64, f64)>) -> Self {
         Self { name: name.into(), points, mark, colour }
     }
 
@@ -128,7 +128,7 @@ impl LegendEntry<'_> {
 
 /// A chart over linear x and linear or logarithmic y.
 #[derive(Clone, Debug, Default)]
-pub struct Chart {
+pub(crate) struct Chart {
     /// Caption above the axes; empty for none.
     pub title: String,
     /// Label of the x axis, with its unit.
@@ -154,7 +154,7 @@ impl Chart {
     ///
     /// # Errors
     /// Where the drawing fails, as text.
-    pub fn to_svg(&self) -> Result<String, String> {
+    pub(crate) fn to_svg(&self) -> Result<String, String> {
         let mut svg = String::new();
         let legend = self.legend();
         let lines = legend.last().map_or(0, |entry| entry.line + 1);

@@ -22,7 +22,7 @@ use crate::run_folder::{
 
 /// Inputs of a report.
 #[derive(Clone, Copy)]
-pub struct RunView<'a> {
+pub(crate) struct RunView<'a> {
     /// The resolved job.
     pub job: &'a Job,
     /// The run's folder, all passes finished.
@@ -40,7 +40,7 @@ pub struct RunView<'a> {
 }
 
 /// A report and the files that go beside it.
-pub struct RunPage {
+pub(crate) struct RunPage {
     /// The page.
     pub html: String,
     /// Files by their name below the run folder.
@@ -100,7 +100,7 @@ impl RunRecord {
 ///
 /// # Errors
 /// Where the folder cannot be read or a chart not be drawn.
-pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
+pub(crate) fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     let record = RunRecord::read(view)?;
     let (rows, reference) = (&record.rows, record.reference.as_ref());
     let controller = view.job.control.controller.as_str();

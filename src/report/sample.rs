@@ -31,7 +31,7 @@ struct Picture<'a> {
 ///
 /// # Errors
 /// Where a picture cannot be encoded.
-pub fn figures(page: &mut Page, sample: &Sample) -> Result<Vec<(String, Vec<u8>)>, String> {
+pub(crate) fn figures(page: &mut Page, sample: &Sample) -> Result<Vec<(String, Vec<u8>)>, String> {
     let rows = |line: &[Edge]| line.iter().map(|e| e.is_usable().then_some(e.row_px)).collect();
     let frame_id = sample.frame.meta.frame_id;
     let sample = Picture {

@@ -21,7 +21,7 @@ const STRAIGHT_MM: f64 = 1e-6;
 
 /// Adds a turn of the last pass as an animation; returns the file that goes beside the page, none
 /// for a straight shaft.
-pub fn turn_picture(
+pub(crate) fn turn_picture(
     page: &mut Page,
     passes: &[PassRow],
     stations: &[StationRow],
@@ -46,12 +46,12 @@ pub fn turn_picture(
 }
 
 /// Whether an axis deviates from the spindle's.
-pub fn is_bent(a: &TrueAxisRow) -> bool {
+pub(crate) fn is_bent(a: &TrueAxisRow) -> bool {
     [a.still_x_mm, a.still_y_mm, a.turning_x_mm, a.turning_y_mm].iter().any(|v| v.abs() > STRAIGHT_MM)
 }
 
 /// Adds the forces of every pass, where the cell has them.
-pub fn forces(page: &mut Page, passes: &[PassRow]) {
+pub(crate) fn forces(page: &mut Page, passes: &[PassRow]) {
     if passes.iter().all(|p| p.radial_force_n.is_none()) {
         return;
     }

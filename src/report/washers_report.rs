@@ -19,7 +19,10 @@ const MAGNIFIED: f64 = 60.0;
 ///
 /// # Errors
 /// Where a picture cannot be encoded.
-pub fn washers_page(study: &WashersStudy, parts: &[Part]) -> Result<(String, Vec<(String, String)>), String> {
+pub(crate) fn washers_page(
+    study: &WashersStudy,
+    parts: &[Part],
+) -> Result<(String, Vec<(String, String)>), String> {
     let mut page = Page::new("Rings beside a coordinate-measuring machine");
     page.text(
         "One scale and one edge offset for outline and bore, fitted on all parts but one and tried on that one. Robust: 1.4826 times the \

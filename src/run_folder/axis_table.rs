@@ -7,7 +7,7 @@ use crate::gauge::axis_line::{AxisLine, STILL_TOWARDS_CAMERA};
 
 /// A row of `axis.csv`: the axis at a station after a pass.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AxisRow {
+pub(crate) struct AxisRow {
     /// Pass, from 1.
     pub pass: u32,
     /// Middle of the station, mm.
@@ -37,7 +37,7 @@ pub struct AxisRow {
 
 impl AxisRow {
     /// The rows of a pass.
-    pub fn of(pass: u32, axis: &AxisLine) -> Vec<Self> {
+    pub(crate) fn of(pass: u32, axis: &AxisLine) -> Vec<Self> {
         let bend = axis.bend_mm();
         axis.stations
             .iter()
@@ -61,7 +61,7 @@ impl AxisRow {
 }
 
 /// The axis after a pass, as in `run --json`.
-pub fn axis_json(rows: &[AxisRow], pass: u32) -> serde_json::Value {
+pub(crate) fn axis_json(rows: &[AxisRow], pass: u32) -> serde_json::Value {
     let own: Vec<&AxisRow> = rows.iter().filter(|r| r.pass == pass).collect();
     let most = |f: &dyn Fn(&AxisRow) -> Option<f64>| {
         own.iter().filter(|r| f(r).is_some()).copied().max_by(|a, b| {
@@ -89,7 +89,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be written.
-    pub fn write_axis(&self, rows: &[AxisRow]) -> Result<(), RunFolderError> {
+    pub(crate) fn write_axis(&self, rows: &[AxisRow]) -> Result<(), RunFolderError> {
         self.write_csv("axis.csv", rows)
     }
 
@@ -97,7 +97,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be read or parsed.
-    pub fn axis(&self) -> Result<Vec<AxisRow>, RunFolderError> {
+    pub(crate) fn axis(&self) -> Result<Vec<AxisRow>, RunFolderError> {
         self.read_csv("axis.csv")
     }
 }

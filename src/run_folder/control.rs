@@ -9,7 +9,7 @@ use crate::profile::DiameterProfile;
 
 /// The record of a run's control.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ControlRecord {
+pub(crate) struct ControlRecord {
     /// Diameters of the stock, where it was scanned.
     pub stock: Option<DiameterProfile>,
     /// By pass.
@@ -18,7 +18,7 @@ pub struct ControlRecord {
 
 /// One pass.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PassRecord {
+pub(crate) struct PassRecord {
     /// Pass, from 1.
     pub pass: u32,
     /// `released`, `held` or `last`.
@@ -35,7 +35,7 @@ pub struct PassRecord {
 
 impl ControlRecord {
     /// Input of the decision on a pass; the default where the record does not contain it.
-    pub fn evidence(&self, pass: u32) -> Evidence {
+    pub(crate) fn evidence(&self, pass: u32) -> Evidence {
         self.passes.iter().find(|p| p.pass == pass).map_or_else(Evidence::default, |p| p.evidence.clone())
     }
 }
@@ -47,7 +47,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be written.
-    pub fn write_control(&self, record: &ControlRecord) -> Result<(), RunFolderError> {
+    pub(crate) fn write_control(&self, record: &ControlRecord) -> Result<(), RunFolderError> {
         let text = serde_json::to_string_pretty(record).map_err(|e| RunFolderError::Write {
             path: self.path().join(NAME),
             cause: std::io::Error::other(e),
@@ -59,7 +59,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be read or parsed.
-    pub fn control(&self) -> Result<ControlRecord, RunFolderError> {
+    pub(crate) fn control(&self) -> Result<ControlRecord, RunFolderError> {
         if !self.path().join(NAME).exists() {
             return Ok(ControlRecord::default());
         }

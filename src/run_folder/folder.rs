@@ -11,7 +11,7 @@ use crate::files::{self, LOCK_NAME, Lock, OutputError, TEMPORARY};
 /// Why a run folder cannot be used.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum RunFolderError {
+pub(crate) enum RunFolderError {
     /// The folder holds something else, or a finished run.
     #[error("{}: {what}; give a folder that is absent or empty", path.display())]
     Taken {
@@ -43,7 +43,7 @@ pub enum RunFolderError {
 
 /// A run folder that this process reads, or has locked and writes to.
 #[derive(Clone, Debug)]
-pub struct RunFolder {
+pub(crate) struct RunFolder {
     path: PathBuf,
     /// Held until the last copy is dropped.
     lock: Option<Arc<Lock>>,
@@ -58,7 +58,7 @@ impl RunFolder {
     /// # Errors
     /// [`RunFolderError::Taken`] for anything else in the folder; [`RunFolderError::Output`] where
     /// another run writes in it or it cannot be made.
-    pub fn claim(path: &Path, hash: &str, resolved_toml: &str) -> Result<Self, RunFolderError> {
+    pub(crate) fn claim(path: &Path, hash: &str, resolved_toml: &str) -> Result<Self, RunFolderError> {
         let mut folder = Self::unlocked(path);
         if path == Path::new("-") {
             return Err(folder.taken("is stdout".to_owned()));
@@ -101,7 +101,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where another run writes in it, or the disk or the permissions refuse.
-    pub fn clear(path: &Path, may_go: impl Fn(&str) -> bool) -> Result<(), RunFolderError> {
+    pub(crate) fn clear(path: &Path, may_go: impl Fn(&str) -> bool) -> Result<(), RunFolderError> {
         if !Self::is_run(path) {
             return Ok(());
         }
@@ -116,7 +116,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it holds no run.
-    pub fn open(path: &Path) -> Result<Self, RunFolderError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, RunFolderError> {
         let folder = Self::unlocked(path);
         match folder.state()? {
             State::Run { .. } => Ok(folder),
@@ -129,17 +129,17 @@ impl RunFolder {
 
     /// Whether the folder holds nothing but a run of this program, finished or not: `demo` may
     /// replace it.
-    pub fn is_run(path: &Path) -> bool {
+    pub(crate) fn is_run(path: &Path) -> bool {
         matches!(Self::unlocked(path).state(), Ok(State::Run { .. }))
     }
 
     /// The folder's path.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// The files that lie in the folder itself.
-    pub fn files(&self) -> Vec<PathBuf> {
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
         let entries = std::fs::read_dir(&self.path).into_iter().flatten().filter_map(Result::ok);
         entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect()
     }
@@ -148,7 +148,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where the file cannot be read.
-    pub fn config_text(&self) -> Result<String, RunFolderError> {
+    pub(crate) fn config_text(&self) -> Result<String, RunFolderError> {
         self.read_text("run.toml")
     }
 
@@ -156,7 +156,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where the disk or the permissions refuse.
-    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), RunFolderError> {
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), RunFolderError> {
         Ok(files::replace(&self.path.join(name), bytes)?)
     }
 
@@ -164,7 +164,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be read.
-    pub fn read_text(&self, name: &str) -> Result<String, RunFolderError> {
+    pub(crate) fn read_text(&self, name: &str) -> Result<String, RunFolderError> {
         let path = self.path.join(name);
         std::fs::read_to_string(&path).map_err(|e| RunFolderError::Read { path, cause: e.to_string() })
     }

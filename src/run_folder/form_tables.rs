@@ -10,7 +10,7 @@ use crate::profile::Station;
 /// A row of `form.csv`: sizes and form of a section of the silhouette's hull over the angles of a
 /// pass.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FormRow {
+pub(crate) struct FormRow {
     /// Pass, from 1.
     pub pass: u32,
     /// Middle of the station, mm.
@@ -62,7 +62,7 @@ pub struct FormRow {
 
 impl FormRow {
     /// The row of a section; the common uncertainty at its z is that of `stations`.
-    pub fn new(pass: u32, s: &SectionForm, stations: &[Station]) -> Self {
+    pub(crate) fn new(pass: u32, s: &SectionForm, stations: &[Station]) -> Self {
         let lobes = |k: usize| s.harmonics.section.iter().find(|h| h.lobes == k).map(|h| h.amplitude_mm);
         let station = stations.iter().find(|station| (station.z_mm - s.z_mm).abs() < 1e-6);
         let [lsci_mm, mzci_mm, mici_mm, mcci_mm] = s.roundness_mm;
@@ -96,7 +96,7 @@ impl FormRow {
 
 /// A row of `part_form.csv`: the form of the whole part after a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PartFormRow {
+pub(crate) struct PartFormRow {
     /// Pass, from 1.
     pub pass: u32,
     /// Sections evaluated.
@@ -115,7 +115,7 @@ pub struct PartFormRow {
 
 impl PartFormRow {
     /// The row of a pass.
-    pub fn new(pass: u32, form: &PartForm) -> Self {
+    pub(crate) fn new(pass: u32, form: &PartForm) -> Self {
         Self {
             pass,
             sections: form.sections.len(),
@@ -133,7 +133,11 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where they cannot be written.
-    pub fn write_form(&self, sections: &[FormRow], parts: &[PartFormRow]) -> Result<(), RunFolderError> {
+    pub(crate) fn write_form(
+        &self,
+        sections: &[FormRow],
+        parts: &[PartFormRow],
+    ) -> Result<(), RunFolderError> {
         self.write_csv("form.csv", sections).and_then(|()| self.write_csv("part_form.csv", parts))
     }
 
@@ -141,7 +145,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where they cannot be read or parsed.
-    pub fn form(&self) -> Result<(Vec<FormRow>, Vec<PartFormRow>), RunFolderError> {
+    pub(crate) fn form(&self) -> Result<(Vec<FormRow>, Vec<PartFormRow>), RunFolderError> {
         Ok((self.read_csv("form.csv")?, self.read_csv("part_form.csv")?))
     }
 }

@@ -18,9 +18,9 @@ mod form_tables;
 mod parquet_file;
 mod tables;
 
-pub use axis_table::{AxisRow, axis_json};
-pub use control::{ControlRecord, PassRecord};
-pub use folder::{RunFolder, RunFolderError};
-pub use form_tables::{FormRow, PartFormRow};
-pub use parquet_file::{DiameterRow, TruthRow, read_diameters};
-pub use tables::{OffsetRow, PassRow, StationRow, TrueAxisRow, offset_of, profile_of};
+pub(crate) use axis_table::{AxisRow, axis_json};
+pub(crate) use control::{ControlRecord, PassRecord};
+pub(crate) use folder::{RunFolder, RunFolderError};
+pub(crate) use form_tables::{FormRow, PartFormRow};
+pub(crate) use parquet_file::{DiameterRow, TruthRow, read_diameters};
+pub(crate) use tables::{OffsetRow, PassRow, StationRow, TrueAxisRow, profile_of};

@@ -21,7 +21,7 @@ const TRUTH: &str = "message truth { REQUIRED BYTE_ARRAY run_id (UTF8); REQUIRED
 
 /// A row of `diameters.parquet`: the mean caliper diameter of a short z interval in one frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DiameterRow {
+pub(crate) struct DiameterRow {
     /// Pass, from 1.
     pub pass: u32,
     /// Frame it comes from.
@@ -44,7 +44,7 @@ pub struct DiameterRow {
 
 /// A row of `truth.parquet`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TruthRow {
+pub(crate) struct TruthRow {
     /// Pass, from 1.
     pub pass: u32,
     /// Middle of the station, mm.
@@ -66,7 +66,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be written.
-    pub fn write_diameters(&self, run_id: &str, rows: &[DiameterRow]) -> Result<(), RunFolderError> {
+    pub(crate) fn write_diameters(&self, run_id: &str, rows: &[DiameterRow]) -> Result<(), RunFolderError> {
         let text = |f: &dyn Fn(&DiameterRow) -> ByteArray| Column::Text(rows.iter().map(f).collect());
         let double = |f: &dyn Fn(&DiameterRow) -> f64| Column::Double(rows.iter().map(f).collect());
         let columns = [
@@ -88,7 +88,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be written.
-    pub fn write_truth(&self, run_id: &str, rows: &[TruthRow]) -> Result<(), RunFolderError> {
+    pub(crate) fn write_truth(&self, run_id: &str, rows: &[TruthRow]) -> Result<(), RunFolderError> {
         let columns = [
             Column::Text(rows.iter().map(|_| ByteArray::from(run_id)).collect()),
             Column::Int32(rows.iter().map(|r| r.pass.cast_signed()).collect()),
@@ -143,7 +143,7 @@ fn encode(schema: &str, columns: &[Column]) -> Result<Vec<u8>, parquet::errors::
 ///
 /// # Errors
 /// Where it cannot be read.
-pub fn read_diameters(folder: &RunFolder) -> Result<Vec<DiameterRow>, RunFolderError> {
+pub(crate) fn read_diameters(folder: &RunFolder) -> Result<Vec<DiameterRow>, RunFolderError> {
     let path = folder.path().join("diameters.parquet");
     if !path.exists() {
         return Ok(Vec::new());

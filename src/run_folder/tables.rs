@@ -4,12 +4,11 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::folder::{RunFolder, RunFolderError};
-use crate::plan::DiameterOffset;
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 
 /// A row of `passes.csv`: one finished pass. The `true_` columns are for comparison only.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PassRow {
+pub(crate) struct PassRow {
     /// Pass, from 1.
     pub pass: u32,
     /// Target diameter of the pass, mm.
@@ -53,7 +52,7 @@ pub struct PassRow {
 
 /// A row of `stations.csv`: one station as measured after a pass, and the truth beside it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StationRow {
+pub(crate) struct StationRow {
     /// Pass, from 1.
     pub pass: u32,
     /// Middle of the station, mm.
@@ -76,7 +75,7 @@ pub struct StationRow {
 
 impl StationRow {
     /// The row of a station.
-    pub fn new(pass: u32, station: &Station, true_d_mm: f64) -> Self {
+    pub(crate) fn new(pass: u32, station: &Station, true_d_mm: f64) -> Self {
         let value = station.reading.value();
         Self {
             pass,
@@ -94,7 +93,7 @@ impl StationRow {
     }
 
     /// The measured station, without the truth.
-    pub fn station(&self) -> Station {
+    pub(crate) fn station(&self) -> Station {
         let reading = match (self.d_mm, self.u_random_mm, self.u_common_mm) {
             (Some(d_mm), Some(u_random_mm), Some(u_common_mm)) => {
                 Reading::Value(Diameter { d_mm, u_random_mm, u_common_mm })
@@ -107,7 +106,7 @@ impl StationRow {
 
 /// A row of `offsets.csv`: the offset in force at a station in a pass.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct OffsetRow {
+pub(crate) struct OffsetRow {
     /// The pass the offset was cut with, from 1.
     pub pass: u32,
     /// Middle of the station, mm.
@@ -129,7 +128,7 @@ pub struct OffsetRow {
 /// A row of `truth_axis.csv`: the axis at a station in the frames of a pass (tool clear, or under
 /// the force of the cut); for comparison only.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TrueAxisRow {
+pub(crate) struct TrueAxisRow {
     /// Pass, from 1.
     pub pass: u32,
     /// Middle of the station, mm.
@@ -149,7 +148,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be written.
-    pub fn write_true_axis(&self, rows: &[TrueAxisRow]) -> Result<(), RunFolderError> {
+    pub(crate) fn write_true_axis(&self, rows: &[TrueAxisRow]) -> Result<(), RunFolderError> {
         self.write_csv("truth_axis.csv", rows)
     }
 
@@ -157,7 +156,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be read or parsed.
-    pub fn true_axis(&self) -> Result<Vec<TrueAxisRow>, RunFolderError> {
+    pub(crate) fn true_axis(&self) -> Result<Vec<TrueAxisRow>, RunFolderError> {
         self.read_csv("truth_axis.csv")
     }
 
@@ -165,7 +164,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be written.
-    pub fn write_passes(&self, rows: &[PassRow]) -> Result<(), RunFolderError> {
+    pub(crate) fn write_passes(&self, rows: &[PassRow]) -> Result<(), RunFolderError> {
         self.write_csv("passes.csv", rows)
     }
 
@@ -173,7 +172,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be read or parsed.
-    pub fn passes(&self) -> Result<Vec<PassRow>, RunFolderError> {
+    pub(crate) fn passes(&self) -> Result<Vec<PassRow>, RunFolderError> {
         self.read_csv("passes.csv")
     }
 
@@ -181,7 +180,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be written.
-    pub fn write_stations(&self, rows: &[StationRow]) -> Result<(), RunFolderError> {
+    pub(crate) fn write_stations(&self, rows: &[StationRow]) -> Result<(), RunFolderError> {
         self.write_csv("stations.csv", rows)
     }
 
@@ -189,7 +188,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be read or parsed.
-    pub fn stations(&self) -> Result<Vec<StationRow>, RunFolderError> {
+    pub(crate) fn stations(&self) -> Result<Vec<StationRow>, RunFolderError> {
         self.read_csv("stations.csv")
     }
 
@@ -197,7 +196,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be written.
-    pub fn write_offsets(&self, rows: &[OffsetRow]) -> Result<(), RunFolderError> {
+    pub(crate) fn write_offsets(&self, rows: &[OffsetRow]) -> Result<(), RunFolderError> {
         self.write_csv("offsets.csv", rows)
     }
 
@@ -205,7 +204,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// Where it cannot be read or parsed.
-    pub fn offsets(&self) -> Result<Vec<OffsetRow>, RunFolderError> {
+    pub(crate) fn offsets(&self) -> Result<Vec<OffsetRow>, RunFolderError> {
         self.read_csv("offsets.csv")
     }
 
@@ -233,14 +232,9 @@ impl RunFolder {
 }
 
 /// The measured profile of a pass from its rows.
-pub fn profile_of(pass: u32, rows: &[StationRow]) -> DiameterProfile {
+pub(crate) fn profile_of(pass: u32, rows: &[StationRow]) -> DiameterProfile {
     DiameterProfile {
         pass,
         stations: rows.iter().filter(|r| r.pass == pass).map(StationRow::station).collect(),
     }
-}
-
-/// The offsets of a pass from its rows.
-pub fn offset_of(pass: u32, rows: &[OffsetRow]) -> DiameterOffset {
-    DiameterOffset { o_mm: rows.iter().filter(|r| r.pass == pass).map(|r| r.offset_mm).collect() }
 }

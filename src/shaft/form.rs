@@ -204,7 +204,7 @@ pub struct ShaftForm {
 impl ShaftForm {
     /// The first key that describes a finished part rather than how a plain shaft lies in the
     /// machine: what a turning pass would cut away.
-    pub fn finished_key(&self) -> Option<&'static str> {
+    pub(crate) fn finished_key(&self) -> Option<&'static str> {
         let keys = [
             (!self.contour.is_empty(), "shaft.contour"),
             (!self.threads.is_empty(), "shaft.threads"),

@@ -11,12 +11,13 @@
 //! [`Features`], a table in [`form`], and its place in `render::form` and `render::silhouette`.
 
 mod body;
-pub mod form;
+pub(crate) mod form;
 
-pub use body::{
-    AxialWave, AxisKnot, Eccentricity, Features, Flat, Helix, HelixPiece, Keyway, Lobe, Pose, ProfileKnot,
-    Shaft, SpindleHarmonic, SpindleMotion, SurfaceTexture,
+pub(crate) use body::{
+    AxialWave, AxisKnot, Eccentricity, Features, Flat, Helix, HelixPiece, Keyway, Pose, SpindleHarmonic,
+    SpindleMotion, SurfaceTexture,
 };
-pub use form::{
+pub use body::{Lobe, ProfileKnot, Shaft};
+pub(crate) use form::{
     Bow, ContourPoint, Deflection, FeedMarks, ShaftForm, TextureForm, TextureSpectrum, Thermal, Thread,
 };

@@ -58,7 +58,7 @@ fn format(bytes: &[u8]) -> Option<Format> {
 
 /// Offsets at which the frames of a file begin, for [`Wanted::place`]: the pages of a TIFF without
 /// thumbnails and masks, the images of a PGM stream; one place in every other file.
-pub fn pages(bytes: &[u8]) -> Vec<u64> {
+pub(crate) fn pages(bytes: &[u8]) -> Vec<u64> {
     let places = match format(bytes) {
         Some(Format::Tiff) => tiff::pages(bytes),
         Some(Format::Pnm) => pnm::pages(bytes),

@@ -91,7 +91,7 @@ pub struct StoredFrame {
 
 /// Images of a folder in the order of the numbers in their names.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Listing {
+pub(crate) struct Listing {
     /// The images.
     pub images: Vec<PathBuf>,
     /// Two names whose alphabetical order is reversed (`img10`, `img2`), where there are any.
@@ -102,7 +102,7 @@ pub struct Listing {
 ///
 /// # Errors
 /// As [`listing`].
-pub fn list_images(path: &Path) -> Result<Vec<PathBuf>, ReadError> {
+pub(crate) fn list_images(path: &Path) -> Result<Vec<PathBuf>, ReadError> {
     listing(path).map(|l| l.images)
 }
 
@@ -111,7 +111,7 @@ pub fn list_images(path: &Path) -> Result<Vec<PathBuf>, ReadError> {
 ///
 /// # Errors
 /// Where the path cannot be read or the folder holds no image.
-pub fn listing(path: &Path) -> Result<Listing, ReadError> {
+pub(crate) fn listing(path: &Path) -> Result<Listing, ReadError> {
     let io = |cause| ReadError::Io { path: path.display().to_string(), cause };
     let kind = fs::metadata(path).map_err(io)?;
     if !kind.is_dir() {
@@ -130,7 +130,7 @@ pub fn listing(path: &Path) -> Result<Listing, ReadError> {
 }
 
 /// The first two neighbours of a list that natural order reverses.
-pub fn out_of_order(images: &[PathBuf]) -> Option<(String, String)> {
+pub(crate) fn out_of_order(images: &[PathBuf]) -> Option<(String, String)> {
     let pair = images.windows(2).find(|pair| natural(&name(&pair[0]), &name(&pair[1])).is_gt())?;
     Some((name(&pair[0]), name(&pair[1])))
 }

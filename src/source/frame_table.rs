@@ -24,7 +24,7 @@ pub struct TableError {
 
 /// One row of `frames.csv`; an empty field is 0 or `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct FrameInfo {
+pub(crate) struct FrameInfo {
     /// Name of the frame: the file's stem.
     pub frame: String,
     /// Start of exposure, ns.
@@ -45,7 +45,7 @@ pub struct FrameInfo {
 
 /// `frames.csv`, by frame.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct FrameTable {
+pub(crate) struct FrameTable {
     /// The file.
     pub path: PathBuf,
     rows: HashMap<String, FrameInfo>,
@@ -60,7 +60,7 @@ impl FrameTable {
     ///
     /// # Errors
     /// Where the file cannot be read or parsed.
-    pub fn read(path: &Path) -> Result<Self, TableError> {
+    pub(crate) fn read(path: &Path) -> Result<Self, TableError> {
         let refuse = |what: String| TableError { path: path.to_owned(), row: None, what };
         let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
         let text = text(&bytes).map_err(refuse)?;
@@ -118,12 +118,12 @@ impl FrameTable {
     }
 
     /// Whether it has no rows.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
     /// The row of a frame; names that are numbers match by value.
-    pub fn of(&self, stem: &str) -> Option<&FrameInfo> {
+    pub(crate) fn of(&self, stem: &str) -> Option<&FrameInfo> {
         self.rows.get(&key(stem))
     }
 

@@ -27,10 +27,10 @@ mod scale;
 mod tiff;
 mod transfer;
 
-pub use decode::{Decoded, Wanted, decode, decode_wanted, pages};
-pub use error::DecodeError;
-pub use folder::{FileFrames, Listing, ReadError, StoredFrame, list_images, listing, out_of_order};
-pub use frame_table::{FrameInfo, FrameTable, TableError};
-pub use natural_order::natural;
-pub use raster::Channel;
-pub use scale::{FileScale, SAME_SCALE, Trust};
+pub use decode::{Wanted, decode, decode_wanted};
+#[cfg(test)]
+pub(crate) use error::DecodeError;
+pub use folder::FileFrames;
+pub(crate) use folder::{StoredFrame, list_images, listing, out_of_order};
+pub(crate) use raster::Channel;
+pub(crate) use scale::{FileScale, SAME_SCALE};

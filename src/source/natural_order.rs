@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 /// Compares runs of digits by their value, of any length, and everything else byte by byte; names
 /// that differ only in leading zeros are in alphabetical order.
-pub fn natural(a: &str, b: &str) -> Ordering {
+pub(crate) fn natural(a: &str, b: &str) -> Ordering {
     let (mut left, mut right) = (a.as_bytes(), b.as_bytes());
     while let ([x, ..], [y, ..]) = (left, right) {
         if x.is_ascii_digit() && y.is_ascii_digit() {

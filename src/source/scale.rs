@@ -13,7 +13,7 @@ const INCH_UM: f64 = 25_400.0;
 /// Relative difference above which two scales disagree. The diameter has the same relative error as
 /// the scale: 0.1 % of 20 mm is 20 µm, and the rounding of writers (whole pixels per metre,
 /// hundredths of a dot per inch) is smaller.
-pub const SAME_SCALE: f64 = 1e-3;
+pub(crate) const SAME_SCALE: f64 = 1e-3;
 
 /// Meaning of a file's scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +70,7 @@ impl FileScale {
     ///
     /// # Errors
     /// Why there is none: a screen's resolution, or pixels that are not square.
-    pub fn of_object(&self) -> Result<f64, String> {
+    pub(crate) fn of_object(&self) -> Result<f64, String> {
         let [x, y] = self.um_per_px;
         if self.trust == Trust::Screen {
             return Err(format!(
@@ -92,7 +92,7 @@ impl FileScale {
     ///
     /// # Errors
     /// Names both.
-    pub fn check(&self, used_um_per_px: f64, used: &str) -> Result<(), String> {
+    pub(crate) fn check(&self, used_um_per_px: f64, used: &str) -> Result<(), String> {
         let [x, y] = self.um_per_px;
         let is_used = |own: f64| agree(own, used_um_per_px, self.rounding);
         if self.trust != Trust::Object || (is_used(x) && is_used(y)) {
@@ -106,7 +106,7 @@ impl FileScale {
     }
 
     /// Relative difference of a scale in use.
-    pub fn departure(&self, used_um_per_px: f64) -> f64 {
+    pub(crate) fn departure(&self, used_um_per_px: f64) -> f64 {
         self.um_per_px.map(|own| (own / used_um_per_px - 1.0).abs()).into_iter().fold(0.0, f64::max)
     }
 

@@ -20,7 +20,7 @@ pub(super) const ALLOWED_UM: f64 = 1.0;
 
 /// Result for one kind of contamination.
 #[derive(Clone, Debug, Serialize)]
-pub struct KindResult {
+pub(crate) struct KindResult {
     /// The kind.
     #[serde(rename = "matter")]
     pub contaminant: Contaminant,
@@ -42,7 +42,7 @@ pub struct KindResult {
 
 /// A point of a curve: an effect and how it was handled.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct CurvePoint {
+pub(crate) struct CurvePoint {
     /// Size of the effect, µm (height) or mm (half length).
     pub size: f64,
     /// Frames in which a station became a gap, as a share.
@@ -55,7 +55,7 @@ pub struct CurvePoint {
 
 /// The study.
 #[derive(Clone, Debug, Serialize)]
-pub struct ContaminationStudy {
+pub(crate) struct ContaminationStudy {
     /// Seed of the first frame.
     pub seed: u64,
     /// By kind of contamination.
@@ -75,7 +75,7 @@ pub struct ContaminationStudy {
 /// Why the study cannot run.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
-pub enum StudyError {
+pub(crate) enum StudyError {
     /// A frame cannot be drawn.
     Draw(#[from] DrawError),
     /// The gauge refuses its settings.
@@ -84,12 +84,12 @@ pub enum StudyError {
 
 impl ContaminationStudy {
     /// Harmful frames of all kinds.
-    pub fn harmful(&self) -> usize {
+    pub(crate) fn harmful(&self) -> usize {
         self.kinds.iter().map(|k| k.harmful).sum()
     }
 
     /// Mishandled frames of all kinds.
-    pub fn mishandled(&self) -> usize {
+    pub(crate) fn mishandled(&self) -> usize {
         self.kinds.iter().map(|k| k.mishandled).sum()
     }
 }
@@ -252,7 +252,7 @@ fn clean(pair: &Pair, frames: usize, seed: u64) -> Result<(usize, f64), DrawErro
 ///
 /// # Errors
 /// Where the gauge refuses its settings or a frame cannot be drawn.
-pub fn run(
+pub(crate) fn run(
     settings: &GaugeSettings,
     frames: usize,
     clean_frames: usize,

@@ -17,7 +17,7 @@ const CONFIDENCE: f64 = 0.95;
 
 /// A controller that is compared: one of these, or a program.
 #[derive(Clone, Copy)]
-pub enum Contestant<'a> {
+pub(crate) enum Contestant<'a> {
     /// Of `[control]`.
     Own(ControllerName),
     /// In another program.
@@ -25,7 +25,7 @@ pub enum Contestant<'a> {
 }
 
 /// A program that decides offsets, by the protocol of [`crate::control::external`].
-pub trait ControllerProgram {
+pub(crate) trait ControllerProgram {
     /// Its name in tables.
     fn name(&self) -> &str;
 
@@ -48,7 +48,7 @@ impl Contestant<'_> {
     }
 
     /// Its name in tables.
-    pub fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         match self {
             Self::Own(name) => name.as_str(),
             Self::Program(program) => program.name(),
@@ -72,7 +72,7 @@ impl Contestant<'_> {
 
 /// One pass of one shaft under one controller.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PassError {
+pub(crate) struct PassError {
     /// Controller.
     pub controller: String,
     /// Seed of the shaft.
@@ -91,7 +91,7 @@ pub struct PassError {
 
 /// Errors of one pass over the shafts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PassSummary {
+pub(crate) struct PassSummary {
     /// Pass, from 1.
     pub pass: u32,
     /// Mean over the shafts of the largest true error, mm.
@@ -108,7 +108,7 @@ pub struct PassSummary {
 
 /// One controller.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ControllerSummary {
+pub(crate) struct ControllerSummary {
     /// Its name.
     pub controller: String,
     /// The command of a program; none for a controller of `[control]`.
@@ -122,7 +122,7 @@ pub struct ControllerSummary {
 
 /// The study.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ControllerStudy {
+pub(crate) struct ControllerStudy {
     /// Shafts turned by every controller.
     pub shafts: usize,
     /// By controller.
@@ -137,7 +137,7 @@ pub struct ControllerStudy {
 ///
 /// # Errors
 /// Where a job does not fit together, the renderer, the gauge or a program fails.
-pub fn run(
+pub(crate) fn run(
     job: &Job,
     controllers: &[Contestant<'_>],
     shafts: usize,

@@ -12,7 +12,7 @@ use crate::setting::{SettingError, positive, require};
 /// What to study: a shaft and how it is held.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct DeflectionConfig {
+pub(crate) struct DeflectionConfig {
     /// Name, for reports.
     #[serde(default)]
     pub name: String,
@@ -26,7 +26,7 @@ pub struct DeflectionConfig {
 /// The shaft's shape.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct BeamPart {
+pub(crate) struct BeamPart {
     /// Length from the chuck face to the tailstock, mm.
     pub length_mm: f64,
     /// Diameter, mm.
@@ -43,7 +43,7 @@ pub struct BeamPart {
 /// A step of the shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Step {
+pub(crate) struct Step {
     /// From, mm.
     pub from_mm: f64,
     /// To, mm.
@@ -55,7 +55,7 @@ pub struct Step {
 /// Why a study is refused.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
-pub enum DeflectionError {
+pub(crate) enum DeflectionError {
     /// A setting of the process or of the part.
     #[error(transparent)]
     Settings(#[from] SettingError),
@@ -71,7 +71,7 @@ pub enum DeflectionError {
 
 /// Deflection at a position of the load.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Deflection {
+pub(crate) struct Deflection {
     /// Position of the load, mm from the chuck face.
     pub z_mm: f64,
     /// Radial deflection at the load per newton, mm/N.
@@ -80,7 +80,7 @@ pub struct Deflection {
 
 /// Result of the study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct DeflectionStudy {
+pub(crate) struct DeflectionStudy {
     /// The requested positions.
     pub positions: Vec<Deflection>,
     /// The position of the largest deflection.
@@ -92,7 +92,7 @@ impl DeflectionConfig {
     ///
     /// # Errors
     /// A value out of range, or steps that overlap or leave the shaft.
-    pub fn shaft(&self) -> Result<SteppedShaft, DeflectionError> {
+    pub(crate) fn shaft(&self) -> Result<SteppedShaft, DeflectionError> {
         self.process.validate()?;
         let material = self.process.material.resolve()?;
         let part = &self.part;
@@ -124,7 +124,7 @@ impl DeflectionConfig {
     ///
     /// # Errors
     /// As [`Self::shaft`], and a position outside the shaft.
-    pub fn run(&self, at_mm: &[f64]) -> Result<DeflectionStudy, DeflectionError> {
+    pub(crate) fn run(&self, at_mm: &[f64]) -> Result<DeflectionStudy, DeflectionError> {
         let shaft = self.shaft()?;
         let length_mm = self.part.length_mm;
         if let Some(&z_mm) = at_mm.iter().find(|z| !(0.0..=length_mm).contains(*z)) {

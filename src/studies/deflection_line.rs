@@ -16,7 +16,7 @@ const STATIONS: usize = 20;
 
 /// A shaft before its first pass.
 #[derive(Clone, Debug)]
-pub struct LineCase {
+pub(crate) struct LineCase {
     /// The process.
     pub process: ProcessSettings,
     /// The blank.
@@ -33,7 +33,7 @@ pub struct LineCase {
 
 /// The axis at a station, µm along x (up in the image) and y (towards the camera).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LineRow {
+pub(crate) struct LineRow {
     /// Machine z, mm.
     pub z_mm: f64,
     /// Self weight.
@@ -66,7 +66,7 @@ pub struct LineRow {
 
 /// The lines with the tool at a place.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LineStudy {
+pub(crate) struct LineStudy {
     /// Machine z of the tool, mm; `None` with the tool clear.
     pub tool_z_mm: Option<f64>,
     /// Force there, N.
@@ -85,7 +85,7 @@ impl LineCase {
     ///
     /// # Errors
     /// Where the process refuses its settings or the pass.
-    pub fn run(&self, tool_z_mm: Option<f64>) -> Result<LineStudy, ProcessError> {
+    pub(crate) fn run(&self, tool_z_mm: Option<f64>) -> Result<LineStudy, ProcessError> {
         let process = TurningProcess::new(&self.process, self.stock, &self.form, self.seed)?;
         let plan = PassPlan {
             pass: 1,

@@ -18,13 +18,13 @@ use crate::render::contamination::{
 };
 
 /// Rows of a frame.
-pub const ROWS: usize = 1024;
+pub(crate) const ROWS: usize = 1024;
 /// Columns of a frame.
-pub const COLUMNS: usize = 512;
+pub(crate) const COLUMNS: usize = 512;
 /// Pixel on the object, µm.
-pub const PIXEL_UM: f64 = 15.0;
+pub(crate) const PIXEL_UM: f64 = 15.0;
 /// Columns of a station, 0.96 mm.
-pub const STATION: usize = 64;
+pub(crate) const STATION: usize = 64;
 /// Blur, px.
 const SIGMA_PX: f64 = 1.0;
 /// Levels of shadow and light, counts; electrons per count and read noise.
@@ -38,7 +38,7 @@ const TEXTURE_UM: (f64, f64) = (0.35, 1500.0);
 /// Kinds of contamination.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Contaminant {
+pub(crate) enum Contaminant {
     /// Droplets on the protective window, which stay.
     WindowDroplets,
     /// Droplets in flight.
@@ -59,7 +59,7 @@ pub enum Contaminant {
 
 impl Contaminant {
     /// All kinds.
-    pub const KINDS: [Self; 8] = [
+    pub(crate) const KINDS: [Self; 8] = [
         Self::WindowDroplets,
         Self::AirDroplets,
         Self::Chips,
@@ -103,7 +103,7 @@ impl Contaminant {
 
 /// A bump on one edge that turns with the shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bump {
+pub(crate) struct Bump {
     /// Column of its middle.
     pub column: f64,
     /// Half its length along the shaft, columns.
@@ -123,7 +123,7 @@ impl Bump {
 
 /// A piece of shaft: the rows of its edges and the generator's state for the noise.
 #[derive(Clone, Debug)]
-pub struct Piece {
+pub(crate) struct Piece {
     top: Vec<f64>,
     bottom: Vec<f64>,
     seed: u64,
@@ -132,7 +132,7 @@ pub struct Piece {
 /// Why a frame could not be drawn.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
-pub enum DrawError {
+pub(crate) enum DrawError {
     /// The contamination's settings.
     Render(#[from] RenderError),
     /// The frame's size.
@@ -141,7 +141,7 @@ pub enum DrawError {
 
 impl Piece {
     /// Draws a piece: diameter, place, tilt, taper and texture by the seed.
-    pub fn draw(seed: u64) -> Self {
+    pub(crate) fn draw(seed: u64) -> Self {
         let mut random = Pcg64::seed_from_u64(seed);
         let mut within = |low: f64, high: f64| -> f64 {
             // The ranges below are not empty.
@@ -164,7 +164,7 @@ impl Piece {
 
     /// The same piece with bumps on its edges.
     #[must_use]
-    pub fn with_bumps(&self, bumps: &[Bump]) -> Self {
+    pub(crate) fn with_bumps(&self, bumps: &[Bump]) -> Self {
         let mut raised = self.clone();
         for bump in bumps {
             let line = if bump.upper { &mut raised.top } else { &mut raised.bottom };
@@ -175,7 +175,7 @@ impl Piece {
     }
 
     /// True edges of a column, rows.
-    pub fn edges(&self, column: usize) -> (f64, f64) {
+    pub(crate) fn edges(&self, column: usize) -> (f64, f64) {
         (self.top[column], self.bottom[column])
     }
 
@@ -183,7 +183,7 @@ impl Piece {
     ///
     /// # Errors
     /// Where the frame is refused.
-    pub fn frame(&self, map: Option<&TransmissionMap>) -> Result<Frame, DrawError> {
+    pub(crate) fn frame(&self, map: Option<&TransmissionMap>) -> Result<Frame, DrawError> {
         let mut random = Pcg64::seed_from_u64(self.seed ^ 0x006e_6f69_7365);
         let mut pixels = vec![0_u8; ROWS * COLUMNS];
         for (row, line) in pixels.chunks_exact_mut(COLUMNS).enumerate() {
@@ -204,7 +204,7 @@ impl Piece {
     ///
     /// # Errors
     /// Where the contamination cannot be drawn.
-    pub fn dirty(&self, contaminant: Contaminant) -> Result<Frame, DrawError> {
+    pub(crate) fn dirty(&self, contaminant: Contaminant) -> Result<Frame, DrawError> {
         let settings = contaminant.settings();
         if contaminant == Contaminant::Films {
             return self.with_bumps(&self.short_films()).frame(None);

@@ -11,7 +11,6 @@ use thiserror::Error;
 
 use super::deflection::{BeamPart, DeflectionConfig, DeflectionError};
 use crate::numerics::line::Line;
-use crate::plan::CuttingData;
 use crate::process::fit::{Estimate, FitError, ForcePoint, fit_power_law};
 use crate::process::stepped::SteppedShaft;
 use crate::process::{PowerLaw, ProcessSettings, geometry};
@@ -19,7 +18,7 @@ use crate::process::{PowerLaw, ProcessSettings, geometry};
 /// The variable of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Factor {
+pub(crate) enum Factor {
     /// Depth of cut, mm.
     DepthMm,
     /// Cutting speed, m/min.
@@ -30,7 +29,7 @@ pub enum Factor {
 
 impl Factor {
     /// Label of an axis.
-    pub fn label(self) -> &'static str {
+    pub(crate) fn label(self) -> &'static str {
         match self {
             Self::DepthMm => "depth of cut / mm",
             Self::SpeedMPerMin => "cutting speed / (m/min)",
@@ -42,7 +41,7 @@ impl Factor {
 /// A study of single factors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct FactorConfig {
+pub(crate) struct FactorConfig {
     /// Name, for reports.
     #[serde(default)]
     pub name: String,
@@ -65,7 +64,7 @@ fn default_confidence() -> f64 {
 /// One series: a factor varies, the others are constant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct SeriesConfig {
+pub(crate) struct SeriesConfig {
     /// Name, for tables and plots.
     pub name: String,
     /// What varies.
@@ -104,7 +103,7 @@ fn default_feed() -> f64 {
 /// Why a study is refused.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum FactorError {
+pub(crate) enum FactorError {
     /// The shaft.
     #[error(transparent)]
     Beam(#[from] DeflectionError),
@@ -128,7 +127,7 @@ pub enum FactorError {
 
 /// One value of a factor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FactorRow {
+pub(crate) struct FactorRow {
     /// Value of the factor.
     pub value: f64,
     /// Radial force used, N.
@@ -149,7 +148,7 @@ pub struct FactorRow {
 
 /// A finished series.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FactorSeries {
+pub(crate) struct FactorSeries {
     /// Name.
     pub name: String,
     /// What varies.
@@ -167,7 +166,7 @@ pub struct FactorSeries {
 
 /// A finished study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FactorStudy {
+pub(crate) struct FactorStudy {
     /// Name.
     pub name: String,
     /// Where the largest error lies, mm from the chuck face.
@@ -186,7 +185,7 @@ impl FactorConfig {
     ///
     /// # Errors
     /// A shaft or a series that is refused.
-    pub fn run(&self) -> Result<FactorStudy, FactorError> {
+    pub(crate) fn run(&self) -> Result<FactorStudy, FactorError> {
         if self.series.is_empty() {
             return Err(FactorError::Config(
                 "series: there is none; give one [[series]] at least".to_owned(),
@@ -326,10 +325,5 @@ impl SeriesConfig {
             ForcePoint { force_n, ..point }
         };
         self.values.iter().enumerate().map(at).collect()
-    }
-
-    /// Cutting data of the series where nothing varies.
-    pub fn cutting(&self) -> CuttingData {
-        CuttingData { speed_m_per_min: self.speed_m_per_min, feed_mm_per_rev: self.feed_mm_per_rev }
     }
 }

@@ -12,10 +12,10 @@ use crate::truth::true_edges;
 
 /// Largest edge-equivalent shift, px: a thousandth of a pixel is the smallest contribution to the
 /// gauge's uncertainty.
-pub const SHIFT_LIMIT_PX: f64 = 0.001;
+pub(crate) const SHIFT_LIMIT_PX: f64 = 0.001;
 
 /// Name and `case.toml` of every golden frame.
-pub const CASES: [(&str, &str); 13] = [
+pub(crate) const CASES: [(&str, &str); 13] = [
     ("bent_turning", include_str!("../../golden/bent_turning/case.toml")),
     ("dirty_window", include_str!("../../golden/dirty_window/case.toml")),
     ("faint_contrast", include_str!("../../golden/faint_contrast/case.toml")),
@@ -34,8 +34,7 @@ pub const CASES: [(&str, &str); 13] = [
 /// The keys of a `case.toml`; missing ones have the defaults of a config.
 #[derive(Clone, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
-#[expect(missing_docs, reason = "the keys of a config, where they are documented")]
-pub struct GoldenCase {
+pub(crate) struct GoldenCase {
     pub diameter_mm: f64,
     pub taper_deg: f64,
     pub length_mm: f64,
@@ -74,7 +73,7 @@ impl GoldenCase {
     ///
     /// # Errors
     /// When its optics or its shaft are refused.
-    pub fn scene(&self) -> Result<Scene, RenderError> {
+    pub(crate) fn scene(&self) -> Result<Scene, RenderError> {
         let settings = SetupSettings {
             camera: self.camera.clone(),
             optics: self.optics.clone(),
@@ -90,7 +89,7 @@ impl GoldenCase {
     }
 
     /// The request for its frame: 16 bit.
-    pub fn request(&self) -> FrameRequest {
+    pub(crate) fn request(&self) -> FrameRequest {
         FrameRequest {
             z_mm: self.z_mm,
             angle_deg: self.angle_deg,
@@ -118,7 +117,7 @@ impl GoldenCase {
 
 /// Differences between two frames of one scene.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct FrameDifference {
+pub(crate) struct FrameDifference {
     /// Largest |difference|, 16-bit counts.
     pub worst_counts: f64,
     /// Its limit: the difference that a shift of [`SHIFT_LIMIT_PX`] causes at the steepest edge,
@@ -135,7 +134,7 @@ impl FrameDifference {
     /// Compares two frames of `columns` columns, 16-bit counts, row-major and equally large.
     /// `edges_px` are the true rows (top, bottom) of every column, `contrast` the counts between
     /// shadow and light.
-    pub fn of(
+    pub(crate) fn of(
         test: &[u16],
         judge: &[u16],
         columns: usize,
@@ -163,12 +162,12 @@ impl FrameDifference {
     }
 
     /// Whether the grey values lie within their limit.
-    pub fn counts_agree(&self) -> bool {
+    pub(crate) fn counts_agree(&self) -> bool {
         self.worst_counts <= self.limit_counts
     }
 
     /// Whether the edges lie within [`SHIFT_LIMIT_PX`].
-    pub fn edges_agree(&self) -> bool {
+    pub(crate) fn edges_agree(&self) -> bool {
         self.worst_shift_px <= SHIFT_LIMIT_PX && self.mean_shift_px <= SHIFT_LIMIT_PX
     }
 }
@@ -183,7 +182,11 @@ fn steepest(pixels: &[u16], columns: usize) -> f64 {
 ///
 /// # Errors
 /// When the case is refused or a device fails.
-pub fn compare(case: &GoldenCase, test: &Renderer, judge: &Renderer) -> Result<FrameDifference, RenderError> {
+pub(crate) fn compare(
+    case: &GoldenCase,
+    test: &Renderer,
+    judge: &Renderer,
+) -> Result<FrameDifference, RenderError> {
     let (scene, request) = (case.scene()?, case.request());
     let frames = [test, judge].map(|renderer| renderer.render(&scene, &request, None));
     let [a, b] = frames;

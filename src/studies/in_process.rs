@@ -11,7 +11,7 @@ use crate::render::Renderer;
 
 /// One pass under one way of scanning.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct InProcessRow {
+pub(crate) struct InProcessRow {
     /// `after_pass`, `during_cut` or `during_cut, within_pass`.
     pub way: &'static str,
     /// Pass, from 1.
@@ -49,7 +49,7 @@ const WAYS: [(&str, ScanWhen, bool); 3] = [
 ///
 /// # Errors
 /// The first setting that is refused.
-pub fn check(job: &Job) -> Result<(), crate::setting::SettingError> {
+pub(crate) fn check(job: &Job) -> Result<(), crate::setting::SettingError> {
     WAYS.iter().try_for_each(|way| {
         let one = variant(job, way);
         one.check()?;
@@ -72,7 +72,7 @@ fn variant(job: &Job, &(_, when, within): &(&str, ScanWhen, bool)) -> Job {
 ///
 /// # Errors
 /// Where a job does not fit together, the renderer or the gauge fails.
-pub fn run(
+pub(crate) fn run(
     job: &Job,
     renderer: &Renderer,
     done: &mut dyn FnMut(&InProcessRow),

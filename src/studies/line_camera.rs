@@ -24,7 +24,7 @@ use crate::truth;
 /// Number of positions of the part within a pixel.
 const PLACES: usize = 16;
 /// Readings of a block.
-pub const BLOCK: usize = 256;
+pub(crate) const BLOCK: usize = 256;
 /// Half the distance between the lines of a difference quotient, px.
 const STEP_PX: f64 = 0.01;
 /// Readings after which a stream pools as many as it retains.
@@ -35,7 +35,7 @@ const MOST_STEP_PX: f64 = 3.0;
 
 /// Why a study cannot be run.
 #[derive(Debug, Error)]
-pub enum LineCameraError {
+pub(crate) enum LineCameraError {
     /// The job.
     #[error(transparent)]
     Setting(#[from] SettingError),
@@ -52,7 +52,7 @@ pub enum LineCameraError {
 
 /// Results of the readings, measured in one way.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LineCameraRow {
+pub(crate) struct LineCameraRow {
     /// `one_by_one` or `blocks`.
     pub way: &'static str,
     /// Readings measured.
@@ -120,7 +120,7 @@ impl Sums {
 ///
 /// # Errors
 /// The first setting that is refused.
-pub fn check(job: &Job) -> Result<(), SettingError> {
+pub(crate) fn check(job: &Job) -> Result<(), SettingError> {
     job.check()?;
     match job.camera.line {
         Some(_) => Ok(()),
@@ -134,7 +134,11 @@ pub fn check(job: &Job) -> Result<(), SettingError> {
 ///
 /// # Errors
 /// Where nothing can be drawn or measured.
-pub fn run(job: &Job, readings: usize, renderer: &Renderer) -> Result<Vec<LineCameraRow>, LineCameraError> {
+pub(crate) fn run(
+    job: &Job,
+    readings: usize,
+    renderer: &Renderer,
+) -> Result<Vec<LineCameraRow>, LineCameraError> {
     let setup = OpticalSetup::resolve(&job.setup_settings(), job.seed)?;
     let step_mm = setup.pixel_mm / PLACES as f64;
     let scenes = (0..PLACES).map(|k| scene_at(job, &setup, step_mm * k as f64));

@@ -7,23 +7,23 @@
 //! rows and verdicts of a paper's figures. A new study is a file or folder here with the
 //! computation, and a command in `cli/study` with its output.
 
-pub mod calibration;
-pub mod contamination;
-pub mod controllers;
-pub mod coverage;
-pub mod deflection;
-pub mod deflection_line;
-pub mod dirty_frames;
-pub mod factor;
-pub mod golden_cases;
-pub mod in_process;
-pub mod limits;
-pub mod line_camera;
+pub(crate) mod calibration;
+pub(crate) mod contamination;
+pub(crate) mod controllers;
+pub(crate) mod coverage;
+pub(crate) mod deflection;
+pub(crate) mod deflection_line;
+pub(crate) mod dirty_frames;
+pub(crate) mod factor;
+pub(crate) mod golden_cases;
+pub(crate) mod in_process;
+pub(crate) mod limits;
+pub(crate) mod line_camera;
 pub mod optimize;
-pub mod parts;
-pub mod reproduce_000;
-pub mod reproduce_003;
-pub mod reproduction;
-pub mod stability;
-pub mod uncertainty;
-pub mod washers;
+pub(crate) mod parts;
+pub(crate) mod reproduce_000;
+pub(crate) mod reproduce_003;
+pub(crate) mod reproduction;
+pub(crate) mod stability;
+pub(crate) mod uncertainty;
+pub(crate) mod washers;

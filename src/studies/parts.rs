@@ -19,7 +19,7 @@ const D2: f64 = std::f64::consts::FRAC_2_SQRT_PI;
 
 /// The batch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Batch {
+pub(crate) struct Batch {
     /// Parts to turn.
     pub parts: u32,
     /// A new insert every so many parts; 0 for never.
@@ -30,7 +30,7 @@ pub struct Batch {
 
 impl Batch {
     /// The event before a part (from 1).
-    pub fn event(&self, part: u32) -> PartEvent {
+    pub(crate) fn event(&self, part: u32) -> PartEvent {
         if self.cold_at.contains(&part) {
             PartEvent::ColdStart
         } else if part > 1 && self.insert_every > 0 && (part - 1).is_multiple_of(self.insert_every) {
@@ -43,7 +43,7 @@ impl Batch {
 
 /// One pass of one part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PartPass {
+pub(crate) struct PartPass {
     /// Offsets were learnt from earlier parts.
     pub learning: bool,
     /// Part, from 1.
@@ -64,7 +64,7 @@ pub struct PartPass {
 
 /// Individuals chart of the finished parts' mean deviations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Individuals {
+pub(crate) struct Individuals {
     /// x̄, mm.
     pub centre_mm: f64,
     /// 3·R̄/d₂, mm.
@@ -77,7 +77,7 @@ pub struct Individuals {
 
 /// One way of turning the batch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BatchSummary {
+pub(crate) struct BatchSummary {
     /// Offsets were learnt from earlier parts.
     pub learning: bool,
     /// Mean over parts 2 and later of the largest true error after the first pass, mm.
@@ -92,7 +92,7 @@ pub struct BatchSummary {
 
 /// The study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PartsStudy {
+pub(crate) struct PartsStudy {
     /// The controller of the loop from pass to pass.
     pub controller: String,
     /// The batch.
@@ -108,7 +108,7 @@ pub struct PartsStudy {
 ///
 /// # Errors
 /// Where the job does not fit together, the renderer or the gauge fails.
-pub fn run(
+pub(crate) fn run(
     job: &Job,
     batch: &Batch,
     renderer: &Renderer,
@@ -197,7 +197,7 @@ fn summary(job: &Job, learning: bool, passes: &[PartPass]) -> BatchSummary {
 }
 
 /// The individuals chart of values in order, and Ppk against limits.
-pub fn individuals(values_mm: &[f64], limits_mm: Option<(f64, f64)>) -> Individuals {
+pub(crate) fn individuals(values_mm: &[f64], limits_mm: Option<(f64, f64)>) -> Individuals {
     let n = values_mm.len() as f64;
     let centre_mm = values_mm.iter().sum::<f64>() / n;
     let ranges = values_mm.windows(2).map(|w| (w[1] - w[0]).abs());

@@ -1,6 +1,6 @@
 //! Paper 000: least-squares compensation of a single shaft through macro variables.
 
-pub mod experiment;
+pub(crate) mod experiment;
 
 use super::reproduction::{Accept, Row};
 use crate::control::fit;
@@ -9,7 +9,7 @@ use crate::plan::CuttingData;
 
 /// Inputs of the paper's rows.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Inputs {
+pub(crate) struct Inputs {
     /// Errors at x = 1/6 … 1, in `unit_mm`. The paper's table is lost: these are the smoothest
     /// values, to one decimal, that give its a and b.
     pub error: Vec<f64>,
@@ -56,7 +56,7 @@ impl Default for Inputs {
 /// Inputs that no row can be computed from.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{0}")]
-pub struct InputError(String);
+pub(crate) struct InputError(String);
 
 /// Six significant digits are printed.
 const DIGITS: f64 = 5e-6;
@@ -68,7 +68,7 @@ pub(crate) const CHANGE: f64 = 0.20;
 ///
 /// # Errors
 /// Other than six finite errors, a unit that is not positive, or diameters that are not finite.
-pub fn line(inputs: &Inputs) -> Result<LineFit, InputError> {
+pub(crate) fn line(inputs: &Inputs) -> Result<LineFit, InputError> {
     if inputs.error.len() != 6 || inputs.error.iter().any(|e| !e.is_finite()) {
         let text = format!("six finite errors at x = 1/6 to 1 are needed, {} were given", inputs.error.len());
         return Err(InputError(text));
@@ -89,7 +89,7 @@ fn positions() -> Vec<f64> {
 ///
 /// # Errors
 /// As [`line()`].
-pub fn run(inputs: &Inputs) -> Result<Vec<Row>, InputError> {
+pub(crate) fn run(inputs: &Inputs) -> Result<Vec<Row>, InputError> {
     let line = line(inputs)?;
     let x = positions();
     let settings = NcSettings::default();

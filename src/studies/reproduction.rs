@@ -18,7 +18,7 @@ use serde::Serialize;
 /// Verdict on one of a paper's figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub(crate) enum Verdict {
     /// A prediction that was not fitted to the figure agrees with it.
     Reproduced,
     /// A fit to the figure, an identity of the paper's equations or an unchanged input agrees with
@@ -37,7 +37,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// All, in the order of a summary.
-    pub const ALL: [Self; 6] = [
+    pub(crate) const ALL: [Self; 6] = [
         Self::Reproduced,
         Self::Consistent,
         Self::Contradiction,
@@ -47,7 +47,7 @@ impl Verdict {
     ];
 
     /// The verdict in words.
-    pub fn words(self) -> &'static str {
+    pub(crate) fn words(self) -> &'static str {
         match self {
             Self::Reproduced => "reproduced",
             Self::Consistent => "consistent",
@@ -62,7 +62,7 @@ impl Verdict {
 /// The basis of ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Basis {
+pub(crate) enum Basis {
     /// A model whose constants were not fitted to the figure.
     Prediction,
     /// Constants fitted to the figure, an identity of the paper's equations, or an input.
@@ -75,7 +75,7 @@ pub enum Basis {
 
 /// The range accepted for ours.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Accept {
+pub(crate) enum Accept {
     /// The paper's figure ± this share of it.
     Relative(f64),
     /// The paper's figure ± this value.
@@ -87,7 +87,7 @@ pub enum Accept {
 
 /// A figure of the paper beside ours.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// Its place in the paper, dotted.
     pub id: String,
     /// Its description.
@@ -119,7 +119,7 @@ pub struct Row {
 /// A figure that is known not to be reproduced: by how much, and why. A different miss is not a
 /// known one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KnownMiss {
+pub(crate) struct KnownMiss {
     /// The row.
     pub id: &'static str,
     /// Ours, in the row's unit; the miss is the known one within 5 % of the largest of it, the
@@ -158,7 +158,7 @@ impl Row {
     }
 
     /// A prediction that was not fitted to the paper's figure, or, without one, to its statement.
-    pub fn predicted(
+    pub(crate) fn predicted(
         names: (&str, &str, &str),
         paper: Option<f64>,
         ours: f64,
@@ -169,7 +169,7 @@ impl Row {
     }
 
     /// A fit to the figure, an identity, or an input.
-    pub fn in_sample(
+    pub(crate) fn in_sample(
         names: (&str, &str, &str),
         paper: Option<f64>,
         ours: f64,
@@ -180,13 +180,13 @@ impl Row {
     }
 
     /// An identity of the paper's equations: ours should be zero to `limit`.
-    pub fn identity(names: (&str, &str, &str), ours: f64, limit: f64, reason: &str) -> Self {
+    pub(crate) fn identity(names: (&str, &str, &str), ours: f64, limit: f64, reason: &str) -> Self {
         Self::in_sample(names, Some(0.0), ours, Accept::Absolute(limit), reason)
     }
 
     /// One of the paper's figures against the value from its other figures and equations. `ours`
     /// must contain no constant of ours.
-    pub fn printed(
+    pub(crate) fn printed(
         names: (&str, &str, &str),
         paper: Option<f64>,
         ours: f64,
@@ -197,13 +197,13 @@ impl Row {
     }
 
     /// A figure that the paper does not have.
-    pub fn ours(names: (&str, &str, &str), ours: f64, reason: impl Into<String>) -> Self {
+    pub(crate) fn ours(names: (&str, &str, &str), ours: f64, reason: impl Into<String>) -> Self {
         Self::new(names, None, ours, (Basis::Ours, None), reason)
     }
 
     /// The data that the row needs from the paper, each with whether the paper has it.
     #[must_use]
-    pub fn needs(mut self, data: &[(&str, bool)]) -> Self {
+    pub(crate) fn needs(mut self, data: &[(&str, bool)]) -> Self {
         let missing: Vec<&str> = data.iter().filter(|(_, given)| !given).map(|(name, _)| *name).collect();
         self.missing = (!missing.is_empty()).then(|| missing.join(", "));
         self.verdict = self.judged();
@@ -211,13 +211,13 @@ impl Row {
     }
 
     /// Whether ours lies in the accepted range; `None` where nothing is compared.
-    pub fn inside(&self) -> Option<bool> {
+    pub(crate) fn inside(&self) -> Option<bool> {
         let (from, to) = self.accepted_from.zip(self.accepted_to)?;
         Some(self.ours >= from && self.ours <= to)
     }
 
     /// The verdict that follows from the other fields.
-    pub fn judged(&self) -> Verdict {
+    pub(crate) fn judged(&self) -> Verdict {
         if self.missing.is_some() {
             return Verdict::Undetermined;
         }
@@ -232,7 +232,7 @@ impl Row {
     }
 
     /// Whether a figure is missed without a known reason.
-    pub fn is_unexplained_miss(&self) -> bool {
+    pub(crate) fn is_unexplained_miss(&self) -> bool {
         self.verdict == Verdict::NotReproduced && self.known_miss.is_none()
     }
 }
@@ -251,7 +251,7 @@ impl Accept {
 const SAME_MISS: f64 = 0.05;
 
 /// Adds the known reasons to the rows that miss.
-pub fn explain(rows: &mut [Row], known: &[KnownMiss]) {
+pub(crate) fn explain(rows: &mut [Row], known: &[KnownMiss]) {
     for row in rows.iter_mut().filter(|row| row.verdict == Verdict::NotReproduced) {
         let size = row.difference.unwrap_or(0.0).abs().max(row.paper.unwrap_or(0.0).abs());
         let reason = known

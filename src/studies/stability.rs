@@ -9,14 +9,14 @@ use crate::control::stability::{
 use crate::control::{ControlSettings, ControllerName, OffsetForm, assess, describe, transfer};
 
 /// Error-transfer plant of paper 003, Fig. 11: e(k+1) = 1.3566 e(k) − g u(k).
-pub const ERROR_TRANSFER: Plant = Plant::Transfer { alpha: 1.3566 };
+pub(crate) const ERROR_TRANSFER: Plant = Plant::Transfer { alpha: 1.3566 };
 /// Gains at which the spectral radius is plotted, in units of 0.01.
 const DRAWN: std::ops::RangeInclusive<u32> = 1..=240;
 const DRAWN_STEP: f64 = 0.01;
 
 /// A run-to-run limit under delay.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DelayLimit {
+pub(crate) struct DelayLimit {
     /// Passes between a cut and its measurement's effect, beyond the next.
     pub delay: usize,
     /// Largest stable λ·b/b̂.
@@ -27,7 +27,7 @@ pub struct DelayLimit {
 
 /// Spectral radius over the plant gain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Locus {
+pub(crate) struct Locus {
     /// Controller.
     pub controller: String,
     /// (g, spectral radius) with error copying.
@@ -38,7 +38,7 @@ pub struct Locus {
 
 /// The study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct StabilityStudy {
+pub(crate) struct StabilityStudy {
     /// Every controller with every plant at the configured gain.
     pub loops: Vec<StabilityReport>,
     /// Run-to-run limits under delay.
@@ -51,7 +51,7 @@ pub struct StabilityStudy {
 }
 
 /// Runs the study for the gains in `settings`, every controller in turn, PID in both forms.
-pub fn run(settings: &ControlSettings, station_z_mm: &[f64]) -> StabilityStudy {
+pub(crate) fn run(settings: &ControlSettings, station_z_mm: &[f64]) -> StabilityStudy {
     let variants = variants(settings);
     let plants = [Plant::Constant, Plant::Copying, ERROR_TRANSFER];
     let loops =

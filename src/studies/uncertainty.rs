@@ -16,7 +16,7 @@ use crate::gauge::monte_carlo::{
 /// The part under study: a reading of its diameter and the calibration that converts it to
 /// millimetres.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PartView {
+pub(crate) struct PartView {
     reading: WidthReading,
     /// Its budget: the rows of the study.
     budget: Budget,
@@ -28,7 +28,7 @@ impl PartView {
     /// diameter under the conditions.
     ///
     /// `None` for a calibration without an optical setup, and a part that does not fit the field.
-    pub fn of_diameter(
+    pub(crate) fn of_diameter(
         diameter_mm: f64,
         like: &WidthReading,
         calibration: &Calibration,
@@ -56,16 +56,6 @@ impl PartView {
         let budget = reading.budget(calibration, conditions);
         Some(Self { reading, budget })
     }
-
-    /// The rows of `measure --budget` for it.
-    pub fn budget(&self) -> &Budget {
-        &self.budget
-    }
-
-    /// Rows of its edges, px.
-    pub fn rows_px(&self) -> (f64, f64) {
-        self.reading.rows_px
-    }
 }
 
 /// Halvings of the rows' range: a range of thousands of px is reduced to 1e-14 px.
@@ -73,7 +63,7 @@ const BISECTIONS: usize = 60;
 
 /// Number of trials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Trials {
+pub(crate) enum Trials {
     /// A fixed number.
     Fixed(usize),
     /// Until the figures are stable to a fifth of the numerical tolerance, at most this number.
@@ -82,7 +72,7 @@ pub enum Trials {
 
 /// A source's contribution, inputs of one kind together.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Source {
+pub(crate) struct Source {
     /// The source.
     pub name: String,
     /// Inputs of its kind.
@@ -93,7 +83,7 @@ pub struct Source {
 
 /// Both results side by side.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Uncertainty {
+pub(crate) struct Uncertainty {
     /// By the law of propagation, mm.
     pub y_mm: f64,
     /// Its standard uncertainty, mm.
@@ -110,7 +100,7 @@ pub struct Uncertainty {
 }
 
 /// Probability of the intervals.
-pub const PROBABILITY: f64 = 0.95;
+pub(crate) const PROBABILITY: f64 = 0.95;
 
 /// Diameter at 20 °C as a function of all inputs.
 struct Model<'a> {
@@ -190,7 +180,7 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
 
 /// Number of trials of a Monte Carlo, and the seed.
 #[derive(Clone, Copy, Debug)]
-pub struct Draws {
+pub(crate) struct Draws {
     /// Their number.
     pub trials: Trials,
     /// Seed.
@@ -199,7 +189,7 @@ pub struct Draws {
 
 /// Propagates the distributions of all inputs of a diameter; `None` where the masters do not
 /// determine the optical setup.
-pub fn uncertainty(
+pub(crate) fn uncertainty(
     calibration: &Calibration,
     adjustment: &Adjustment,
     part: &PartView,

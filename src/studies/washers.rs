@@ -26,13 +26,13 @@ use crate::gauge::ring::{EdgeCircle, RingError, RingMeasurement, RingSettings, m
 use crate::numerics::robust::{MEDIAN_TO_SD, central_median};
 
 /// Outer and inner.
-pub type Pair = [f64; 2];
+pub(crate) type Pair = [f64; 2];
 /// Names of a pair.
-pub const SIDES: [&str; 2] = ["outer", "inner"];
+pub(crate) const SIDES: [&str; 2] = ["outer", "inner"];
 /// Grey value at which the simple method places the edge.
-pub const LEVEL: f64 = 130.0;
+pub(crate) const LEVEL: f64 = 130.0;
 /// Diameters of common styli, mm.
-pub const BALLS_MM: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 5.0];
+pub(crate) const BALLS_MM: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 5.0];
 const RAYS: usize = 3600;
 /// Bootstrap samples: about 60 lie beyond either end of an interval, so that its tail probability
 /// is accurate to an eighth (binomial).
@@ -45,7 +45,7 @@ const OUTLIER: f64 = 3.0;
 
 /// A part: its image and its tactile diameters.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub(crate) struct Part {
     /// File name.
     pub name: String,
     /// The image.
@@ -57,7 +57,7 @@ pub struct Part {
 /// Why the study cannot be run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum WashersError {
+pub(crate) enum WashersError {
     /// Too few parts to leave one out.
     #[error("{0} parts; at least 4 are needed to leave one out")]
     TooFew(usize),
@@ -84,7 +84,7 @@ pub enum WashersError {
 
 /// One method on all parts.
 #[derive(Clone, Debug, Serialize)]
-pub struct MethodFigures {
+pub(crate) struct MethodFigures {
     /// The method and its quantity.
     pub name: String,
     /// Diameters, px.
@@ -103,7 +103,7 @@ pub struct MethodFigures {
 
 /// A part that departs.
 #[derive(Clone, Debug, Serialize)]
-pub struct Outlier {
+pub(crate) struct Outlier {
     /// Index of the part.
     pub part: usize,
     /// Its file.
@@ -117,7 +117,7 @@ pub struct Outlier {
 /// The bootstrap's verdict on the gauge and the simple method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub(crate) enum Verdict {
     /// The interval of the difference contains zero.
     NoDifference,
     /// The gauge's spread is smaller.
@@ -128,7 +128,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// In words.
-    pub fn word(self) -> &'static str {
+    pub(crate) fn word(self) -> &'static str {
         match self {
             Self::NoDifference => "no difference",
             Self::Better => "ours is better",
@@ -139,7 +139,7 @@ impl Verdict {
 
 /// A spread of the gauge beside the simple method's, on parts that were not used for the scale.
 #[derive(Clone, Debug, Serialize)]
-pub struct Comparison {
+pub(crate) struct Comparison {
     /// 0 outer, 1 inner.
     pub side: usize,
     /// `sd` or `robust sd`.
@@ -157,7 +157,7 @@ pub struct Comparison {
 
 /// The study.
 #[derive(Clone, Debug, Serialize)]
-pub struct WashersStudy {
+pub(crate) struct WashersStudy {
     /// Files.
     pub names: Vec<String>,
     /// The gauge, with the outline as traced by the ball of ISO 12181-2.
@@ -179,7 +179,7 @@ pub struct WashersStudy {
 
 impl WashersStudy {
     /// Figures in which the gauge is worse than the simple method by the bootstrap.
-    pub fn misses(&self) -> Vec<String> {
+    pub(crate) fn misses(&self) -> Vec<String> {
         self.comparisons
             .iter()
             .filter(|c| c.verdict == Verdict::Worse)
@@ -197,7 +197,7 @@ impl WashersStudy {
 ///
 /// # Errors
 /// Too few parts, or one that is not measured.
-pub fn washers(parts: &[Part]) -> Result<WashersStudy, WashersError> {
+pub(crate) fn washers(parts: &[Part]) -> Result<WashersStudy, WashersError> {
     if parts.len() < 4 {
         return Err(WashersError::TooFew(parts.len()));
     }

@@ -8,7 +8,7 @@ use shadowgauge::render::contamination::{ContaminationField, FieldGeometry, Rise
 use shadowgauge::render::reference::{GaussianReference, StraightReference};
 use shadowgauge::render::settings::Esf;
 use shadowgauge::render::{FrameRequest, Renderer, Scene};
-pub use shadowgauge::studies::golden_cases::{FrameDifference, GoldenCase, SHIFT_LIMIT_PX};
+pub(crate) use shadowgauge::studies::golden_cases::{FrameDifference, GoldenCase, SHIFT_LIMIT_PX};
 
 /// Truth of a golden frame.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -14,7 +14,7 @@ use crate::cli::failure::{CommandResult, Outcome};
 
 /// Arguments of `doctor`.
 #[derive(Debug, clap::Args)]
-pub struct DoctorArgs {
+pub(crate) struct DoctorArgs {
     /// Print the findings as JSON.
     #[arg(long)]
     json: bool,
@@ -64,7 +64,7 @@ struct Missing {
 ///
 /// # Errors
 /// Only those of `--gpu-check`.
-pub fn run(args: &DoctorArgs) -> CommandResult {
+pub(crate) fn run(args: &DoctorArgs) -> CommandResult {
     if args.gpu_check {
         return gpu_check::run(args.backend, args.frames as usize, args.json);
     }

@@ -4,7 +4,7 @@ use crate::gauge::{Rejection, Which};
 
 /// The part in the frame.
 #[derive(Debug, clap::Args)]
-pub struct ChoiceArgs {
+pub(crate) struct ChoiceArgs {
     /// Which of several shadows is measured: largest, nearest-centre, outermost (from the first
     /// edge to the last: the walls of a tube) or N, counted from the top. Without it the largest,
     /// across a bright line inside it; two equal shadows that may be one tube are refused.
@@ -43,23 +43,23 @@ fn rejection(text: &str) -> Result<Rejection, String> {
 
 impl ChoiceArgs {
     /// The shadow stated.
-    pub fn which(&self) -> Option<Which> {
+    pub(crate) fn which(&self) -> Option<Which> {
         self.which
     }
 
     /// The rejection stated, otherwise the gauge's default.
-    pub fn rejection(&self) -> Rejection {
+    pub(crate) fn rejection(&self) -> Rejection {
         self.rejection.unwrap_or_default()
     }
 
     /// Whether a frame that is refused for its outline is measured again as crests and roots: not
     /// where the rejection is stated.
-    pub fn tries_crests(&self) -> bool {
+    pub(crate) fn tries_crests(&self) -> bool {
         self.rejection.is_none()
     }
 
     /// The option that is given, if any.
-    pub fn given(&self) -> Option<&'static str> {
+    pub(crate) fn given(&self) -> Option<&'static str> {
         [(self.which.is_some(), "--which"), (self.rejection.is_some(), "--rejection")]
             .into_iter()
             .find_map(|(given, name)| given.then_some(name))

@@ -9,7 +9,7 @@ use crate::job::sampled_edge;
 use crate::render::optics::edge_spread::MeasuredEdge;
 
 /// Whether a model is in µm and needs a scale.
-pub fn needs_scale(text: &str) -> bool {
+pub(crate) fn needs_scale(text: &str) -> bool {
     matches!(Path::new(text).extension().and_then(|e| e.to_str()), Some("csv" | "json"))
 }
 
@@ -19,7 +19,7 @@ pub fn needs_scale(text: &str) -> bool {
 /// # Errors
 /// Exit 2 for an unknown name, a file in µm without a scale, or one that is not an edge; 3 for one
 /// that cannot be read.
-pub fn esf_model(text: &str, um_per_px: Option<f64>) -> Result<EsfModel, Failure> {
+pub(crate) fn esf_model(text: &str, um_per_px: Option<f64>) -> Result<EsfModel, Failure> {
     match text {
         "gaussian" => return Ok(EsfModel::Gaussian {}),
         "learnt" => return Ok(EsfModel::Learnt {}),

@@ -15,7 +15,7 @@ const NOMINAL_SCALE: f64 = 0.01;
 
 /// Arguments that say how files are read.
 #[derive(Debug, Default, clap::Args)]
-pub struct FrameArgs {
+pub(crate) struct FrameArgs {
     /// Channel of colour images that is measured; without it red, green and blue must be equal.
     #[arg(long, value_enum, value_name = "r|g|b", hide_possible_values = true)]
     channel: Option<Channel>,
@@ -27,7 +27,7 @@ pub struct FrameArgs {
 
 /// `--um-per-px`: a scale, or the files' own.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ScaleArgument {
+pub(crate) enum ScaleArgument {
     /// µm per pixel.
     Given(f64),
     /// The scale in `frames.csv` or in the file's own tags.
@@ -38,7 +38,7 @@ pub enum ScaleArgument {
 ///
 /// # Errors
 /// An argument that is not a scale: the message gives the valid values.
-pub fn scale_argument(text: &str) -> Result<ScaleArgument, String> {
+pub(crate) fn scale_argument(text: &str) -> Result<ScaleArgument, String> {
     if text == "file" {
         return Ok(ScaleArgument::File);
     }
@@ -53,7 +53,7 @@ pub fn scale_argument(text: &str) -> Result<ScaleArgument, String> {
 ///
 /// # Errors
 /// An input that cannot be read, a folder without images.
-pub fn paths(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+pub(crate) fn paths(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut paths = Vec::new();
     for input in inputs {
         let listed = listing(input).map_err(Failure::fail)?;
@@ -80,7 +80,7 @@ pub fn paths(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 ///
 /// # Errors
 /// Where no file states a scale of the object.
-pub fn scale_of_files(args: &FrameArgs, paths: &[PathBuf]) -> Result<f64, Failure> {
+pub(crate) fn scale_of_files(args: &FrameArgs, paths: &[PathBuf]) -> Result<f64, Failure> {
     let mut source = FileFrames::new(paths.to_vec()).of_channel(args.channel);
     let mut first_error = None;
     while let Some(stem) = source.next_stem() {
@@ -99,7 +99,7 @@ fn own_scale(stored: &StoredFrame) -> Result<f64, String> {
 }
 
 /// The frames of a command, one after another.
-pub struct Frames<'a> {
+pub(crate) struct Frames<'a> {
     source: FileFrames,
     args: &'a FrameArgs,
     calibration: Option<&'a Calibration>,
@@ -110,7 +110,7 @@ pub struct Frames<'a> {
 impl<'a> Frames<'a> {
     /// Frames of these files, to be measured by this calibration; `scale` is the command line's
     /// own.
-    pub fn new(
+    pub(crate) fn new(
         paths: Vec<PathBuf>,
         args: &'a FrameArgs,
         calibration: Option<&'a Calibration>,
@@ -121,7 +121,7 @@ impl<'a> Frames<'a> {
     }
 
     /// The next frame with its name, or why it cannot be read.
-    pub fn next_frame(&mut self) -> Option<(String, Result<Frame, String>)> {
+    pub(crate) fn next_frame(&mut self) -> Option<(String, Result<Frame, String>)> {
         let stem = self.source.next_stem()?;
         let read = self.source.next_stored()?;
         for notice in self.source.take_notices() {

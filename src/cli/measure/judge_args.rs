@@ -6,7 +6,7 @@ use crate::measurement::MeasureSettings;
 
 /// What is stated of diameters.
 #[derive(Debug, clap::Args)]
-pub struct JudgeArgs {
+pub(crate) struct JudgeArgs {
     /// Tolerance of the part as on its drawing: "25 h6", "Ø25 ±0.01", "25 0/-0.013", "24.987..25",
     /// with (E) or (GN) where --turn is given; exit code 1 unless every value is proven good: each
     /// frame's largest diameter, its local sizes (means over about 65 columns, or over the stations
@@ -81,7 +81,7 @@ fn averaging(text: &str) -> Result<Averaging, String> {
 
 impl JudgeArgs {
     /// Whether anything here needs millimetres.
-    pub fn needs_scale(&self) -> Option<&'static str> {
+    pub(crate) fn needs_scale(&self) -> Option<&'static str> {
         [
             (self.tolerance.is_some(), "--tolerance"),
             (self.station_mm.is_some(), "--station-mm"),
@@ -95,7 +95,7 @@ impl JudgeArgs {
     }
 
     /// The settings stated here.
-    pub fn settings(&self) -> MeasureSettings {
+    pub(crate) fn settings(&self) -> MeasureSettings {
         MeasureSettings {
             stretch_columns: self.stretch_columns,
             stretch_mm: self.stretch_mm,

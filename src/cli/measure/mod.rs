@@ -11,7 +11,7 @@ mod edges_file;
 pub(super) mod esf_argument;
 mod frames;
 mod judge_args;
-pub mod ring;
+pub(crate) mod ring;
 mod statistics;
 mod table;
 mod timing;
@@ -46,7 +46,7 @@ use crate::profile::Reason;
 
 /// Arguments of `shadowgauge measure`.
 #[derive(Debug, clap::Args)]
-pub struct MeasureArgs {
+pub(crate) struct MeasureArgs {
     /// Images, stacks or folders of images (grey PNG, TIFF, JPEG, BMP, PGM), in this order; a
     /// folder's by the numbers in their names.
     #[arg(required = true)]
@@ -191,7 +191,7 @@ impl MeasureArgs {
 ///
 /// # Errors
 /// Exit 2 for settings out of range; 3 for unreadable files and where no frame can be measured.
-pub fn run(args: &MeasureArgs) -> CommandResult {
+pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     let paths = paths(&args.input)?;
     let calibration = calibration(args, &paths)?;
     let conditions = stated_conditions(args, calibration.as_ref())?;

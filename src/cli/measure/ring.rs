@@ -16,7 +16,7 @@ use crate::measurement::ring::NamedRing;
 ///
 /// # Errors
 /// Settings out of range (exit 2); no frame that could be measured (exit 3).
-pub fn run(
+pub(crate) fn run(
     frames: impl IntoIterator<Item = (String, Frame)>,
     settings: &RingSettings,
     calibration: Option<(&Calibration, &Conditions)>,

@@ -31,7 +31,7 @@ fn axis_words(axis: &Value) -> String {
 }
 
 /// The part's form as a table of text.
-pub fn turn_table(turn: &Value) -> String {
+pub(crate) fn turn_table(turn: &Value) -> String {
     let um = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| format!("{:.3}", 1e3 * x));
     let mut text = format!(
         "\nform over the turn, of {}\n{}\n{:>10} {:>11} {:>9} {:>11} {:>11} {:>9} {:>8} {:>8} {:>8} {:>8}\n",

@@ -5,13 +5,13 @@ use serde_json::Value;
 use crate::gauge::stated::stated;
 
 /// The stretch of a largest diameter: its first and last column.
-pub fn stretch_text(figures: &Value) -> String {
+pub(crate) fn stretch_text(figures: &Value) -> String {
     let columns = figures["max_stretch_px"].as_array();
     columns.map_or_else(|| "-".to_owned(), |c| format!("{}..{}", c[0], c[1]))
 }
 
 /// A frame's judgement and the value that decided it.
-pub fn judged_by(figures: &Value) -> String {
+pub(crate) fn judged_by(figures: &Value) -> String {
     let Some(judgement) = figures.get("judgement") else { return String::new() };
     let judged = &figures["judged"];
     let what = judged["what"].as_str().unwrap_or("frame");

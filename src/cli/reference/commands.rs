@@ -13,7 +13,7 @@ print more on stderr, `--version` the version.
 ";
 
 /// The page.
-pub fn page(program: &Command) -> String {
+pub(crate) fn page(program: &Command) -> String {
     let mut text = START.to_owned();
     for command in program.get_subcommands().filter(|c| !c.is_hide_set()) {
         section(command, program.get_name(), &mut text);

@@ -22,7 +22,7 @@ is optional or has a table of defaults.
 ";
 
 /// The page; `ranges` by dotted key of a job.
-pub fn page(files: &[ConfigFile], ranges: &BTreeMap<String, String>) -> String {
+pub(crate) fn page(files: &[ConfigFile], ranges: &BTreeMap<String, String>) -> String {
     let mut page = ConfigPage { text: START.to_owned(), ..ConfigPage::default() };
     for file in files {
         page.ranges = if file.name == "job" { ranges.clone() } else { BTreeMap::new() };

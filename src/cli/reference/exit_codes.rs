@@ -13,7 +13,7 @@ What a script may rely on. Data stand on stdout, words on stderr.
 ";
 
 /// The page.
-pub fn page() -> String {
+pub(crate) fn page() -> String {
     let rows = EXIT_CODES.iter().map(|(code, meaning)| format!("| {code} | {meaning} |\n"));
     START.to_owned() + &rows.collect::<String>()
 }

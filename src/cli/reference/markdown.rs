@@ -1,7 +1,7 @@
 //! Markdown: cells of tables, anchors of headings.
 
 /// Text for a cell of a table: one line, without what Markdown would take for a border or a tag.
-pub fn cell(text: &str) -> String {
+pub(crate) fn cell(text: &str) -> String {
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|");
     let outside_code = |(k, part): (usize, &str)| match k % 2 {
         0 => part.replace('<', "&lt;").replace('[', "\\["),
@@ -11,12 +11,12 @@ pub fn cell(text: &str) -> String {
 }
 
 /// A row of a table.
-pub fn row<const N: usize>(cells: [String; N]) -> String {
+pub(crate) fn row<const N: usize>(cells: [String; N]) -> String {
     format!("| {} |\n", cells.join(" | "))
 }
 
 /// The anchor of a heading that occurs once.
-pub fn anchor(heading: &str) -> String {
+pub(crate) fn anchor(heading: &str) -> String {
     let kept = heading.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
     kept.collect::<String>().to_lowercase().replace(' ', "-")
 }

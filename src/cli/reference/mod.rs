@@ -19,7 +19,7 @@ use crate::files::{OutputFile, make_folder};
 
 /// Arguments of `reference`.
 #[derive(Debug, clap::Args)]
-pub struct ReferenceArgs {
+pub(crate) struct ReferenceArgs {
     /// Folder of the pages.
     #[arg(long, value_name = "DIR", default_value = "docs/reference")]
     out: PathBuf,
@@ -35,7 +35,7 @@ pub struct Page {
 }
 
 /// All pages, for the command line of `program`.
-pub fn pages(program: &clap::Command) -> Vec<Page> {
+pub(crate) fn pages(program: &clap::Command) -> Vec<Page> {
     let schemas = schemas::all();
     let page = |name: &str, text: String| Page { name: name.to_owned(), text };
     let mut pages = vec![
@@ -51,7 +51,7 @@ pub fn pages(program: &clap::Command) -> Vec<Page> {
 ///
 /// # Errors
 /// Exit 3 where the folder cannot be written.
-pub fn run(arguments: &ReferenceArgs, program: &clap::Command) -> CommandResult {
+pub(crate) fn run(arguments: &ReferenceArgs, program: &clap::Command) -> CommandResult {
     make_folder(&arguments.out)?;
     for page in pages(program) {
         OutputFile::claim(&arguments.out.join(&page.name), [])?.write(page.text.as_bytes())?;

@@ -15,7 +15,7 @@ const PRESETS: [&str; 2] = [config::SLENDER_SHAFT, include_str!("../../../config
 const PROBES: [i64; 2] = [-1_000_000, 0];
 
 /// Ranges by dotted key, without the indices of arrays.
-pub fn of_job() -> BTreeMap<String, String> {
+pub(crate) fn of_job() -> BTreeMap<String, String> {
     let presets = PRESETS.iter().filter_map(|text| config::parse(text, "preset").ok());
     let mut ranges = BTreeMap::new();
     for start in presets.filter_map(|job| Value::try_from(job).ok()) {

@@ -12,7 +12,7 @@ use crate::studies::optimize::OptimizeConfig;
 use crate::studies::reproduce_003::Inputs;
 
 /// A kind of config file.
-pub struct ConfigFile {
+pub(crate) struct ConfigFile {
     /// Name of its schema's file, before `.schema.json`.
     pub name: &'static str,
     /// Which file it is and which command reads it.
@@ -23,13 +23,13 @@ pub struct ConfigFile {
 
 impl ConfigFile {
     /// The schema as a file's text.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         serde_json::to_string_pretty(&self.schema).unwrap_or_default() + "\n"
     }
 }
 
 /// All kinds, jobs first.
-pub fn all() -> Vec<ConfigFile> {
+pub(crate) fn all() -> Vec<ConfigFile> {
     let of = |name, title, schema| ConfigFile { name, title, schema };
     vec![
         of("job", "A job (`run`, `render`, most studies)", schema_for!(Job)),

@@ -11,7 +11,7 @@ use crate::shaft::ProfileKnot;
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
-pub struct RenderArgs {
+pub(crate) struct RenderArgs {
     /// The job whose shaft is drawn, or a calibration with [simulate], whose fields and pins are.
     #[arg(required_unless_present = "gallery")]
     pub(super) config: Option<PathBuf>,

@@ -22,7 +22,7 @@ use crate::truth;
 /// # Errors
 /// Exit 2 for a plan, a command line or a folder that is refused; 3 for a device or a disk that
 /// fails.
-pub fn run(args: &RenderArgs, file: &Path) -> CommandResult {
+pub(crate) fn run(args: &RenderArgs, file: &Path) -> CommandResult {
     let LoadedPlan { plan, text, .. } = calibration_plan::load(file, Date::of(SystemTime::now()))?;
     if plan.simulate.is_none() {
         return Err(

@@ -10,7 +10,7 @@ use crate::frame::{Frame, FrameView, PixelFormat, Pixels};
 
 /// Container of rendered frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum FileFormat {
+pub(crate) enum FileFormat {
     /// 16-bit grey PNG; 12-bit counts stand unshifted.
     #[default]
     Png16,
@@ -24,7 +24,7 @@ pub enum FileFormat {
 
 impl FileFormat {
     /// Extension without the dot.
-    pub fn extension(self) -> &'static str {
+    pub(crate) fn extension(self) -> &'static str {
         match self {
             Self::Png16 | Self::Png8 => "png",
             Self::Tiff16 | Self::F32 => "tif",
@@ -32,7 +32,7 @@ impl FileFormat {
     }
 
     /// Pixel format to render in, given the sensor's own.
-    pub fn pixel_format(self, sensor: PixelFormat) -> PixelFormat {
+    pub(crate) fn pixel_format(self, sensor: PixelFormat) -> PixelFormat {
         match (self, sensor) {
             (Self::F32, _) => PixelFormat::F32,
             (Self::Png8, _) => PixelFormat::Mono8,
@@ -46,7 +46,7 @@ impl FileFormat {
 ///
 /// # Errors
 /// When the encoder refuses it.
-pub fn encode_mask(view: &FrameView<'_>, mask: &[u8], um_per_px: f64) -> Result<Vec<u8>, IoError> {
+pub(crate) fn encode_mask(view: &FrameView<'_>, mask: &[u8], um_per_px: f64) -> Result<Vec<u8>, IoError> {
     write_png(view.columns(), view.rows(), png::BitDepth::Eight, mask, um_per_px)
 }
 
@@ -54,7 +54,7 @@ pub fn encode_mask(view: &FrameView<'_>, mask: &[u8], um_per_px: f64) -> Result<
 ///
 /// # Errors
 /// When the encoder refuses it.
-pub fn write_grey(columns: usize, grey: &[u8]) -> Result<Vec<u8>, IoError> {
+pub(crate) fn write_grey(columns: usize, grey: &[u8]) -> Result<Vec<u8>, IoError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, columns as u32, (grey.len() / columns.max(1)) as u32);
     encoder.set_color(png::ColorType::Grayscale);
@@ -71,7 +71,7 @@ const PREVIEW_COLUMNS: usize = 1224;
 ///
 /// # Errors
 /// When an encoder refuses the frame.
-pub fn encode(frame: &Frame, format: FileFormat, um_per_px: f64) -> Result<Vec<u8>, IoError> {
+pub(crate) fn encode(frame: &Frame, format: FileFormat, um_per_px: f64) -> Result<Vec<u8>, IoError> {
     let view = frame.view();
     match (format, view.pixels()) {
         (FileFormat::Png16, Pixels::U16(p)) => png(&view, png::BitDepth::Sixteen, &big_endian(p), um_per_px),
@@ -95,7 +95,7 @@ pub fn encode(frame: &Frame, format: FileFormat, um_per_px: f64) -> Result<Vec<u
 ///
 /// # Errors
 /// When the encoder refuses the frame.
-pub fn preview(frame: &Frame, um_per_px: f64) -> Result<Vec<u8>, IoError> {
+pub(crate) fn preview(frame: &Frame, um_per_px: f64) -> Result<Vec<u8>, IoError> {
     let view = frame.view();
     let step = view.columns().div_ceil(PREVIEW_COLUMNS);
     let (rows, columns) = ((view.rows() / step).max(1), (view.columns() / step).max(1));

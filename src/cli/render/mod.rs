@@ -15,7 +15,7 @@ mod gallery_cases;
 mod label_font;
 pub(super) mod timing;
 
-pub use args::RenderArgs;
+pub(crate) use args::RenderArgs;
 pub(super) use args::scene;
 
 use std::fmt::Write as _;
@@ -42,7 +42,7 @@ use crate::cli::input_output::ConfigText;
 /// # Errors
 /// Exit 2 for a config, a command line or an output folder that is refused; 3 for a device or a
 /// disk that fails.
-pub fn run(args: &RenderArgs) -> CommandResult {
+pub(crate) fn run(args: &RenderArgs) -> CommandResult {
     if let Some(folder) = &args.gallery {
         return gallery(args, folder);
     }

@@ -17,7 +17,7 @@ use crate::cli::failure::CommandResult;
 
 /// The papers.
 #[derive(Debug, Subcommand)]
-pub enum Paper {
+pub(crate) enum Paper {
     /// Least-squares compensation of a single shaft through macro variables.
     #[command(name = "000")]
     P000(Reproduce000Args),
@@ -31,7 +31,7 @@ pub enum Paper {
 ///
 /// # Errors
 /// As the paper's command.
-pub fn run(paper: &Paper) -> CommandResult {
+pub(crate) fn run(paper: &Paper) -> CommandResult {
     match paper {
         Paper::P000(args) => paper_000::run(args),
         Paper::P003(args) => paper_003::run(args),

@@ -14,7 +14,7 @@ use crate::studies::reproduction::Row;
 
 /// Arguments of `reproduce 000`.
 #[derive(Debug, clap::Args)]
-pub struct Reproduce000Args {
+pub(crate) struct Reproduce000Args {
     /// The six errors at x = 1/6 … 1, in units; by default those reconstructed from the paper's a
     /// and b.
     #[arg(long, value_name = "E", value_delimiter = ',', num_args = 1.., allow_negative_numbers = true)]
@@ -40,7 +40,7 @@ pub struct Reproduce000Args {
 ///
 /// # Errors
 /// Exit 2 for inputs that are refused, 3 for a disk that fails.
-pub fn run(args: &Reproduce000Args) -> CommandResult {
+pub(crate) fn run(args: &Reproduce000Args) -> CommandResult {
     let mut inputs = Inputs { unit_mm: args.unit_mm, ..Inputs::default() };
     if !args.errors.is_empty() {
         inputs.error.clone_from(&args.errors);

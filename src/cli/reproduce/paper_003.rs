@@ -15,7 +15,7 @@ const PROBLEM: &str = include_str!("../../../configs/optimize_003.toml");
 
 /// Arguments of `reproduce 003`.
 #[derive(Debug, clap::Args)]
-pub struct Reproduce003Args {
+pub(crate) struct Reproduce003Args {
     /// What the paper prints, in place of configs/reproduce_003.toml as the binary carries it.
     #[arg(long, value_name = "TOML")]
     inputs: Option<PathBuf>,
@@ -40,7 +40,7 @@ pub struct Reproduce003Args {
 ///
 /// # Errors
 /// Exit 2 for inputs that are refused, 3 for a device or a disk that fails.
-pub fn run(args: &Reproduce003Args) -> CommandResult {
+pub(crate) fn run(args: &Reproduce003Args) -> CommandResult {
     let inputs_text = ConfigText::read_or(args.inputs.as_deref(), "configs/reproduce_003.toml", INPUTS)?;
     let problem_text = ConfigText::read_or(args.problem.as_deref(), "configs/optimize_003.toml", PROBLEM)?;
     let inputs: Inputs = inputs_text.parse()?;

@@ -25,7 +25,7 @@ const PARTS: [(&str, &[&str]); 6] = [
 ///
 /// # Errors
 /// Exit 3 where a plot or the disk fails.
-pub fn write(folder: &StudyFolder, found: &Reproduction) -> Result<(), Failure> {
+pub(crate) fn write(folder: &StudyFolder, found: &Reproduction) -> Result<(), Failure> {
     let mut page = Page::new("Reproduction: slender shaft, genetic algorithm and PID (Xue, Miao, Xue 2023)");
     page.text(tables::VERDICTS);
     page.text(&tables::summary(&found.rows));

@@ -6,7 +6,7 @@ use crate::job::Job;
 use crate::run_folder::{AxisRow, PassRow, axis_json};
 
 /// Result of a finished run.
-pub struct Finished {
+pub(crate) struct Finished {
     pub(super) job: Job,
     pub(super) backend: String,
     pub(super) adapter: String,
@@ -66,7 +66,7 @@ impl Finished {
     }
 
     /// The passes as a table for a terminal.
-    pub fn to_table(&self) -> String {
+    pub(crate) fn to_table(&self) -> String {
         let um = |mm: f64| format!("{:.2}", mm * 1e3);
         let mut text = format!(
             "{}: controller {}, {} ({})\n\n pass  nominal/mm  max |e|/µm  true max |e|/µm  measured-true/µm  rms(error/u)  none: true max |e|/µm\n",

@@ -24,11 +24,11 @@ use self::recorder::{Recorded, Recorder};
 use crate::cli::failure::{CommandResult, Failure, folder_failure};
 
 /// Folder of the uncontrolled run below the controlled one.
-pub const REFERENCE_FOLDER: &str = "without_control";
+pub(crate) const REFERENCE_FOLDER: &str = "without_control";
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
-pub struct RunArgs {
+pub(crate) struct RunArgs {
     /// The job.
     config: PathBuf,
     /// Run folder: absent, empty, or an unfinished run of the same config, which is resumed.
@@ -60,7 +60,7 @@ pub struct RunArgs {
 /// # Errors
 /// Exit 2 for a config, a command line or an output folder that is refused; 3 for a device or a
 /// disk that fails.
-pub fn run(args: &RunArgs) -> CommandResult {
+pub(crate) fn run(args: &RunArgs) -> CommandResult {
     let job = job_of(args)?;
     let finished = execute(&job, &args.out, args.backend, !args.no_reference)?;
     if args.json {
@@ -94,7 +94,12 @@ fn job_of(args: &RunArgs) -> Result<Job, Failure> {
 ///
 /// # Errors
 /// As [`run`].
-pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -> Result<Finished, Failure> {
+pub(crate) fn execute(
+    job: &Job,
+    out: &Path,
+    backend: BackendChoice,
+    reference: bool,
+) -> Result<Finished, Failure> {
     let folder = claim(job, out)?;
     let renderer = Renderer::new(backend).map_err(Failure::fail)?;
     tracing::info!(backend = renderer.backend_name(), adapter = renderer.adapter_name(), "rendering");

@@ -17,7 +17,7 @@ use super::tables::RunTables;
 use crate::cli::failure::{Failure, folder_failure};
 
 /// The results of a recorded run in memory.
-pub struct Recorded {
+pub(crate) struct Recorded {
     /// One row per pass.
     pub passes: Vec<PassRow>,
     /// Rendering and measuring time of the passes of this process, s.
@@ -36,7 +36,7 @@ pub struct Recorded {
 }
 
 /// A run being written.
-pub struct Recorder<'a> {
+pub(crate) struct Recorder<'a> {
     job: &'a Job,
     folder: &'a RunFolder,
     chain: ClosedLoop<'a>,
@@ -49,7 +49,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// Where the job, the device or the folder fails.
-    pub fn new(job: &'a Job, folder: &'a RunFolder, renderer: &'a Renderer) -> Result<Self, Failure> {
+    pub(crate) fn new(job: &'a Job, folder: &'a RunFolder, renderer: &'a Renderer) -> Result<Self, Failure> {
         let cell = SimulatedCell::new(job, renderer).map_err(Failure::fail)?;
         let mut tables = RunTables::read(folder)?;
         let calibration = match tables.passes.is_empty() {
@@ -69,7 +69,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// Where a cut, a frame or the disk fails; finished passes stay readable.
-    pub fn run(mut self, progress: bool) -> Result<Recorded, Failure> {
+    pub(crate) fn run(mut self, progress: bool) -> Result<Recorded, Failure> {
         let mut seconds = vec![(0.0, 0.0); self.tables.passes.len()];
         let (mut sample, mut form) = (None, None);
         let mut stopped = None;

@@ -13,7 +13,7 @@ use crate::studies::dirty_frames::Contaminant;
 
 /// Arguments of `study contamination`.
 #[derive(Debug, clap::Args)]
-pub struct StudyContaminationArgs {
+pub(crate) struct StudyContaminationArgs {
     /// Frames of each of the eight kinds of matter.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     frames: u32,
@@ -35,7 +35,7 @@ pub struct StudyContaminationArgs {
 ///
 /// # Errors
 /// Exit 2 for an output folder that holds anything, 3 for a disk that fails.
-pub fn run(args: &StudyContaminationArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyContaminationArgs) -> CommandResult {
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let settings = GaugeSettings::default();
     let study =

@@ -7,7 +7,7 @@ use crate::studies::coverage::{Class, ClassFigures, class_figures, coverage};
 
 /// Arguments of `study coverage`.
 #[derive(Debug, clap::Args)]
-pub struct StudyCoverageArgs {
+pub(crate) struct StudyCoverageArgs {
     /// Scenes drawn from the budget's own distributions; a third as many deviate inside the limits,
     /// a quarter lie outside.
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = at_least_one)]
@@ -27,7 +27,7 @@ pub struct StudyCoverageArgs {
 ///
 /// # Errors
 /// Exit 3 where a scene cannot be rendered or its masters cannot be measured.
-pub fn run(args: &StudyCoverageArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyCoverageArgs) -> CommandResult {
     let renderer = Renderer::new(BackendChoice::Cpu).map_err(Failure::fail)?;
     if !args.classes.is_empty() {
         return only(args, &renderer);

@@ -15,7 +15,7 @@ use crate::studies::deflection_line::{LineCase, LineRow, LineStudy};
 
 /// Arguments of `study deflection`.
 #[derive(Debug, clap::Args)]
-pub struct StudyDeflectionArgs {
+pub(crate) struct StudyDeflectionArgs {
     /// A beam ([part] and [process], as configs/beam_003.toml) or a whole job.
     config: PathBuf,
     /// Positions of the load, mm from the chuck face; eleven equally spaced ones by default.
@@ -50,7 +50,7 @@ pub struct StudyDeflectionArgs {
 ///
 /// # Errors
 /// Exit 2 for a config or a position that is refused, 3 for a disk that fails.
-pub fn run(args: &StudyDeflectionArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyDeflectionArgs) -> CommandResult {
     let text = ConfigText::read(&args.config)?;
     let Input { beam, line } = read(&text)?;
     let study = beam.run(&args.at).map_err(|e| text.refuse(e))?;

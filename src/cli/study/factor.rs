@@ -14,7 +14,7 @@ const BUILT_IN: &str = include_str!("../../../configs/factor_003.toml");
 
 /// Arguments of `study factor`.
 #[derive(Debug, clap::Args)]
-pub struct StudyFactorArgs {
+pub(crate) struct StudyFactorArgs {
     /// The study, as configs/factor_003.toml, which is taken where none is given.
     config: Option<PathBuf>,
     /// Fit the force law to this table (depth_mm, speed_m_per_min, feed_mm_per_rev, force_n) in
@@ -41,7 +41,7 @@ struct Output<'a> {
 ///
 /// # Errors
 /// Exit 2 for a config that is refused, 3 for a table or a disk that fails.
-pub fn run(args: &StudyFactorArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyFactorArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "configs/factor_003.toml", BUILT_IN)?;
     let mut config: FactorConfig = text.parse()?;
     let fitted = args.forces.as_deref().map(|path| fit(path, &config)).transpose()?;

@@ -12,7 +12,7 @@ use crate::studies::in_process::{self, InProcessRow};
 
 /// Arguments of `study in-process`.
 #[derive(Debug, clap::Args)]
-pub struct StudyInProcessArgs {
+pub(crate) struct StudyInProcessArgs {
     /// The job; by default the preset (configs/slender_shaft.toml).
     config: Option<PathBuf>,
     /// Seed, in place of the config's.
@@ -33,7 +33,7 @@ pub struct StudyInProcessArgs {
 ///
 /// # Errors
 /// Exit 2 for a config that is refused, 3 for a device or a disk that fails.
-pub fn run(args: &StudyInProcessArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyInProcessArgs) -> CommandResult {
     let text =
         ConfigText::read_or(args.config.as_deref(), "configs/slender_shaft.toml", config::SLENDER_SHAFT)?;
     let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;

@@ -13,7 +13,7 @@ const LINE_HEAD: &str = include_str!("../../../configs/head_line_laser.toml");
 
 /// Arguments of `study line-camera`.
 #[derive(Debug, clap::Args)]
-pub struct StudyLineCameraArgs {
+pub(crate) struct StudyLineCameraArgs {
     /// A job with `[camera.line]`; by default configs/head_line_laser.toml.
     config: Option<PathBuf>,
     /// Readings that are drawn and measured.
@@ -31,7 +31,7 @@ pub struct StudyLineCameraArgs {
 ///
 /// # Errors
 /// Exit 2 for a config that is refused, 3 for a device that fails.
-pub fn run(args: &StudyLineCameraArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyLineCameraArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "configs/head_line_laser.toml", LINE_HEAD)?;
     let job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
     line_camera::check(&job).map_err(|e| text.refuse(e))?;

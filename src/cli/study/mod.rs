@@ -34,7 +34,7 @@ use crate::cli::failure::CommandResult;
 
 /// The studies.
 #[derive(Debug, Subcommand)]
-pub enum Study {
+pub(crate) enum Study {
     /// Compliance of a held shaft over the position of a radial load.
     Deflection(StudyDeflectionArgs),
     /// Matter before the shaft and on it: how often it misleads the gauge.
@@ -66,7 +66,7 @@ pub enum Study {
 ///
 /// # Errors
 /// As the study.
-pub fn run(study: &Study) -> CommandResult {
+pub(crate) fn run(study: &Study) -> CommandResult {
     match study {
         Study::Deflection(args) => deflection::run(args),
         Study::Contamination(args) => contamination::run(args),

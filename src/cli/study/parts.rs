@@ -17,7 +17,7 @@ const CONFIG: &str = include_str!("../../../configs/parts.toml");
 
 /// Arguments of `study parts`.
 #[derive(Debug, clap::Args)]
-pub struct StudyPartsArgs {
+pub(crate) struct StudyPartsArgs {
     /// The job; by default the preset's shaft with a wearing edge and a warming machine
     /// (configs/parts.toml).
     config: Option<PathBuf>,
@@ -48,7 +48,7 @@ pub struct StudyPartsArgs {
 ///
 /// # Errors
 /// Exit 2 for a config or a controller that is refused, 3 for a device or a disk that fails.
-pub fn run(args: &StudyPartsArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyPartsArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "configs/parts.toml", CONFIG)?;
     let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
     job.control.controller = args.controller.unwrap_or(job.control.controller);

@@ -13,7 +13,7 @@ use crate::studies::stability::{self, StabilityStudy};
 
 /// Arguments of `study stability`.
 #[derive(Debug, clap::Args)]
-pub struct StudyStabilityArgs {
+pub(crate) struct StudyStabilityArgs {
     /// A job whose [control] table is judged; the built-in preset by default.
     config: Option<PathBuf>,
     /// Plant gain g in place of the config's.
@@ -45,7 +45,7 @@ struct Row {
 ///
 /// # Errors
 /// Exit 2 for a config or a gain that is refused, 3 for a disk that fails.
-pub fn run(args: &StudyStabilityArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyStabilityArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "slender_shaft.toml", config::SLENDER_SHAFT)?;
     let job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
     let mut settings = job.loop_job().run_control();

@@ -21,7 +21,7 @@ const PRESET: &str = include_str!("../../../configs/calibrate.toml");
 
 /// Arguments of `study uncertainty`.
 #[derive(Debug, clap::Args)]
-pub struct StudyUncertaintyArgs {
+pub(crate) struct StudyUncertaintyArgs {
     /// A calibration, as configs/calibrate.toml; the built-in one without it.
     config: Option<PathBuf>,
     /// Trials; without it blocks of 10 000 are added until the figures are stable.
@@ -52,7 +52,7 @@ pub struct StudyUncertaintyArgs {
 ///
 /// # Errors
 /// Exit 2 for a config that is refused; 3 for frames and disks that fail.
-pub fn run(args: &StudyUncertaintyArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyUncertaintyArgs) -> CommandResult {
     let mut loaded = match &args.config {
         Some(path) => calibration_plan::load(path, Date::of(SystemTime::now()))?,
         None => {

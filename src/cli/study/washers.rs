@@ -12,7 +12,7 @@ use crate::studies::washers::{MethodFigures, Pair, Part, SIDES, WashersError, Wa
 
 /// Arguments of `study washers`.
 #[derive(Debug, clap::Args)]
-pub struct StudyWashersArgs {
+pub(crate) struct StudyWashersArgs {
     /// Folder with pictures named by the part's number and cmm.csv (columns part,
     /// outer_diameter_mm, inner_diameter_mm).
     #[arg(value_name = "DIR")]
@@ -30,7 +30,7 @@ pub struct StudyWashersArgs {
 /// # Errors
 /// Exit 2 for an output folder that holds anything or too few parts, 3 for files that cannot be
 /// read and parts that cannot be measured.
-pub fn run(args: &StudyWashersArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyWashersArgs) -> CommandResult {
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let parts = read(&args.folder)?;
     let study = washers(&parts).map_err(|e| match e {

@@ -4,7 +4,7 @@ use crate::plan::CuttingData;
 
 /// What a program is given of a part before its first pass: the order, nothing of the truth.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct PartFacts {
+pub(crate) struct PartFacts {
     /// For the program's own random numbers, so that a study can be repeated.
     pub seed: u64,
     /// Middles of the stations, mm from the chuck face, ascending.

@@ -9,11 +9,11 @@ use crate::plan::CuttingData;
 use crate::profile::Station;
 
 /// Name of the protocol, in every `begin`.
-pub const PROTOCOL: &str = "shadowgauge-controller";
+pub(crate) const PROTOCOL: &str = "shadowgauge-controller";
 
 /// Version of the protocol, in every `begin`: raised where a program of before would decide
 /// wrongly, not for a key that it may ignore.
-pub const PROTOCOL_VERSION: u32 = 1;
+pub(crate) const PROTOCOL_VERSION: u32 = 1;
 
 /// A line to a program.
 #[derive(Serialize)]

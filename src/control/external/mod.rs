@@ -18,7 +18,8 @@ mod messages;
 mod program_controller;
 mod reply;
 
-pub use error::{Fault, ProgramError};
-pub use facts::PartFacts;
-pub use messages::{PROTOCOL, PROTOCOL_VERSION};
-pub use program_controller::ProgramController;
+pub(crate) use error::{Fault, ProgramError};
+pub(crate) use facts::PartFacts;
+#[cfg(test)]
+pub(crate) use messages::PROTOCOL_VERSION;
+pub(crate) use program_controller::ProgramController;

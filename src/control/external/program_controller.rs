@@ -23,7 +23,7 @@ const FAILED: &str = "the controller's program failed: nothing decides the offse
 ///
 /// The guards of `[control.guards]` and `[control.gaps]` stand between its replies and the machine.
 /// Nothing is carried from part to part here: what the program keeps is its own.
-pub struct ProgramController<S: Read + Write> {
+pub(crate) struct ProgramController<S: Read + Write> {
     name: String,
     settings: ControlSettings,
     facts: PartFacts,
@@ -90,7 +90,13 @@ impl<S: Read + Write> Program<S> {
 impl<S: Read + Write> ProgramController<S> {
     /// A controller over a stream to `command`, which is named in errors. Of `settings` the guards,
     /// the gaps, the plant gain and what the model-based controller assumes are used.
-    pub fn new(stream: S, name: &str, command: &str, settings: &ControlSettings, facts: PartFacts) -> Self {
+    pub(crate) fn new(
+        stream: S,
+        name: &str,
+        command: &str,
+        settings: &ControlSettings,
+        facts: PartFacts,
+    ) -> Self {
         let mut settings = settings.clone();
         settings.parts.enabled = false;
         let conversation = Conversation::new(stream, format!("{name} ({command})"));

@@ -101,7 +101,7 @@ impl GuardSettings {
     ///
     /// # Errors
     /// [`SettingError`] names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         let limits = [
             ("control.guards.plausible_error_mm", self.plausible_error_mm),
             ("control.guards.uncertainty_limit_mm", self.uncertainty_limit_mm),

@@ -61,7 +61,7 @@ impl LsqSettings {
     ///
     /// # Errors
     /// [`SettingError`] names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         self.shapes.validate("control.lsq.shapes")?;
         require(
             self.gain > 0.0 && self.gain < 2.0,

@@ -7,12 +7,12 @@ mod pid;
 mod run_to_run;
 mod within_pass;
 
-pub use guards::{GuardSettings, OnAlarm};
-pub use lsq::{ApplyTo, Estimator, LsqSettings};
-pub use model::{ModelSettings, Workpiece};
-pub use pid::{FirstPass, OffsetForm, PidAlgorithm, PidSettings, Spatial};
-pub use run_to_run::{DoubleEwmaSettings, EwmaSettings, IlcSettings, PartsSettings};
-pub use within_pass::WithinPassSettings;
+pub(crate) use guards::{GuardSettings, OnAlarm};
+pub(crate) use lsq::{ApplyTo, Estimator, LsqSettings};
+pub(crate) use model::{ModelSettings, Workpiece};
+pub(crate) use pid::{FirstPass, OffsetForm, PidAlgorithm, PidSettings, Spatial};
+pub(crate) use run_to_run::{DoubleEwmaSettings, EwmaSettings, IlcSettings, PartsSettings};
+pub(crate) use within_pass::WithinPassSettings;
 
 use super::controller_name::ControllerName;
 use crate::setting::{SettingError, require};
@@ -97,7 +97,7 @@ impl ControlSettings {
     ///
     /// # Errors
     /// [`SettingError`] names the key, its value and what would be right.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         let g = self.plant_gain;
         require(g > 0.0 && g <= 2.0, "control.plant_gain", g, "a gain above 0 and at most 2")?;
         let share = self.gaps.interpolate_share;

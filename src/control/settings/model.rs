@@ -132,7 +132,7 @@ impl Default for ModelSettings {
 impl ModelSettings {
     /// The table with every missing key filled from a workpiece.
     #[must_use]
-    pub fn for_workpiece(&self, w: &Workpiece) -> Self {
+    pub(crate) fn for_workpiece(&self, w: &Workpiece) -> Self {
         Self {
             coefficient_n: self.coefficient_n.or(Some(w.coefficient_n)),
             depth_exponent: self.depth_exponent.or(Some(w.depth_exponent)),
@@ -147,7 +147,7 @@ impl ModelSettings {
     }
 
     /// The workpiece assumed; keys left out are [`Workpiece::default`]'s.
-    pub fn workpiece(&self) -> Workpiece {
+    pub(crate) fn workpiece(&self) -> Workpiece {
         let w = Workpiece::default();
         Workpiece {
             coefficient_n: self.coefficient_n.unwrap_or(w.coefficient_n),
@@ -165,7 +165,7 @@ impl ModelSettings {
     ///
     /// # Errors
     /// [`SettingError`] names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         let w = self.workpiece();
         let positive = [
             ("control.model.coefficient_n", w.coefficient_n),

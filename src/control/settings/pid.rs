@@ -103,7 +103,7 @@ impl PidSettings {
     ///
     /// # Errors
     /// [`SettingError`] names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         let gains = [("control.pid.kp", self.kp), ("control.pid.ki", self.ki), ("control.pid.kd", self.kd)];
         for (key, gain) in gains {
             require(gain >= 0.0 && gain.is_finite(), key, gain, "a gain of 0 or more")?;

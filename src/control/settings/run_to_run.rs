@@ -91,7 +91,7 @@ impl EwmaSettings {
     ///
     /// # Errors
     /// [`SettingError`] names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         weight("control.ewma.weight", self.weight)?;
         gain("control.ewma.gain_estimate", self.gain_estimate)
     }
@@ -102,7 +102,7 @@ impl DoubleEwmaSettings {
     ///
     /// # Errors
     /// [`SettingError`] names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         weight("control.dewma.level_weight", self.level_weight)?;
         let trend = self.trend_weight;
         require((0.0..=1.0).contains(&trend), "control.dewma.trend_weight", trend, "a weight of 0 to 1")?;
@@ -115,7 +115,7 @@ impl IlcSettings {
     ///
     /// # Errors
     /// [`SettingError`] names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         let l = self.learning_gain;
         require(l > 0.0 && l < 2.0, "control.ilc.learning_gain", l, "a gain above 0 and below 2")?;
         let cutoff = self.q_cutoff_mm;
@@ -129,7 +129,7 @@ impl PartsSettings {
     ///
     /// # Errors
     /// [`SettingError`] names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         weight("control.parts.level_weight", self.level_weight)?;
         let trend = self.trend_weight;
         require((0.0..=1.0).contains(&trend), "control.parts.trend_weight", trend, "a weight of 0 to 1")

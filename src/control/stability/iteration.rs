@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 /// Convergence of an iteration matrix.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct IterationReport {
+pub(crate) struct IterationReport {
     /// Largest modulus of an eigenvalue of Q (I − L G).
     pub spectral_radius: f64,
     /// Largest singular value of Q (I − L G).
@@ -19,7 +19,7 @@ pub struct IterationReport {
 }
 
 /// Assesses a filter Q, a learning gain L and a plant G (errors −G o), over all stations.
-pub fn iteration(q: &DMatrix<f64>, learning_gain: f64, plant: &DMatrix<f64>) -> IterationReport {
+pub(crate) fn iteration(q: &DMatrix<f64>, learning_gain: f64, plant: &DMatrix<f64>) -> IterationReport {
     let identity = DMatrix::identity(q.nrows(), q.ncols());
     let step = q * (&identity - plant * learning_gain);
     let spectral_radius = step.complex_eigenvalues().iter().map(|c| c.norm()).fold(0.0, f64::max);
@@ -34,7 +34,7 @@ pub fn iteration(q: &DMatrix<f64>, learning_gain: f64, plant: &DMatrix<f64>) -> 
 }
 
 /// The Q filter of `[control.ilc]` for stations of even pitch; identity where nothing is filtered.
-pub fn whittaker(cutoff_mm: f64, station_z_mm: &[f64]) -> DMatrix<f64> {
+pub(crate) fn whittaker(cutoff_mm: f64, station_z_mm: &[f64]) -> DMatrix<f64> {
     let n = station_z_mm.len();
     crate::control::law::q_filter(cutoff_mm, station_z_mm).unwrap_or_else(|| DMatrix::identity(n, n))
 }

@@ -6,7 +6,7 @@ use crate::control::settings::{DoubleEwmaSettings, OffsetForm, PidSettings};
 /// How errors and offsets of one pass make the error of the next: e(k+1) = α e(k) − g o(k+1) + w.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Plant {
+pub(crate) enum Plant {
     /// α = 0.
     Constant,
     /// α = 1 − g.
@@ -20,7 +20,7 @@ pub enum Plant {
 
 impl Plant {
     /// α at the gain g.
-    pub fn alpha(self, gain: f64) -> f64 {
+    pub(crate) fn alpha(self, gain: f64) -> f64 {
         match self {
             Self::Constant => 0.0,
             Self::Copying => 1.0 - gain,
@@ -29,7 +29,7 @@ impl Plant {
     }
 
     /// Its name in reports.
-    pub fn describe(self) -> String {
+    pub(crate) fn describe(self) -> String {
         match self {
             Self::Constant => "constant disturbance".into(),
             Self::Copying => "error copying".into(),
@@ -40,7 +40,7 @@ impl Plant {
 
 /// A controller o(k+1) = N(q)/D(q) e(k).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Transfer {
+pub(crate) struct Transfer {
     /// N.
     pub numerator: Polynomial,
     /// D, of at least N's degree.
@@ -49,12 +49,12 @@ pub struct Transfer {
 
 impl Transfer {
     /// Characteristic polynomial (q − α) D + g N.
-    pub fn closed_loop(&self, plant: Plant, gain: f64) -> Polynomial {
+    pub(crate) fn closed_loop(&self, plant: Plant, gain: f64) -> Polynomial {
         Polynomial::new([-plant.alpha(gain), 1.0]).times(&self.denominator).plus(&self.numerator.scaled(gain))
     }
 
     /// With the measurement delayed by `passes` further passes: N/(D q^passes).
-    pub fn delayed(&self, passes: usize) -> Self {
+    pub(crate) fn delayed(&self, passes: usize) -> Self {
         let mut shift = vec![0.0; passes];
         shift.push(1.0);
         Self {
@@ -67,7 +67,7 @@ impl Transfer {
     /// on the step), under the constant disturbance that would hold the error at 1 without control;
     /// without disturbance where errors grow in the plant itself (α ≥ 1). Ends early where they
     /// exceed 1e12.
-    pub fn response(&self, plant: Plant, gain: f64, passes: usize) -> Vec<f64> {
+    pub(crate) fn response(&self, plant: Plant, gain: f64, passes: usize) -> Vec<f64> {
         let (n, d) = (self.numerator.coefficients(), self.denominator.coefficients());
         let (degree, lead) = (self.denominator.degree(), d.last().copied().unwrap_or(1.0));
         let alpha = plant.alpha(gain);
@@ -90,7 +90,7 @@ impl Transfer {
     }
 
     /// Largest |e(k)|, k ≥ 2, of the response; infinite where it exceeds 1e12.
-    pub fn peak_error(&self, plant: Plant, gain: f64, passes: usize) -> f64 {
+    pub(crate) fn peak_error(&self, plant: Plant, gain: f64, passes: usize) -> f64 {
         let response = self.response(plant, gain, passes);
         if response.len() < passes {
             return f64::INFINITY;
@@ -101,7 +101,7 @@ impl Transfer {
 
 /// PID, absolute or accumulated, with its derivative filter α:
 /// u = [Kp + Ki q/(q−1) + Kd (1−α)(q−1)/(q−α)] e and, accumulated, o(k+1) = q/(q−1) u(k).
-pub fn pid_transfer(settings: &PidSettings) -> Transfer {
+pub(crate) fn pid_transfer(settings: &PidSettings) -> Transfer {
     let (difference, pole) =
         (Polynomial::new([-1.0, 1.0]), Polynomial::new([-settings.derivative_filter, 1.0]));
     let shift = Polynomial::new([0.0, 1.0]);
@@ -121,13 +121,13 @@ pub fn pid_transfer(settings: &PidSettings) -> Transfer {
 /// Integral action of weight w per pass: o(k+1) = o(k) + w e(k). Run-to-run EWMA (w = λ/b̂),
 /// iterative learning without filter (w = L), and the least-squares controller within the space of
 /// its shapes (w its gain).
-pub fn integral_transfer(weight: f64) -> Transfer {
+pub(crate) fn integral_transfer(weight: f64) -> Transfer {
     Transfer { numerator: Polynomial::new([0.0, weight]), denominator: Polynomial::new([-1.0, 1.0]) }
 }
 
 /// Double EWMA: eliminating level and trend from its recurrences leaves
 /// o(k+1)/e(k) = q [(λ₁ + λ₂)(q − 1) + λ₁λ₂]/[b̂ (q − 1)²].
-pub fn double_ewma_transfer(settings: &DoubleEwmaSettings) -> Transfer {
+pub(crate) fn double_ewma_transfer(settings: &DoubleEwmaSettings) -> Transfer {
     let (l1, l2) = (settings.level_weight, settings.trend_weight);
     let numerator = Polynomial::new([0.0, l1 * l2 - l1 - l2, l1 + l2]).scaled(settings.gain_estimate.recip());
     Transfer { numerator, denominator: Polynomial::new([1.0, -2.0, 1.0]) }
@@ -136,7 +136,7 @@ pub fn double_ewma_transfer(settings: &DoubleEwmaSettings) -> Transfer {
 /// Model-based control near the planned depth: the offset compensates the predicted copying, (1 −
 /// ĝ)/ĝ of the error, and K/ĝ of the prediction error. With ĝ = g and error copying the poles are 0
 /// and 1 − K.
-pub fn model_transfer(gain_estimate: f64, filter_gain: f64) -> Transfer {
+pub(crate) fn model_transfer(gain_estimate: f64, filter_gain: f64) -> Transfer {
     let copied = (1.0 - gain_estimate) / gain_estimate;
     let numerator = Polynomial::new([-copied, copied + filter_gain / gain_estimate]);
     Transfer { numerator, denominator: Polynomial::new([-1.0, 1.0]) }

@@ -18,9 +18,12 @@ mod iteration;
 mod loops;
 mod polynomial;
 
-pub use iteration::{IterationReport, iteration, whittaker};
-pub use loops::{Plant, Transfer, double_ewma_transfer, integral_transfer, model_transfer, pid_transfer};
-pub use polynomial::Polynomial;
+pub(crate) use iteration::{IterationReport, iteration, whittaker};
+pub(crate) use loops::{
+    Plant, Transfer, double_ewma_transfer, integral_transfer, model_transfer, pid_transfer,
+};
+#[cfg(test)]
+pub(crate) use polynomial::Polynomial;
 
 /// Range of plant gains that is searched for the limits.
 const GAIN_SCAN: std::ops::RangeInclusive<f64> = 1e-4..=4.0;
@@ -33,7 +36,7 @@ const TRANSIENT_PASSES: usize = 200;
 
 /// Stability of a closed loop.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
-pub struct StabilityReport {
+pub(crate) struct StabilityReport {
     /// Controller and form.
     pub controller: String,
     /// The plant judged.
@@ -62,7 +65,7 @@ pub struct StabilityReport {
 
 impl StabilityReport {
     /// The stable gains in words.
-    pub fn range_text(&self) -> String {
+    pub(crate) fn range_text(&self) -> String {
         if self.stable_gains.is_empty() {
             return "no plant gain".into();
         }
@@ -73,7 +76,7 @@ impl StabilityReport {
 }
 
 /// Assesses a controller with a plant of gain g.
-pub fn judge(controller: &str, transfer: &Transfer, plant: Plant, gain: f64) -> StabilityReport {
+pub(crate) fn judge(controller: &str, transfer: &Transfer, plant: Plant, gain: f64) -> StabilityReport {
     let closed = transfer.closed_loop(plant, gain);
     let poles = closed.roots();
     let spectral_radius = poles.first().map_or(0.0, |p| p.0.hypot(p.1));
@@ -96,7 +99,7 @@ pub fn judge(controller: &str, transfer: &Transfer, plant: Plant, gain: f64) -> 
 }
 
 /// Ranges of the plant gain with all poles inside the unit circle, each limit bisected.
-pub fn stable_gains(transfer: &Transfer, plant: Plant) -> Vec<(f64, f64)> {
+pub(crate) fn stable_gains(transfer: &Transfer, plant: Plant) -> Vec<(f64, f64)> {
     let stable = |g: f64| transfer.closed_loop(plant, g).jury_stable();
     let (start, end) = (*GAIN_SCAN.start(), *GAIN_SCAN.end());
     let at = |i: usize| start + (end - start) * i as f64 / GAIN_STEPS as f64;

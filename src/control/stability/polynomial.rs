@@ -8,13 +8,13 @@ pub(super) const UNBOUNDED: f64 = 1e12;
 
 /// Σ c_i q^i, coefficients in ascending order.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Polynomial {
+pub(crate) struct Polynomial {
     coefficients: Vec<f64>,
 }
 
 impl Polynomial {
     /// From coefficients in ascending order; leading zeros are dropped.
-    pub fn new(coefficients: impl Into<Vec<f64>>) -> Self {
+    pub(crate) fn new(coefficients: impl Into<Vec<f64>>) -> Self {
         let mut coefficients = coefficients.into();
         while coefficients.len() > 1 && coefficients.last() == Some(&0.0) {
             coefficients.pop();
@@ -23,17 +23,17 @@ impl Polynomial {
     }
 
     /// Coefficients in ascending order.
-    pub fn coefficients(&self) -> &[f64] {
+    pub(crate) fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
     /// Highest power.
-    pub fn degree(&self) -> usize {
+    pub(crate) fn degree(&self) -> usize {
         self.coefficients.len().saturating_sub(1)
     }
 
     /// Product.
-    pub fn times(&self, other: &Self) -> Self {
+    pub(crate) fn times(&self, other: &Self) -> Self {
         let mut product = vec![0.0; self.degree() + other.degree() + 1];
         for (i, a) in self.coefficients.iter().enumerate() {
             for (j, b) in other.coefficients.iter().enumerate() {
@@ -44,19 +44,19 @@ impl Polynomial {
     }
 
     /// Sum.
-    pub fn plus(&self, other: &Self) -> Self {
+    pub(crate) fn plus(&self, other: &Self) -> Self {
         let at = |p: &Self, i: usize| p.coefficients.get(i).copied().unwrap_or(0.0);
         let length = self.coefficients.len().max(other.coefficients.len());
         Self::new((0..length).map(|i| at(self, i) + at(other, i)).collect::<Vec<_>>())
     }
 
     /// Multiplied by a number.
-    pub fn scaled(&self, factor: f64) -> Self {
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
         Self::new(self.coefficients.iter().map(|c| c * factor).collect::<Vec<_>>())
     }
 
     /// Roots (real, imaginary), largest modulus first: eigenvalues of the companion matrix.
-    pub fn roots(&self) -> Vec<(f64, f64)> {
+    pub(crate) fn roots(&self) -> Vec<(f64, f64)> {
         if self.degree() == 0 {
             return Vec::new();
         }
@@ -67,7 +67,7 @@ impl Polynomial {
     }
 
     /// Companion matrix of the monic polynomial: ones above the diagonal, −c_i/c_n in the last row.
-    pub fn companion(&self) -> DMatrix<f64> {
+    pub(crate) fn companion(&self) -> DMatrix<f64> {
         let n = self.degree();
         let lead = self.coefficients.last().copied().unwrap_or(1.0);
         DMatrix::from_fn(n, n, |row, column| match (row + 1 == n, column == row + 1) {
@@ -81,7 +81,7 @@ impl Polynomial {
     /// which lowers the degree by one per step: a stable p has |p(0)| < |leading coefficient|, and
     /// so has every reduced polynomial. (E. I. Jury, Theory and Application of the z-Transform
     /// Method, 1964, ch. 3.)
-    pub fn jury_stable(&self) -> bool {
+    pub(crate) fn jury_stable(&self) -> bool {
         let mut c = self.coefficients.clone();
         while c.len() > 1 {
             let (first, last) = (c[0], c[c.len() - 1]);
@@ -96,7 +96,7 @@ impl Polynomial {
     }
 
     /// Largest spectral norm of the powers 1..=`passes` of the companion matrix.
-    pub fn transient_growth(&self, passes: usize) -> f64 {
+    pub(crate) fn transient_growth(&self, passes: usize) -> f64 {
         let a = self.companion();
         let mut power = a.clone();
         let mut largest = 0.0_f64;

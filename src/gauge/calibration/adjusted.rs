@@ -6,7 +6,7 @@ use super::imaging_model::{LensModel, PARAMETERS};
 
 /// A solved adjustment.
 #[derive(Clone, Debug)]
-pub struct Adjusted {
+pub(crate) struct Adjusted {
     /// s, o, a, q, g, t.
     pub parameters: [f64; PARAMETERS],
     /// The lens part of them.
@@ -32,7 +32,7 @@ pub struct CovariancePart {
 
 impl CovariancePart {
     /// Variance that this source gives to a quantity with these derivatives by the parameters.
-    pub fn variance(&self, by: &[f64; PARAMETERS]) -> f64 {
+    pub(crate) fn variance(&self, by: &[f64; PARAMETERS]) -> f64 {
         let row = |i: usize| (0..PARAMETERS).map(|j| self.matrix[i][j] * by[j]).sum::<f64>();
         (0..PARAMETERS).map(|i| by[i] * row(i)).sum::<f64>().max(0.0)
     }

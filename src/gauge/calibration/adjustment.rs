@@ -61,7 +61,7 @@ const MISFIT: &str = "misfit of the edge model out of the masters' plane";
 
 /// The adjustment, ready to be solved for its own data and for deviated data.
 #[derive(Clone, Debug)]
-pub struct Adjustment {
+pub(crate) struct Adjustment {
     masters: Vec<CertifiedMaster>,
     /// Laboratories whose certificates share an error.
     laboratories: Vec<String>,
@@ -118,7 +118,7 @@ fn out_of_plane(observations: &[Observation]) -> Vec<f64> {
 /// those of its own data (chord method; a step leaves the problem's non-linearity, 1e-3, of the
 /// error before it).
 #[derive(Clone, Debug)]
-pub struct Solver<'a> {
+pub(crate) struct Solver<'a> {
     adjustment: &'a Adjustment,
     start: DVector<f64>,
     inverse: DMatrix<f64>,
@@ -126,7 +126,7 @@ pub struct Solver<'a> {
 
 impl Solver<'_> {
     /// Parameters (s, o, a, q, g, t) from deviated data, as [`Adjustment::parameters_with`].
-    pub fn parameters(&self, deviations: &[f64]) -> [f64; PARAMETERS] {
+    pub(crate) fn parameters(&self, deviations: &[f64]) -> [f64; PARAMETERS] {
         let limits = AdjustmentLimits::get();
         let mut z = self.start.clone();
         for _ in 0..limits.chord_steps {
@@ -143,7 +143,7 @@ impl Adjustment {
     /// # Errors
     /// Refuses fewer than two masters, masters not seen or of one size, certificates without
     /// information.
-    pub fn new(
+    pub(crate) fn new(
         masters: Vec<MasterPrior>,
         observations: Vec<Observation>,
         thermometer: Thermometer,
@@ -271,28 +271,23 @@ impl Adjustment {
     /// Number of deviations that [`Self::parameters_with`] takes: one for each observation's width
     /// (px), then one for each prior: a, q, g, t, the masters' δ_p, the laboratories' γ_g, δT, δα,
     /// the frames' ε_f, the w_y, in units of their standard uncertainties.
-    pub fn inputs(&self) -> usize {
+    pub(crate) fn inputs(&self) -> usize {
         self.observations.len() + self.unit.len() - 2
     }
 
     /// The masters.
-    pub fn masters(&self) -> impl ExactSizeIterator<Item = &MasterPrior> {
+    pub(crate) fn masters(&self) -> impl ExactSizeIterator<Item = &MasterPrior> {
         self.masters.iter().map(|master| &master.prior)
     }
 
-    /// Laboratories whose certificates share an error.
-    pub fn laboratories(&self) -> &[String] {
-        &self.laboratories
-    }
-
     /// The observations.
-    pub fn observations(&self) -> impl ExactSizeIterator<Item = &Observation> {
+    pub(crate) fn observations(&self) -> impl ExactSizeIterator<Item = &Observation> {
         self.observations.iter().map(|observation| &observation.seen)
     }
 
     /// Standard deviation of each observation's residual, mm, Birge's ratio included once it is
     /// solved.
-    pub fn sigma_mm(&self) -> impl ExactSizeIterator<Item = f64> {
+    pub(crate) fn sigma_mm(&self) -> impl ExactSizeIterator<Item = f64> {
         self.observations.iter().map(|observation| observation.sigma_mm)
     }
 
@@ -408,7 +403,7 @@ impl Adjustment {
     ///
     /// # Errors
     /// Where the masters do not determine the optical setup.
-    pub fn fit(&mut self) -> Result<Adjusted, CalibrationError> {
+    pub(crate) fn fit(&mut self) -> Result<Adjusted, CalibrationError> {
         let undetermined = || CalibrationError::SameSize { spread_px: 0.0 };
         self.look_for_misfit().ok_or_else(undetermined)?;
         let (z, _, _) = self.solve(None).ok_or_else(undetermined)?;
@@ -491,14 +486,15 @@ impl Adjustment {
 
     /// Parameters (s, o, a, q, g, t) from deviated data; `None` where they determine no optical
     /// setup.
-    pub fn parameters_with(&self, deviations: &[f64]) -> Option<[f64; PARAMETERS]> {
+    #[cfg(test)]
+    pub(crate) fn parameters_with(&self, deviations: &[f64]) -> Option<[f64; PARAMETERS]> {
         let (z, _, _) = self.solve(Some(deviations))?;
         Some(std::array::from_fn(|k| z[k] * self.unit[k]))
     }
 
     /// A solver for many sets of deviated data; `None` where the masters determine no optical
     /// setup.
-    pub fn solver(&self) -> Option<Solver<'_>> {
+    pub(crate) fn solver(&self) -> Option<Solver<'_>> {
         let (start, inverse, _) = self.solve(None)?;
         Some(Solver { adjustment: self, start, inverse })
     }
@@ -539,7 +535,7 @@ impl Adjustment {
     }
 
     /// The source of each of the [`Self::inputs`], by the name that it has in budgets.
-    pub fn input_sources(&self) -> Vec<String> {
+    pub(crate) fn input_sources(&self) -> Vec<String> {
         let [temperature, expansion] = self.thermometer.sources();
         let mut all = vec![EDGES.to_owned(); self.observations.len()];
         all.extend([DISTORTION, DISTORTION, DISTORTION, TELECENTRICITY].map(str::to_owned));

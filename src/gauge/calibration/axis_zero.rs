@@ -2,7 +2,7 @@
 
 /// What heights count from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AxisZero {
+pub(crate) struct AxisZero {
     /// Height of the optical axis as [`crate::gauge::ColumnDiameter::middle_mm`] counts, mm: 0
     /// from a calibration with a lens, −scale·(rows − 1)/2 from a bare scale.
     pub height_mm: f64,

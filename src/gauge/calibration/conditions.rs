@@ -68,7 +68,7 @@ impl Default for Conditions {
 /// Conditions as a file gives them: keys left out stay as they were, or unstated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct GivenConditions {
+pub(crate) struct GivenConditions {
     /// Temperature of the part, °C.
     pub temperature_c: Option<f64>,
     /// Limits of its error, ± K.

@@ -24,19 +24,19 @@ pub struct DateError {
 
 impl Date {
     /// The day a clock shows, in UTC.
-    pub fn of(time: SystemTime) -> Self {
+    pub(crate) fn of(time: SystemTime) -> Self {
         let seconds = time.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_secs());
         Self { days: (seconds / 86_400).cast_signed() }
     }
 
     /// The day so many days later.
     #[must_use]
-    pub fn plus_days(self, days: u32) -> Self {
+    pub(crate) fn plus_days(self, days: u32) -> Self {
         Self { days: self.days + i64::from(days) }
     }
 
     /// Days from another date to this one.
-    pub fn days_since(self, earlier: Self) -> i64 {
+    pub(crate) fn days_since(self, earlier: Self) -> i64 {
         self.days - earlier.days
     }
 

@@ -14,7 +14,7 @@ limits! {
 }
 
 /// Version of the file format.
-pub const CALIBRATION_VERSION: u32 = 1;
+pub(crate) const CALIBRATION_VERSION: u32 = 1;
 
 /// Why there is no calibration.
 #[derive(Debug, Error)]

@@ -45,7 +45,7 @@ pub enum Finish {
 
 impl Finish {
     /// Largest Ra of the class, µm.
-    pub fn ra_um(self) -> f64 {
+    pub(crate) fn ra_um(self) -> f64 {
         match self {
             Self::Lapped => 0.05,
             Self::Ground => 0.4,
@@ -63,7 +63,7 @@ impl Finish {
 
     /// Limits within which edges of two finishes differ, ± µm an edge: either may be anything from
     /// smooth to its class' roughest.
-    pub fn limit_um(self, other: Self) -> f64 {
+    pub(crate) fn limit_um(self, other: Self) -> f64 {
         self.shift_um().max(other.shift_um())
     }
 }

@@ -82,7 +82,7 @@ impl Calibration {
     ///
     /// # Errors
     /// As [`Self::fit`].
-    pub fn fit_figures(masters: &[MasterFigure]) -> Result<Self, CalibrationError> {
+    pub(crate) fn fit_figures(masters: &[MasterFigure]) -> Result<Self, CalibrationError> {
         if masters.len() < 2 {
             return Err(CalibrationError::TooFew { found: masters.len() });
         }
@@ -108,7 +108,7 @@ impl Calibration {
     }
 
     /// From an optical setup's adjustment.
-    pub fn of_setup(adjusted: &Adjusted, masters: Vec<MasterFigure>, setup: SetupCalibration) -> Self {
+    pub(crate) fn of_setup(adjusted: &Adjusted, masters: Vec<MasterFigure>, setup: SetupCalibration) -> Self {
         let sum = |i: usize, j: usize| setup.parts.iter().map(|p| p.matrix[i][j]).sum::<f64>();
         Self {
             scale_mm_per_px: adjusted.parameters[0],
@@ -122,19 +122,19 @@ impl Calibration {
 
     /// Keeps the systematic residual of the masters' edges.
     #[must_use]
-    pub fn with_systematic_residual(self, systematic_residual: Option<SystematicResidual>) -> Self {
+    pub(crate) fn with_systematic_residual(self, systematic_residual: Option<SystematicResidual>) -> Self {
         Self { systematic_residual: systematic_residual.map(Box::new), ..self }
     }
 
     /// What the masters' edges left of the edge model, for
     /// [`crate::gauge::Gauge::with_systematic_residual`].
-    pub fn systematic_residual(&self) -> Option<&SystematicResidual> {
+    pub(crate) fn systematic_residual(&self) -> Option<&SystematicResidual> {
         self.systematic_residual.as_deref()
     }
 
     /// Keeps the edge-spread function that was fitted to the masters' edges.
     #[must_use]
-    pub fn with_edge_model(self, esf: &EsfModel) -> Self {
+    pub(crate) fn with_edge_model(self, esf: &EsfModel) -> Self {
         let table = |samples| Box::new(EdgeTable::from_samples(samples, 1e3 * self.scale_mm_per_px));
         let edge_table = if let EsfModel::Table(samples) = esf { Some(table(samples)) } else { None };
         Self { edge_model: Some(esf.name().to_owned()), edge_table, ..self }
@@ -142,7 +142,7 @@ impl Calibration {
 
     /// The edge-spread function that was fitted to the masters' edges; `None` where the file does
     /// not contain it in full.
-    pub fn edge_model(&self) -> Option<EsfModel> {
+    pub(crate) fn edge_model(&self) -> Option<EsfModel> {
         match (self.edge_model.as_deref(), &self.edge_table) {
             (Some("gaussian"), _) => Some(EsfModel::Gaussian {}),
             (Some("learnt"), _) => Some(EsfModel::Learnt {}),
@@ -156,7 +156,7 @@ impl Calibration {
     ///
     /// # Errors
     /// Where both are known and differ.
-    pub fn check_edge_model(&self, esf: &EsfModel) -> Result<(), CalibrationError> {
+    pub(crate) fn check_edge_model(&self, esf: &EsfModel) -> Result<(), CalibrationError> {
         match &self.edge_model {
             Some(calibrated) if calibrated != esf.name() => {
                 Err(CalibrationError::OtherEdgeModel { calibrated: calibrated.clone(), asked: esf.name() })
@@ -175,7 +175,7 @@ impl Calibration {
 
     /// Keeps how the files of its frames encoded light.
     #[must_use]
-    pub fn with_encoding(self, encoding: Encoding) -> Self {
+    pub(crate) fn with_encoding(self, encoding: Encoding) -> Self {
         Self { encoding: Some(encoding), ..self }
     }
 
@@ -185,7 +185,7 @@ impl Calibration {
     ///
     /// # Errors
     /// Where both are known and differ.
-    pub fn check_encoding(&self, found: Encoding) -> Result<(), CalibrationError> {
+    pub(crate) fn check_encoding(&self, found: Encoding) -> Result<(), CalibrationError> {
         let calibrated = match &self.encoding {
             Some(own) if own.is_same(&found) => return Ok(()),
             None if found.is_linear() || (self.masters.is_empty() && self.setup.is_none()) => return Ok(()),
@@ -213,7 +213,7 @@ impl Calibration {
 
     /// Names the optics it belongs to.
     #[must_use]
-    pub fn with_optics_id(self, optics_id: &str) -> Self {
+    pub(crate) fn with_optics_id(self, optics_id: &str) -> Self {
         Self { optics_id: optics_id.to_owned(), ..self }
     }
 
@@ -307,7 +307,7 @@ impl Calibration {
     ///
     /// # Errors
     /// Where the ids differ.
-    pub fn check_optics(&self, optics_id: &str) -> Result<(), CalibrationError> {
+    pub(crate) fn check_optics(&self, optics_id: &str) -> Result<(), CalibrationError> {
         if self.optics_id == optics_id {
             Ok(())
         } else {
@@ -321,24 +321,24 @@ impl Calibration {
     /// The calibration of the same optical setup for frames read column by column (a vertical
     /// shaft).
     #[must_use]
-    pub fn transposed(&self) -> Self {
+    pub(crate) fn transposed(&self) -> Self {
         Self { setup: self.setup.as_ref().map(|setup| Box::new(setup.transposed())), ..self.clone() }
     }
 
     /// Diameter of a width across the axis, mm.
-    pub fn diameter_mm(&self, width_px: f64) -> f64 {
+    pub(crate) fn diameter_mm(&self, width_px: f64) -> f64 {
         self.scale_mm_per_px * width_px + self.offset_mm
     }
 
     /// Standard uncertainty that every reading of this width shares, mm.
-    pub fn u_common_mm(&self, width_px: f64) -> f64 {
+    pub(crate) fn u_common_mm(&self, width_px: f64) -> f64 {
         let [vs, c, vo] = self.covariance;
         (width_px * width_px * vs + 2.0 * width_px * c + vo).max(0.0).sqrt()
     }
 
     /// Zero of the heights of an axis: the middle between the first and the last of `rows` rows, or
     /// the axis of the lens.
-    pub fn axis_zero(&self, rows: f64) -> AxisZero {
+    pub(crate) fn axis_zero(&self, rows: f64) -> AxisZero {
         let height_mm = match self.setup {
             Some(_) => 0.0,
             None => -0.5 * (rows - 1.0) * self.scale_mm_per_px,
@@ -346,15 +346,8 @@ impl Calibration {
         AxisZero { height_mm, u_scale: self.covariance[0].sqrt() / self.scale_mm_per_px }
     }
 
-    /// Residual of a master (certificate minus calibrated), mm, and its standard uncertainty before
-    /// the fit.
-    pub fn residual_mm(&self, master: &MasterFigure) -> (f64, f64) {
-        let residual = master.certificate.diameter_mm - self.diameter_mm(master.width_px);
-        (residual, master.certificate.u_mm().hypot(self.scale_mm_per_px * master.u_width_px))
-    }
-
     /// Conditions of use that the calibration itself assumes; exact ones where it states none.
-    pub fn conditions(&self) -> Conditions {
+    pub(crate) fn conditions(&self) -> Conditions {
         match (&self.setup, &self.conditions) {
             (Some(setup), _) => setup.conditions,
             (None, Some(known)) => **known,
@@ -364,12 +357,12 @@ impl Calibration {
 
     /// Keeps the conditions of use of a calibration without an optical setup.
     #[must_use]
-    pub fn with_conditions(self, conditions: Conditions) -> Self {
+    pub(crate) fn with_conditions(self, conditions: Conditions) -> Self {
         Self { conditions: Some(Box::new(conditions)), ..self }
     }
 
     /// Whether it was made on masters and states no conditions of use.
-    pub fn leaves_conditions_open(&self) -> bool {
+    pub(crate) fn leaves_conditions_open(&self) -> bool {
         self.setup.is_none() && self.conditions.is_none() && !self.masters.is_empty()
     }
 }

@@ -21,13 +21,13 @@ use serde::{Deserialize, Serialize};
 use crate::setting::{SettingError, within};
 
 /// Number of parameters of an optical setup: s, o, a, q, g, t.
-pub const PARAMETERS: usize = 6;
+pub(crate) const PARAMETERS: usize = 6;
 
 /// What the lens' data sheet promises: limits, taken as rectangular distributions around zero until
 /// masters say more.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct LensLimits {
+pub(crate) struct LensLimits {
     /// Largest radial distortion at the corner of the frame, per cent. 0 ..= 5.
     pub distortion_percent: f64,
     /// Largest change of scale from the centre to half a diagonal away (camera not square to the
@@ -49,7 +49,7 @@ impl LensLimits {
     ///
     /// # Errors
     /// Names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         within("lens.distortion_percent", self.distortion_percent, 0.0, 5.0, "0 to 5 %")?;
         within("lens.keystone_percent", self.keystone_percent, 0.0, 5.0, "0 to 5 %")?;
         within("lens.telecentricity_deg", self.telecentricity_deg, 0.0, 30.0, "0 to 30 degrees")
@@ -57,7 +57,7 @@ impl LensLimits {
 
     /// Standard uncertainties of a, q, g, t before any master was seen: limit/√3;
     /// `half_diagonal_mm` on the object.
-    pub fn u_parameters(&self, half_diagonal_mm: f64) -> [f64; 4] {
+    pub(crate) fn u_parameters(&self, half_diagonal_mm: f64) -> [f64; 4] {
         let root = 3.0_f64.sqrt();
         let keystone = 1e-2 * self.keystone_percent / root;
         [
@@ -72,7 +72,7 @@ impl LensLimits {
 /// Columns from the frame's centre that a row is the mean of: r² averages with their variance,
 /// which over a whole frame is worth more than a distortion itself at its middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ColumnSpread {
+pub(crate) struct ColumnSpread {
     /// Their mean, px.
     pub mean_px: f64,
     /// Their variance, px².
@@ -81,7 +81,7 @@ pub struct ColumnSpread {
 
 impl ColumnSpread {
     /// One column.
-    pub fn at(column_px: f64) -> Self {
+    pub(crate) fn at(column_px: f64) -> Self {
         Self { mean_px: column_px, variance_px2: 0.0 }
     }
 }
@@ -108,7 +108,7 @@ pub struct LensModel {
 
 impl LensModel {
     /// A perfect lens before a frame of this size.
-    pub fn perfect(rows: usize, columns: usize) -> Self {
+    pub(crate) fn perfect(rows: usize, columns: usize) -> Self {
         let (r, c) = (rows as f64, columns as f64);
         Self {
             centre_row_px: 0.5 * (r - 1.0),
@@ -123,7 +123,7 @@ impl LensModel {
 
     /// The same lens before the transposed frame: columns for rows, each keystone for the other.
     #[must_use]
-    pub fn transposed(&self) -> Self {
+    pub(crate) fn transposed(&self) -> Self {
         Self {
             centre_row_px: self.centre_column_px,
             centre_column_px: self.centre_row_px,
@@ -134,13 +134,13 @@ impl LensModel {
     }
 
     /// Row from the centre that a perfect lens would have shown, f(u, v), px.
-    pub fn ideal(&self, u: f64, v: f64) -> f64 {
+    pub(crate) fn ideal(&self, u: f64, v: f64) -> f64 {
         self.ideal_mean(ColumnSpread::at(u), v)
     }
 
     /// Mean of [`Self::ideal`] over columns where the mean row is v, px; for a row that hardly
     /// changes over them.
-    pub fn ideal_mean(&self, u: ColumnSpread, v: f64) -> f64 {
+    pub(crate) fn ideal_mean(&self, u: ColumnSpread, v: f64) -> f64 {
         let rho = self.half_diagonal_px;
         let r2 = (u.mean_px * u.mean_px + u.variance_px2 + v * v) / (rho * rho);
         v * (1.0 + self.radial * r2) + (self.keystone_across * v + self.keystone_along * u.mean_px) * v / rho
@@ -150,18 +150,18 @@ impl LensModel {
     /// shaft and the same along it, f(v, u) with q and g in each other's place, which is what a
     /// camera that is not square to the object does to first order. A decentred lens differs along
     /// the shaft by up to |q| + |g|.
-    pub fn ideal_point(&self, point_px: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn ideal_point(&self, point_px: [f64; 2]) -> [f64; 2] {
         let (u, v) = (point_px[0] - self.centre_column_px, point_px[1] - self.centre_row_px);
         [self.centre_column_px + self.transposed().ideal(v, u), self.centre_row_px + self.ideal(u, v)]
     }
 
     /// A row of the image as a perfect lens would have shown it, px.
-    pub fn ideal_row(&self, column_px: f64, row_px: f64) -> f64 {
+    pub(crate) fn ideal_row(&self, column_px: f64, row_px: f64) -> f64 {
         self.centre_row_px + self.ideal(column_px - self.centre_column_px, row_px - self.centre_row_px)
     }
 
     /// Derivatives of the ideal width f(u, bottom) − f(u, top) by a, q, g, px.
-    pub fn width_by(&self, u: ColumnSpread, top: f64, bottom: f64) -> [f64; 3] {
+    pub(crate) fn width_by(&self, u: ColumnSpread, top: f64, bottom: f64) -> [f64; 3] {
         let rho = self.half_diagonal_px;
         let square = u.mean_px * u.mean_px + u.variance_px2;
         let cubic = |v: f64| v * (square + v * v) / (rho * rho);

@@ -27,7 +27,7 @@ pub(crate) fn two() -> f64 {
 
 impl MasterCertificate {
     /// Standard uncertainty U/k, mm.
-    pub fn u_mm(&self) -> f64 {
+    pub(crate) fn u_mm(&self) -> f64 {
         self.expanded_u_mm / self.coverage_factor
     }
 
@@ -68,7 +68,7 @@ impl MasterFigure {
     ///
     /// # Errors
     /// Where no frame shows the master.
-    pub fn from_edges(
+    pub(crate) fn from_edges(
         certificate: MasterCertificate,
         frames: &[FrameEdges],
     ) -> Result<Self, CalibrationError> {
@@ -92,7 +92,7 @@ impl MasterFigure {
 /// A master as used in the adjustment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MasterPrior {
+pub(crate) struct MasterPrior {
     /// Its name in budgets and reports.
     pub name: String,
     /// Its certificate, at 20 °C.
@@ -106,7 +106,7 @@ pub struct MasterPrior {
 /// standard, one instrument) share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct CertificateShare {
+pub(crate) struct CertificateShare {
     /// Who or what they share it by.
     pub certified_by: String,
     /// Its standard uncertainty, mm; at most the certificate's.
@@ -126,7 +126,7 @@ impl MasterPrior {
 }
 
 /// Name of the part that the certificates of a laboratory share.
-pub fn shared_source(certified_by: &str) -> String {
+pub(crate) fn shared_source(certified_by: &str) -> String {
     format!("certificates of {certified_by}, what they share")
 }
 

@@ -28,20 +28,21 @@ mod thermometer;
 pub(crate) mod unstated;
 mod verification;
 
-pub use adjusted::{Adjusted, CovariancePart, Residual};
-pub use adjustment::{Adjustment, Solver};
-pub use axis_zero::AxisZero;
-pub use conditions::{Conditions, GivenConditions};
-pub use date::Date;
-pub use error::{CALIBRATION_VERSION, CalibrationError};
-pub use finish::Finish;
+#[cfg(test)]
+pub(crate) use adjusted::Adjusted;
+pub(crate) use adjusted::{CovariancePart, Residual};
+pub(crate) use adjustment::{Adjustment, Solver};
+pub use conditions::Conditions;
+pub(crate) use conditions::GivenConditions;
+pub(crate) use date::Date;
+pub(crate) use error::CalibrationError;
 pub use gauge_calibration::Calibration;
-pub use imaging_model::{ColumnSpread, LensLimits, LensModel, PARAMETERS};
-pub use masters::{
-    CertificateShare, MasterCertificate, MasterFigure, MasterMeasurement, MasterPrior, shared_source,
-};
-pub use observation::{Observation, observe};
-pub use optical_setup::{BenchError, ReadWidth, SetupCalibration, Validity};
-pub use thermometer::Thermometer;
-pub use unstated::Unstated;
-pub use verification::{CheckPin, CheckResult};
+pub(crate) use imaging_model::{ColumnSpread, LensLimits, LensModel, PARAMETERS};
+pub(crate) use masters::{CertificateShare, MasterFigure, MasterPrior, shared_source};
+pub use masters::{MasterCertificate, MasterMeasurement};
+pub(crate) use observation::{Observation, observe};
+pub(crate) use optical_setup::{BenchError, ReadWidth, SetupCalibration, Validity};
+pub(crate) use thermometer::Thermometer;
+#[cfg(test)]
+pub(crate) use unstated::Unstated;
+pub(crate) use verification::{CheckPin, CheckResult};

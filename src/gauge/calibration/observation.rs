@@ -16,7 +16,7 @@ limits! {
 
 /// Mean edges of a block of columns of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Observation {
+pub(crate) struct Observation {
     /// Index of the master.
     pub master: usize,
     /// Index of the frame over all masters: its columns share an error.
@@ -44,13 +44,13 @@ pub struct Observation {
 
 impl Observation {
     /// Its columns from the frame's centre.
-    pub fn along(&self) -> ColumnSpread {
+    pub(crate) fn along(&self) -> ColumnSpread {
         ColumnSpread { mean_px: self.column_px, variance_px2: self.column_variance_px2 }
     }
 }
 
 /// Observations of one frame of a master; empty where no block shows both edges.
-pub fn observe(
+pub(crate) fn observe(
     edges: &FrameEdges,
     lens: &LensModel,
     master: usize,

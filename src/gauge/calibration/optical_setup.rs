@@ -33,7 +33,7 @@ pub struct Validity {
 
 impl Validity {
     /// Last day on which it holds.
-    pub fn expires(&self) -> Date {
+    pub(crate) fn expires(&self) -> Date {
         self.date.plus_days(self.valid_days)
     }
 }
@@ -129,7 +129,7 @@ pub struct SetupCalibration {
 
 /// Where a width was read.
 #[derive(Clone, Copy, Debug)]
-pub struct ReadWidth {
+pub(crate) struct ReadWidth {
     /// Columns of the frame.
     pub columns: ColumnSpread,
     /// Mean rows of the upper and the lower edge.
@@ -142,7 +142,7 @@ pub struct ReadWidth {
 
 impl SetupCalibration {
     /// An optical setup from its adjustment.
-    pub fn new(adjusted: &Adjusted, size: (usize, usize), validity: Validity, sigma_px: f64) -> Self {
+    pub(crate) fn new(adjusted: &Adjusted, size: (usize, usize), validity: Validity, sigma_px: f64) -> Self {
         Self {
             rows: size.0,
             columns: size.1,
@@ -165,7 +165,7 @@ impl SetupCalibration {
     /// differs along the other direction by up to |q| + |g| (see [`LensModel::ideal_point`]): a
     /// share of its own. The flat field stays that of the sensor.
     #[must_use]
-    pub fn transposed(&self) -> Self {
+    pub(crate) fn transposed(&self) -> Self {
         let (q, g) = (3, 4);
         let mut turned =
             Self { rows: self.columns, columns: self.rows, lens: self.lens.transposed(), ..self.clone() };
@@ -186,7 +186,7 @@ impl SetupCalibration {
     ///
     /// # Errors
     /// Expired, or from the future.
-    pub fn check_date(&self, today: Date) -> Result<(), BenchError> {
+    pub(crate) fn check_date(&self, today: Date) -> Result<(), BenchError> {
         let expired = self.validity.expires();
         if today > expired {
             return Err(BenchError::Expired { expired, days: today.days_since(expired) });
@@ -202,7 +202,7 @@ impl SetupCalibration {
     ///
     /// # Errors
     /// Another size.
-    pub fn check_size(&self, rows: usize, columns: usize) -> Result<(), BenchError> {
+    pub(crate) fn check_size(&self, rows: usize, columns: usize) -> Result<(), BenchError> {
         if (rows, columns) == (self.rows, self.columns) {
             return Ok(());
         }
@@ -219,7 +219,7 @@ impl SetupCalibration {
     ///
     /// # Errors
     /// The blur that is not the calibrated one.
-    pub fn check_focus(&self, sigma_px: [f64; 2], conditions: &Conditions) -> Result<(), BenchError> {
+    pub(crate) fn check_focus(&self, sigma_px: [f64; 2], conditions: &Conditions) -> Result<(), BenchError> {
         let limits = SetupLimits::get();
         let farthest = conditions.axis_y_mm.abs() + conditions.limit_axis_y_mm;
         let (low, high) = (self.sigma_px, self.sigma_px.hypot(self.defocus_px_per_mm * farthest));
@@ -231,7 +231,7 @@ impl SetupCalibration {
     }
 
     /// Derivatives of D_T by s, o, a, q, g, t at the scale s, mm/px.
-    pub fn diameter_by(&self, scale: f64, read: &ReadWidth) -> [f64; PARAMETERS] {
+    pub(crate) fn diameter_by(&self, scale: f64, read: &ReadWidth) -> [f64; PARAMETERS] {
         let ReadWidth { columns, rows_px, chord, axis_y_mm } = *read;
         let lens = &self.lens;
         let u = ColumnSpread { mean_px: columns.mean_px - lens.centre_column_px, ..columns };
@@ -243,7 +243,7 @@ impl SetupCalibration {
     }
 
     /// Standard uncertainty of the telecentricity t, 1/mm.
-    pub fn u_telecentricity_per_mm(&self) -> f64 {
+    pub(crate) fn u_telecentricity_per_mm(&self) -> f64 {
         self.parts.iter().map(|p| p.matrix[5][5]).sum::<f64>().max(0.0).sqrt()
     }
 }

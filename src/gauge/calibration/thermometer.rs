@@ -9,7 +9,7 @@ use crate::setting::{SettingError, within};
 /// Temperature of the masters while they were recorded: one thermometer, one material.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "GivenThermometer")]
-pub struct Thermometer {
+pub(crate) struct Thermometer {
     /// Temperature of the masters, °C. -50 ..= 400.
     pub temperature_c: f64,
     /// Limits of its error, ± K. 0 ..= 100.
@@ -39,7 +39,7 @@ impl Default for Thermometer {
 /// A thermometer as a file gives it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct GivenThermometer {
+pub(crate) struct GivenThermometer {
     /// Temperature of the masters, °C.
     pub temperature_c: Option<f64>,
     /// Limits of its error, ± K.
@@ -77,13 +77,13 @@ impl From<GivenThermometer> for Thermometer {
 
 impl Thermometer {
     /// Nothing stated: 20 °C within wide limits.
-    pub fn unstated() -> Self {
+    pub(crate) fn unstated() -> Self {
         GivenThermometer::default().into()
     }
 
     /// Unstated limits taken as exact: for masters that were rendered.
     #[must_use]
-    pub fn known(&self) -> Self {
+    pub(crate) fn known(&self) -> Self {
         let keep = |limit: f64, unstated: bool| if unstated { 0.0 } else { limit };
         Self {
             limit_temperature_k: keep(self.limit_temperature_k, self.unstated.temperature),
@@ -113,7 +113,7 @@ impl Thermometer {
     ///
     /// # Errors
     /// Names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         let at = |key: &str, v, low, high, right| within(&format!("thermometer.{key}"), v, low, high, right);
         at("temperature_c", self.temperature_c, -50.0, 400.0, "-50 to 400 °C")?;
         at("limit_temperature_k", self.limit_temperature_k, 0.0, 100.0, "0 to 100 K")?;
@@ -122,7 +122,7 @@ impl Thermometer {
     }
 
     /// Standard uncertainties of T and α, K and 1/K.
-    pub fn u(&self) -> [f64; 2] {
+    pub(crate) fn u(&self) -> [f64; 2] {
         let root = 3.0_f64.sqrt();
         [self.limit_temperature_k / root, 1e-6 * self.limit_expansion_um_per_m_k / root]
     }

@@ -38,7 +38,7 @@ pub struct Unstated {
 
 impl Unstated {
     /// Whether all is stated.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 

@@ -6,7 +6,7 @@ use super::masters::MasterCertificate;
 
 /// A pin of known diameter measured with the new calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CheckPin {
+pub(crate) struct CheckPin {
     /// Its certificate.
     pub certificate: MasterCertificate,
     /// Diameter measured, at 20 °C, mm.
@@ -46,7 +46,7 @@ fn two() -> f64 {
 impl CheckPin {
     /// E_n = |x − X|/U(x − X): √(U_x² + U_X²) at one coverage factor, less what both certificates
     /// and masters share.
-    pub fn judge(&self) -> CheckResult {
+    pub(crate) fn judge(&self) -> CheckResult {
         let error_mm = self.measured_mm - self.certificate.diameter_mm;
         let expanded_u_mm = self.coverage_factor * self.u_error_mm;
         let e_n = error_mm.abs() / expanded_u_mm;

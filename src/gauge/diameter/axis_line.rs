@@ -80,23 +80,24 @@ pub struct TurningOffset {
 
 impl TurningOffset {
     /// Distance of the section's centre from the axis of rotation, mm.
-    pub fn amplitude_mm(&self) -> f64 {
+    pub(crate) fn amplitude_mm(&self) -> f64 {
         self.x_mm.hypot(self.y_mm)
     }
 
     /// Body angle of the offset, degrees from x towards y.
-    pub fn phase_deg(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn phase_deg(&self) -> f64 {
         self.y_mm.atan2(self.x_mm).to_degrees()
     }
 
     /// Radial run-out of the axis against the axis of rotation, mm: twice the amplitude (form
     /// apart).
-    pub fn run_out_mm(&self) -> f64 {
+    pub(crate) fn run_out_mm(&self) -> f64 {
         2.0 * self.amplitude_mm()
     }
 
     /// Offset (upwards, towards the camera) at a spindle angle, mm.
-    pub fn at(&self, angle_deg: f64) -> (f64, f64) {
+    pub(crate) fn at(&self, angle_deg: f64) -> (f64, f64) {
         let (sin, cos) = angle_deg.to_radians().sin_cos();
         (self.x_mm * cos - self.y_mm * sin, self.x_mm * sin + self.y_mm * cos)
     }
@@ -127,13 +128,13 @@ pub struct AxisStation {
 
 impl AxisStation {
     /// Combined standard uncertainty of the height, mm.
-    pub fn u_mm(&self) -> f64 {
+    pub(crate) fn u_mm(&self) -> f64 {
         self.u_random_mm.hypot(self.u_common_mm)
     }
 }
 
 /// What is known of the axis' part that stands still towards the camera.
-pub const STILL_TOWARDS_CAMERA: &str = "not seen: needs a second viewing direction";
+pub(crate) const STILL_TOWARDS_CAMERA: &str = "not seen: needs a second viewing direction";
 
 /// The axis of a part along z.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -146,7 +147,8 @@ pub struct AxisLine {
 
 /// What stands still towards the camera, from a second viewing direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct StillTowardsCamera {
+#[cfg(test)]
+pub(crate) struct StillTowardsCamera {
     /// Middle of the station, mm.
     pub z_mm: f64,
     /// Offset towards the first camera, mm.
@@ -159,7 +161,7 @@ impl AxisLine {
     /// Departure of the height from the chord between the first and the last station, (z,
     /// departure, its random standard uncertainty), mm: how the shaft bends in the image plane,
     /// wherever its supports stand.
-    pub fn bend_mm(&self) -> Vec<(f64, f64, f64)> {
+    pub(crate) fn bend_mm(&self) -> Vec<(f64, f64, f64)> {
         let (Some(first), Some(last)) = (self.stations.first(), self.stations.last()) else {
             return Vec::new();
         };
@@ -179,7 +181,8 @@ impl AxisLine {
     /// upward direction turned by `view_deg` from x towards y: x' = x·cos ψ + y·sin ψ. The two
     /// optical axes' distance along y stays in it as a constant. Nothing where the directions are
     /// less than 10° apart, and for stations that one of both has not seen.
-    pub fn seen_from(&self, second: &Self, view_deg: f64) -> Vec<StillTowardsCamera> {
+    #[cfg(test)]
+    pub(crate) fn seen_from(&self, second: &Self, view_deg: f64) -> Vec<StillTowardsCamera> {
         let (sin, cos) = view_deg.to_radians().sin_cos();
         if sin.abs() < 10.0_f64.to_radians().sin() {
             return Vec::new();
@@ -237,7 +240,7 @@ impl Sums {
 
 /// Averages the middles of a scan's frames into the axis of the part.
 #[derive(Clone, Debug)]
-pub struct AxisAverager {
+pub(crate) struct AxisAverager {
     /// What each burst of frames shows of a station.
     row: StationRow<Bursts<Sums>>,
     zero: AxisZero,
@@ -272,12 +275,12 @@ struct Fit {
 
 impl AxisAverager {
     /// Stations by their middles, ascending, and their common length.
-    pub fn new(z_mm: Vec<f64>, station_mm: f64, zero: AxisZero) -> Self {
+    pub(crate) fn new(z_mm: Vec<f64>, station_mm: f64, zero: AxisZero) -> Self {
         Self { row: StationRow::new(z_mm, station_mm), zero }
     }
 
     /// Adds a frame's columns.
-    pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
+    pub(crate) fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         let stream_limits = StreamLimits::get();
         self.row.pitch_mm = diameters.pitch_mm;
         let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64 % 360_000_000;
@@ -306,7 +309,7 @@ impl AxisAverager {
     }
 
     /// Ends the scan.
-    pub fn finish(&self) -> AxisLine {
+    pub(crate) fn finish(&self) -> AxisLine {
         let (station_mm, columns) = (self.row.station_mm(), self.row.columns());
         let taken = |station: &Gathered<Bursts<Sums>>| {
             station.sums.at_one_place(&Whole { z_mm: station.z_mm, station_mm, columns })

@@ -46,7 +46,7 @@ pub struct ColumnDiameter {
 
 impl ColumnDiameter {
     /// A column without a diameter.
-    pub fn gap(reason: Reason) -> Self {
+    pub(crate) fn gap(reason: Reason) -> Self {
         Self {
             reading: Reading::Gap(reason),
             shared_mm: f64::NAN,
@@ -59,13 +59,13 @@ impl ColumnDiameter {
 
 impl ColumnDiameters {
     /// Machine z of a column of the frame with this metadata, mm.
-    pub fn z_mm(&self, meta: &FrameMeta, column: usize) -> f64 {
+    pub(crate) fn z_mm(&self, meta: &FrameMeta, column: usize) -> f64 {
         meta.z_mm + (column as f64 - (self.columns.len() as f64 - 1.0) / 2.0) * self.pitch_mm
     }
 
     /// Means over intervals of about `step_mm` along z, for the record: (z of the interval's
     /// middle, reading). An interval without a good column is a gap with its most frequent reason.
-    pub fn record(&self, meta: &FrameMeta, step_mm: f64) -> Vec<(f64, Reading)> {
+    pub(crate) fn record(&self, meta: &FrameMeta, step_mm: f64) -> Vec<(f64, Reading)> {
         let size = ((step_mm / self.pitch_mm).round() as usize).clamp(1, self.columns.len().max(1));
         (0..self.columns.len())
             .step_by(size)
@@ -125,7 +125,7 @@ impl Calibration {
     }
 
     /// As [`Self::diameters`], at 20 °C from a part under these conditions.
-    pub fn diameters_under(&self, edges: &FrameEdges, conditions: &Conditions) -> ColumnDiameters {
+    pub(crate) fn diameters_under(&self, edges: &FrameEdges, conditions: &Conditions) -> ColumnDiameters {
         column_diameters(self, edges, conditions)
     }
 }

@@ -11,18 +11,20 @@
 //! One more quantity of a scan is one more averager: `add` a frame's `ColumnDiameters`, `finish` to
 //! a result with reasons for its gaps.
 
-pub mod axis_line;
+pub(crate) mod axis_line;
 pub(crate) mod bursts;
 pub(crate) mod column_diameters;
-pub mod plausibility;
-pub mod reading_scatter;
-pub mod reading_series;
-pub mod sections;
+pub(crate) mod plausibility;
+pub(crate) mod reading_scatter;
+pub(crate) mod reading_series;
+pub(crate) mod sections;
 pub(crate) mod station_mean;
 mod station_row;
 pub(crate) mod stations;
 pub(crate) mod turn_scatter;
-pub mod turning_depth;
+pub(crate) mod turning_depth;
 
-pub use column_diameters::{ColumnDiameter, ColumnDiameters};
-pub use stations::StationAverager;
+#[cfg(test)]
+pub(crate) use column_diameters::ColumnDiameter;
+pub(crate) use column_diameters::ColumnDiameters;
+pub(crate) use stations::StationAverager;

@@ -19,7 +19,7 @@ use serde::Serialize;
 use super::column_diameters::{ColumnDiameter, ColumnDiameters};
 use crate::frame::FrameMeta;
 use crate::gauge::limit::limits;
-pub use crate::gauge::settings::PlausibilitySettings;
+pub(crate) use crate::gauge::settings::PlausibilitySettings;
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason};
 
 limits! {
@@ -65,7 +65,7 @@ fn jump(now: Diameter, expected: Diameter, coverage: f64, limit_mm: f64) -> Opti
 
 /// Diameters of earlier revolutions at every stretch and angle.
 #[derive(Clone, Debug)]
-pub struct TurnHistory {
+pub(crate) struct TurnHistory {
     settings: PlausibilitySettings,
     stretch_mm: f64,
     /// By angle (mod 180°) in microdegrees and stretch: the mean so far, and of how many turns.
@@ -74,14 +74,14 @@ pub struct TurnHistory {
 
 impl TurnHistory {
     /// Without a reference yet; stretches of this length along z are compared, mm.
-    pub fn new(settings: &PlausibilitySettings, stretch_mm: f64) -> Self {
+    pub(crate) fn new(settings: &PlausibilitySettings, stretch_mm: f64) -> Self {
         Self { settings: *settings, stretch_mm, known: BTreeMap::new() }
     }
 
     /// Compares a frame's diameters with those of the same angle in earlier revolutions. Stretches
     /// that jump become gaps ([`Reason::Implausible`]); the others become the reference of the next
     /// revolution.
-    pub fn check(&mut self, meta: &FrameMeta, diameters: &mut ColumnDiameters) -> Vec<Jump> {
+    pub(crate) fn check(&mut self, meta: &FrameMeta, diameters: &mut ColumnDiameters) -> Vec<Jump> {
         let mut jumps = Vec::new();
         let angle = (meta.angle_deg.rem_euclid(180.0) * 1e6).round() as i64 % 180_000_000;
         let mut from = 0;
@@ -137,7 +137,7 @@ fn refuse(diameters: &mut ColumnDiameters, columns: std::ops::Range<usize>) {
 /// Compares a pass with the one before: `fall_mm` is by how much every station was commanded
 /// smaller. Stations that jump become gaps, unless more than a quarter of them do: then nothing is
 /// refused here, and the jumps are given with `false`.
-pub fn against_pass(
+pub(crate) fn against_pass(
     settings: &PlausibilitySettings,
     before: &DiameterProfile,
     fall_mm: &[f64],

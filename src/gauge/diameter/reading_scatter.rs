@@ -27,7 +27,7 @@ limits! {
 }
 
 /// False-alarm probability of the test whether readings scatter beyond their u.
-pub const FALSE_ALARM_PROBABILITY: f64 = 1e-3;
+pub(crate) const FALSE_ALARM_PROBABILITY: f64 = 1e-3;
 
 /// χ² of readings about their mean against their own standard uncertainties.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -47,7 +47,7 @@ pub struct ScatterTest {
 impl ScatterTest {
     /// Of (value, random standard uncertainty) about their weighted mean; `None` for fewer than
     /// two, or for a u that is not above 0.
-    pub fn of(readings: &[(f64, f64)]) -> Option<Self> {
+    pub(crate) fn of(readings: &[(f64, f64)]) -> Option<Self> {
         if readings.len() < 2 || !readings.iter().all(|(_, u)| *u > 0.0) {
             return None;
         }
@@ -58,7 +58,7 @@ impl ScatterTest {
     }
 
     /// Of a χ² with its degrees of freedom; `None` where either is no number of its kind.
-    pub fn against(chi2: f64, freedom: f64) -> Option<Self> {
+    pub(crate) fn against(chi2: f64, freedom: f64) -> Option<Self> {
         let distribution = ChiSquared::new(freedom).ok()?;
         let chi2_limit = distribution.inverse_cdf(1.0 - FALSE_ALARM_PROBABILITY);
         chi2.is_finite().then_some(Self {
@@ -71,14 +71,14 @@ impl ScatterTest {
     }
 
     /// How many times larger than stated the scatter is.
-    pub fn ratio(&self) -> f64 {
+    pub(crate) fn ratio(&self) -> f64 {
         (self.chi2 / self.freedom).sqrt()
     }
 }
 
 /// Number of independent readings whose mean scatters as that of these, 1 ..= n: `departures` are
 /// from the mean, or from a value known.
-pub fn effective_number(departures: &[f64]) -> f64 {
+pub(crate) fn effective_number(departures: &[f64]) -> f64 {
     let limits = SeriesLimits::get();
     let n = departures.len() as f64;
     let square: f64 = departures.iter().map(|d| d * d).sum();
@@ -95,7 +95,7 @@ pub fn effective_number(departures: &[f64]) -> f64 {
 
 /// Mean of successive readings with its uncertainty from their scatter and from their stated u.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SeriesMean {
+pub(crate) struct SeriesMean {
     /// Mean, its random standard uncertainty (the larger one of stated and scattered) and the
     /// common one, which no mean makes smaller.
     pub mean: Diameter,
@@ -107,7 +107,7 @@ pub struct SeriesMean {
 
 impl SeriesMean {
     /// Of readings in their order; `None` without any.
-    pub fn of(series: &[Diameter]) -> Option<Self> {
+    pub(crate) fn of(series: &[Diameter]) -> Option<Self> {
         let first = series.first()?;
         let n = series.len() as f64;
         // Sums about the first reading: a diameter of 25 mm must not round its nanometres.

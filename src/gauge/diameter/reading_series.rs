@@ -76,7 +76,7 @@ pub enum Averaging {
 
 /// An average in progress.
 #[derive(Clone, Debug)]
-pub struct Average {
+pub(crate) struct Average {
     averaging: Averaging,
     window: VecDeque<Diameter>,
     state: Option<Recursion>,
@@ -87,7 +87,7 @@ impl Average {
     ///
     /// # Errors
     /// Refuses windows of no reading and weights outside 0..=1.
-    pub fn new(averaging: Averaging) -> Result<Self, StatisticsError> {
+    pub(crate) fn new(averaging: Averaging) -> Result<Self, StatisticsError> {
         match averaging {
             Averaging::Moving { readings: 0 } | Averaging::Median { readings: 0 } => {
                 Err(StatisticsError::Argument { name: "readings", value: 0.0, right: "at least 1" })
@@ -100,7 +100,7 @@ impl Average {
     }
 
     /// Takes a reading, gives the average; a gap gives itself and changes nothing.
-    pub fn push(&mut self, reading: Reading) -> Reading {
+    pub(crate) fn push(&mut self, reading: Reading) -> Reading {
         let Reading::Value(newest) = reading else { return reading };
         Reading::Value(match self.averaging {
             Averaging::Off => newest,
@@ -218,7 +218,7 @@ fn median_penalty(n: usize) -> f64 {
 
 /// Mean, scatter and extremes of a series, updated one by one (Welford), of any unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct RunningStatistics {
+pub(crate) struct RunningStatistics {
     count: u64,
     mean: f64,
     squares: f64,
@@ -239,7 +239,7 @@ pub struct Capability {
 
 impl RunningStatistics {
     /// Takes a value; non-finite ones are left out.
-    pub fn push(&mut self, value: f64) {
+    pub(crate) fn push(&mut self, value: f64) {
         if !value.is_finite() {
             return;
         }
@@ -252,27 +252,29 @@ impl RunningStatistics {
     }
 
     /// Values so far.
-    pub fn count(&self) -> u64 {
+    #[cfg(test)]
+    pub(crate) fn count(&self) -> u64 {
         self.count
     }
 
     /// Mean; 0 without values.
-    pub fn mean(&self) -> f64 {
+    pub(crate) fn mean(&self) -> f64 {
         self.mean
     }
 
     /// Least and greatest value; `None` without values.
-    pub fn extremes(&self) -> Option<(f64, f64)> {
+    pub(crate) fn extremes(&self) -> Option<(f64, f64)> {
         (self.count > 0).then_some((self.min, self.max))
     }
 
     /// Experimental standard deviation (n − 1; GUM 4.2.2); 0 below two values.
-    pub fn sd(&self) -> f64 {
+    pub(crate) fn sd(&self) -> f64 {
         if self.count < 2 { 0.0 } else { (self.squares / (self.count - 1) as f64).sqrt() }
     }
 
     /// Standard uncertainty of the mean, type A (GUM 4.2.3).
-    pub fn u_mean(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn u_mean(&self) -> f64 {
         self.sd() / (self.count.max(1) as f64).sqrt()
     }
 
@@ -281,7 +283,7 @@ impl RunningStatistics {
     ///
     /// # Errors
     /// Fewer than two different values; limits out of order; a confidence outside 0..1.
-    pub fn cp(&self, lower: f64, upper: f64, confidence: f64) -> Result<Capability, StatisticsError> {
+    pub(crate) fn cp(&self, lower: f64, upper: f64, confidence: f64) -> Result<Capability, StatisticsError> {
         self.check(lower, upper, confidence)?;
         let freedom = (self.count - 1) as f64;
         let chi2 = ChiSquared::new(freedom)
@@ -296,7 +298,7 @@ impl RunningStatistics {
     ///
     /// # Errors
     /// As [`Self::cp`].
-    pub fn cpk(&self, lower: f64, upper: f64, confidence: f64) -> Result<Capability, StatisticsError> {
+    pub(crate) fn cpk(&self, lower: f64, upper: f64, confidence: f64) -> Result<Capability, StatisticsError> {
         self.check(lower, upper, confidence)?;
         let n = self.count as f64;
         let index = (upper - self.mean).min(self.mean - lower) / (3.0 * self.sd());
@@ -310,7 +312,7 @@ impl RunningStatistics {
     ///
     /// # Errors
     /// Fewer than two values; scatter that noise explains.
-    pub fn exceeds_noise(&self, variance: f64, risk: f64) -> Result<(), StatisticsError> {
+    pub(crate) fn exceeds_noise(&self, variance: f64, risk: f64) -> Result<(), StatisticsError> {
         let too_few = || StatisticsError::TooFew { found: self.count, sd: self.sd() };
         let freedom = self.count.checked_sub(1).filter(|n| *n > 0).ok_or_else(too_few)? as f64;
         let quantile = ChiSquared::new(freedom).map_err(|_| too_few())?.inverse_cdf(1.0 - risk) / freedom;

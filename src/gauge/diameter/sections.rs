@@ -63,7 +63,7 @@ struct Sums {
 
 /// Gathers a scan's frames by station and angle.
 #[derive(Clone, Debug)]
-pub struct TurnAverager {
+pub(crate) struct TurnAverager {
     row: StationRow<StationSums>,
 }
 
@@ -144,7 +144,7 @@ pub struct PartForm {
 
 /// The least circumscribed cylinder over all sections: the envelope of a shaft (ISO 14405-1).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Envelope {
+pub(crate) struct Envelope {
     /// Its diameter, mm.
     pub diameter_mm: f64,
     /// Random standard uncertainty, mm: the tangents it rests on balance, so that none has more
@@ -179,12 +179,12 @@ struct Section {
 
 impl TurnAverager {
     /// Stations by their middles, ascending, and their common length.
-    pub fn new(z_mm: Vec<f64>, station_mm: f64) -> Self {
+    pub(crate) fn new(z_mm: Vec<f64>, station_mm: f64) -> Self {
         Self { row: StationRow::new(z_mm, station_mm) }
     }
 
     /// Adds a frame's diameters.
-    pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
+    pub(crate) fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64 % 360_000_000;
         self.row.pitch_mm = diameters.pitch_mm;
         let mut of_frame: BTreeMap<usize, StationColumns> = BTreeMap::new();
@@ -226,7 +226,7 @@ impl TurnAverager {
     ///
     /// # Errors
     /// The first section that makes no turn, with its place; fewer than three sections.
-    pub fn envelope(&self, cutoff: Cutoff) -> Result<Envelope, String> {
+    pub(crate) fn envelope(&self, cutoff: Cutoff) -> Result<Envelope, String> {
         let mut samples = Vec::new();
         let mut u_edge_mm: f64 = 0.0;
         for (z_mm, station) in self.stations() {
@@ -248,7 +248,7 @@ impl TurnAverager {
     }
 
     /// Ends the scan.
-    pub fn finish(&self, cutoff: Cutoff) -> PartForm {
+    pub(crate) fn finish(&self, cutoff: Cutoff) -> PartForm {
         let mut part = PartForm::default();
         let mut sections = Vec::new();
         for (z_mm, station) in self.stations() {

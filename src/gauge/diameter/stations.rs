@@ -79,7 +79,7 @@ pub(crate) fn variance_of_mean(n: f64, own: f64, shared: f64, length: f64) -> f6
 
 /// Averages a scan's frames into stations.
 #[derive(Clone, Debug)]
-pub struct StationAverager {
+pub(crate) struct StationAverager {
     /// Sums by angle in microdegrees.
     row: StationRow<BTreeMap<i64, AngleSums>>,
     settings: StationSettings,
@@ -131,12 +131,12 @@ struct AngleFit {
 
 impl StationAverager {
     /// Stations by their middles, ascending, and their common length.
-    pub fn new(settings: &StationSettings, z_mm: Vec<f64>, station_mm: f64) -> Self {
+    pub(crate) fn new(settings: &StationSettings, z_mm: Vec<f64>, station_mm: f64) -> Self {
         Self { row: StationRow::new(z_mm, station_mm), settings: *settings, readings: false }
     }
 
     /// Adds a frame's diameters.
-    pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
+    pub(crate) fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         self.row.pitch_mm = diameters.pitch_mm;
         self.readings = diameters.columns.len() < StreamLimits::get().least_columns;
         let angle = (meta.angle_deg * 1e6).round() as i64;
@@ -159,7 +159,7 @@ impl StationAverager {
     }
 
     /// Ends the scan: one reading a station.
-    pub fn finish(&self, pass: u32) -> DiameterProfile {
+    pub(crate) fn finish(&self, pass: u32) -> DiameterProfile {
         let limits = StationLimits::get();
         let mut fits: Vec<Result<AngleFit, Reason>> =
             self.row.iter().map(|s| self.fit(&s.sums, None)).collect();

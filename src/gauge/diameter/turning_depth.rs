@@ -22,7 +22,7 @@ use crate::profile::{Diameter, DiameterProfile, Reading};
 
 /// The telecentricity error of a lens, 1/mm: positive where what comes closer looks smaller.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Telecentricity {
+pub(crate) struct Telecentricity {
     /// Its estimate.
     pub per_mm: f64,
     /// Its standard uncertainty.
@@ -32,13 +32,13 @@ pub struct Telecentricity {
 impl Telecentricity {
     /// As an optical setup was calibrated; `None` of a calibration by masters in one plane, which
     /// does not show it.
-    pub fn of(calibration: &Calibration) -> Option<Self> {
+    pub(crate) fn of(calibration: &Calibration) -> Option<Self> {
         let setup = calibration.setup.as_ref()?;
         Some(Self { per_mm: setup.lens.telecentricity_per_mm, u_per_mm: setup.u_telecentricity_per_mm() })
     }
 
     /// Known by its limits alone: a rectangular distribution about zero.
-    pub fn within(limit_per_mm: f64) -> Self {
+    pub(crate) fn within(limit_per_mm: f64) -> Self {
         Self { per_mm: 0.0, u_per_mm: limit_per_mm.abs() / 3.0_f64.sqrt() }
     }
 
@@ -51,7 +51,7 @@ impl Telecentricity {
 }
 
 /// Takes y out of the diameters of every frame of a scan.
-pub fn correct_frames(
+pub(crate) fn correct_frames(
     frames: &mut [(FrameMeta, ColumnDiameters)],
     axis: &AxisLine,
     telecentricity: Telecentricity,
@@ -68,7 +68,7 @@ pub fn correct_frames(
 }
 
 /// Takes the mean of y over the angles of a scan out of its stations.
-pub fn correct_profile(
+pub(crate) fn correct_profile(
     profile: &mut DiameterProfile,
     axis: &AxisLine,
     angle_deg: &[f64],

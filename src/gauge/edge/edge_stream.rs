@@ -43,7 +43,7 @@ impl EdgeStream {
     }
 
     /// Adds what the edges of the frame just measured leave of the edge model.
-    pub fn accumulate(&mut self, residuals: &mut ResidualAccumulator, measured: &FrameEdges) {
+    pub(crate) fn accumulate(&mut self, residuals: &mut ResidualAccumulator, measured: &FrameEdges) {
         match &mut self.narrow {
             Some(narrow) => narrow.accumulate(residuals),
             None => self.area.accumulate(residuals, measured),

@@ -15,7 +15,7 @@ use crate::gauge::edges::{FrameEdges, FrameRefused};
 
 /// Streams that take frames in turn.
 #[derive(Clone, Debug)]
-pub struct Lanes {
+pub(crate) struct Lanes {
     lanes: Vec<Lane>,
     /// Frames taken so far.
     taken: usize,
@@ -38,7 +38,7 @@ impl Lanes {
     /// Measures frames that follow those of the last call, on the threads of the pool that this is
     /// called in. Each result is lent to `take` by the thread that measured it, with the frame's
     /// index in `frames`; within a lane in the frames' order.
-    pub fn measure(
+    pub(crate) fn measure(
         &mut self,
         frames: &[FrameView<'_>],
         take: impl Fn(usize, Result<&FrameEdges, FrameRefused>) + Sync,

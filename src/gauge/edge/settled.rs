@@ -21,7 +21,7 @@ struct Waiting<T> {
 /// A stream of frames that gives every frame's edges once they are settled, together with what
 /// belongs to the frame.
 #[derive(Clone, Debug)]
-pub struct SettledStream<T> {
+pub(crate) struct SettledStream<T> {
     stream: EdgeStream,
     waiting: Vec<Waiting<T>>,
     /// Whether readings wait at all, or any more.
@@ -30,12 +30,12 @@ pub struct SettledStream<T> {
 
 impl<T> SettledStream<T> {
     /// A stream whose first readings wait.
-    pub fn new(stream: EdgeStream) -> Self {
+    pub(crate) fn new(stream: EdgeStream) -> Self {
         Self { stream, waiting: Vec::new(), waits: true }
     }
 
     /// A stream that gives every frame at once, for those who act on it.
-    pub fn at_once(stream: EdgeStream) -> Self {
+    pub(crate) fn at_once(stream: EdgeStream) -> Self {
         Self { waits: false, ..Self::new(stream) }
     }
 
@@ -44,7 +44,7 @@ impl<T> SettledStream<T> {
     ///
     /// # Errors
     /// As [`EdgeStream::measure`]; nothing is given then.
-    pub fn measure(
+    pub(crate) fn measure(
         &mut self,
         view: &FrameView<'_>,
         edges: &mut FrameEdges,
@@ -71,7 +71,7 @@ impl<T> SettledStream<T> {
     }
 
     /// Gives what still waits: fewer readings than a picture has.
-    pub fn finish(&mut self, mut give: impl FnMut(T, &FrameEdges)) {
+    pub(crate) fn finish(&mut self, mut give: impl FnMut(T, &FrameEdges)) {
         self.settle(&mut give);
     }
 
@@ -93,13 +93,13 @@ impl<T> SettledStream<T> {
     }
 
     /// The settings it measures by.
-    pub fn settings(&self) -> &GaugeSettings {
+    pub(crate) fn settings(&self) -> &GaugeSettings {
         self.stream.settings()
     }
 
     /// As [`EdgeStream::accumulate`], for the frame measured last; of a line camera once for every
     /// picture of readings, so that no reading counts twice.
-    pub fn accumulate(&mut self, residuals: &mut ResidualAccumulator, measured: &FrameEdges) {
+    pub(crate) fn accumulate(&mut self, residuals: &mut ResidualAccumulator, measured: &FrameEdges) {
         self.stream.accumulate(residuals, measured);
     }
 }

@@ -25,7 +25,8 @@ impl Certificate {
     }
 
     /// Whether the feature is proven best, in a neighbourhood at least.
-    pub fn is_proven(&self) -> bool {
+    #[cfg(test)]
+    pub(crate) fn is_proven(&self) -> bool {
         self.proven_within > 0.0 && self.gap.is_finite()
     }
 }

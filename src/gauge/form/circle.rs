@@ -16,12 +16,12 @@ pub struct Circle {
 
 impl Circle {
     /// Diameter.
-    pub fn diameter(&self) -> f64 {
+    pub(crate) fn diameter(&self) -> f64 {
         2.0 * self.radius
     }
 
     /// Signed distance of a point from the circle, positive outside.
-    pub fn deviation(&self, point: DVec2) -> f64 {
+    pub(crate) fn deviation(&self, point: DVec2) -> f64 {
         point.distance(self.centre) - self.radius
     }
 }
@@ -42,7 +42,7 @@ pub struct CircleFit {
 impl CircleFit {
     /// Peak-to-valley deviation RONt, the width of the annulus about this centre that holds every
     /// point.
-    pub fn peak_to_valley(&self) -> f64 {
+    pub(crate) fn peak_to_valley(&self) -> f64 {
         self.outer_radius - self.inner_radius
     }
 }

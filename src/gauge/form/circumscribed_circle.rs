@@ -91,7 +91,7 @@ pub(super) fn through(a: DVec2, b: DVec2, c: DVec2) -> Option<Circle> {
 /// With contacts p_i at distance R, and some Σλ_i(p_i − c) = 0 (λ ≥ 0), every centre c + d has a
 /// contact at distance √(R² + |d|²) or more. If the nearest point of the contacts' hull lies ε from
 /// c, the gain is at most ε.
-pub fn certify_circumscribed(points: &[DVec2], centre: DVec2) -> Certificate {
+pub(crate) fn certify_circumscribed(points: &[DVec2], centre: DVec2) -> Certificate {
     let (_, outer) = radii(points, centre);
     let near = touching(points, centre);
     let contacts: Vec<usize> =

@@ -31,7 +31,7 @@ pub struct Cylinder {
 
 impl Cylinder {
     /// Signed distance of a point from the cylinder, positive outside.
-    pub fn deviation(&self, point: DVec3) -> f64 {
+    pub(crate) fn deviation(&self, point: DVec3) -> f64 {
         self.arm(point).0.length() - self.radius
     }
 

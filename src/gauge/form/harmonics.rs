@@ -50,7 +50,7 @@ impl TurnHarmonics {
     /// Adds to the odd lobes what an axis known to `u_axis_mm` only makes of half a revolution: a
     /// square wave of that height, 4/(πk) of it at order k.
     #[must_use]
-    pub fn with_axis(mut self, u_axis_mm: f64) -> Self {
+    pub(crate) fn with_axis(mut self, u_axis_mm: f64) -> Self {
         for harmonic in self.section.iter_mut().filter(|h| h.lobes % 2 == 1) {
             let of_axis = 4.0 / (std::f64::consts::PI * harmonic.lobes as f64) * u_axis_mm;
             harmonic.u_amplitude_mm = harmonic.u_amplitude_mm.hypot(of_axis);
@@ -71,7 +71,7 @@ pub(super) fn spectrum(values: &[f64]) -> Vec<Complex<f64>> {
 /// Harmonics up to `max_lobes` (at most n/2 − 1) of a revolution whose single edges carry the
 /// random standard uncertainty `u_edge_mm`: each component's is u_edge/√n, since two edges
 /// contribute to it.
-pub fn harmonics(turn: &Turn, max_lobes: usize, u_edge_mm: f64) -> TurnHarmonics {
+pub(crate) fn harmonics(turn: &Turn, max_lobes: usize, u_edge_mm: f64) -> TurnHarmonics {
     let n = turn.len();
     let u_amplitude_mm = u_edge_mm / (n as f64).sqrt();
     let top = max_lobes.min(n / 2 - 1);

@@ -73,7 +73,7 @@ fn best_step(points: &[DVec2], centre: DVec2, box_half: f64) -> Option<DVec2> {
 /// Exactly |p − c − d| ≤ r − u·d + |d|²/2r. If the hull of the contacts' directions holds a circle
 /// of radius ρ about the origin, some contact has u·d ≥ ρ|d|, and the circle about c + d is smaller
 /// for all |d| < 2rρ.
-pub fn certify_inscribed(points: &[DVec2], centre: DVec2) -> Certificate {
+pub(crate) fn certify_inscribed(points: &[DVec2], centre: DVec2) -> Certificate {
     let (inner, _) = radii(points, centre);
     let near = touching(points, centre);
     let contacts: Vec<usize> =

@@ -139,7 +139,7 @@ fn covariance(points: &[DVec2], centre: DVec2) -> Option<Matrix3<f64>> {
 /// which S is convex: for |d| ≤ B = r_min/2, half the third derivative is at most 3/ρ +
 /// (2/√3)·(r̄ + B)/ρ², ρ = r_min − B. The gap is twice the Newton step that remains, a distance of
 /// the centre.
-pub fn certify_least_squares(points: &[DVec2], centre: DVec2) -> Certificate {
+pub(crate) fn certify_least_squares(points: &[DVec2], centre: DVec2) -> Certificate {
     let at = local(points, centre);
     let (inner, _) = radii(points, centre);
     let smallest = at.hessian.symmetric_eigenvalues().min();

@@ -24,7 +24,7 @@ pub struct Line {
 impl Line {
     /// Signed distance of a point, positive to the left of the direction (towards +y for a line
     /// along x).
-    pub fn deviation(&self, point: DVec2) -> f64 {
+    pub(crate) fn deviation(&self, point: DVec2) -> f64 {
         self.direction.perp_dot(point - self.point)
     }
 
@@ -55,7 +55,7 @@ pub struct LineFit {
 
 impl LineFit {
     /// Peak-to-valley deviation STRt about this line.
-    pub fn peak_to_valley(&self) -> f64 {
+    pub(crate) fn peak_to_valley(&self) -> f64 {
         self.highest - self.lowest
     }
 }
@@ -138,7 +138,7 @@ pub fn minimum_zone_line(points: &[DVec2]) -> Result<LineFit, FormError> {
 /// distances s₁, s₂ along the line, turning it by δ makes the zone w·cos δ + s·|sin δ| wide at
 /// least, s the one of s₁, s₂ on the turn's side: wider for all |δ| < 2·atan(min(s₁, s₂)/w). At
 /// min(s₁, s₂) ≥ w that covers every direction.
-pub fn certify_minimum_zone_line(points: &[DVec2], line: Line) -> Certificate {
+pub(crate) fn certify_minimum_zone_line(points: &[DVec2], line: Line) -> Certificate {
     let zone = assemble(points, line, Certificate::default());
     let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
     let near = 1e-14 * reach;

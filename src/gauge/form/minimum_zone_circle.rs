@@ -77,7 +77,7 @@ fn best_step(points: &[DVec2], centre: DVec2, box_half: f64) -> Option<DVec2> {
 /// Exactly |p − c − d| ≥ r − u·d for the outer contacts and ≤ r − u·d + |d|²/2r for the inner ones.
 /// If the hull of the differences u_inner − u_outer holds a circle of radius ρ about the origin,
 /// the zone about c + d is wider for all |d| < 2·r_inner·ρ.
-pub fn certify_minimum_zone(points: &[DVec2], centre: DVec2) -> Certificate {
+pub(crate) fn certify_minimum_zone(points: &[DVec2], centre: DVec2) -> Certificate {
     let (inner, outer) = radii(points, centre);
     let near = touching(points, centre);
     let mut contacts = Vec::new();

@@ -25,25 +25,41 @@ mod profile_filter;
 mod roundness;
 mod run_out;
 mod silhouette;
-pub mod size;
+pub(crate) mod size;
 mod taper;
 mod turn;
 
 pub use certificate::Certificate;
 pub use circle::{Circle, CircleFit};
-pub use circumscribed_circle::{certify_circumscribed, minimum_circumscribed_circle};
+#[cfg(test)]
+pub(crate) use circumscribed_circle::certify_circumscribed;
+pub use circumscribed_circle::minimum_circumscribed_circle;
 pub use cylinder::{
     Cylinder, CylinderFit, circumscribed_cylinder, least_squares_cylinder, silhouette_cylinder,
 };
 pub use error::FormError;
-pub use harmonics::{Harmonic, Origin, TurnHarmonics, harmonics};
-pub use inscribed_circle::{certify_inscribed, maximum_inscribed_circle};
-pub use least_squares_circle::{LeastSquaresCircle, certify_least_squares, least_squares_circle};
-pub use line::{Line, LineFit, certify_minimum_zone_line, least_squares_line, minimum_zone_line};
-pub use minimum_zone_circle::{certify_minimum_zone, minimum_zone_circle};
-pub use profile_filter::{Cutoff, gaussian_closed, gaussian_transmission};
-pub use roundness::{Reference, Roundness, Straightness, StraightnessReference, roundness, straightness};
-pub use run_out::{circular_run_out, total_run_out};
-pub use silhouette::{HullPoint, hull_from_support, hull_limit, polar_profile};
+#[cfg(test)]
+pub(crate) use harmonics::Origin;
+pub(crate) use harmonics::{TurnHarmonics, harmonics};
+#[cfg(test)]
+pub(crate) use inscribed_circle::certify_inscribed;
+pub use inscribed_circle::maximum_inscribed_circle;
+#[cfg(test)]
+pub(crate) use least_squares_circle::certify_least_squares;
+pub use least_squares_circle::{LeastSquaresCircle, least_squares_circle};
+#[cfg(test)]
+pub(crate) use line::certify_minimum_zone_line;
+pub use line::{Line, LineFit, least_squares_line, minimum_zone_line};
+#[cfg(test)]
+pub(crate) use minimum_zone_circle::certify_minimum_zone;
+pub use minimum_zone_circle::minimum_zone_circle;
+#[cfg(test)]
+pub(crate) use profile_filter::gaussian_transmission;
+pub(crate) use profile_filter::{Cutoff, gaussian_closed};
+pub(crate) use roundness::{Reference, StraightnessReference, roundness, straightness};
+pub(crate) use run_out::{circular_run_out, total_run_out};
+pub(crate) use silhouette::polar_profile;
+#[cfg(test)]
+pub(crate) use silhouette::{hull_from_support, hull_limit};
 pub use taper::{Taper, taper};
-pub use turn::Turn;
+pub(crate) use turn::Turn;

@@ -14,21 +14,23 @@ use super::error::FormError;
     Clone, Copy, Debug, PartialEq, PartialOrd, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
 )]
 #[serde(transparent)]
-pub struct Cutoff(f64);
+pub(crate) struct Cutoff(f64);
 
 impl Cutoff {
     /// 15 undulations per revolution.
-    pub const UPR_15: Self = Self(15.0);
+    #[cfg(test)]
+    pub(crate) const UPR_15: Self = Self(15.0);
     /// 50 undulations per revolution, the usual default.
-    pub const UPR_50: Self = Self(50.0);
+    pub(crate) const UPR_50: Self = Self(50.0);
     /// 150 undulations per revolution.
-    pub const UPR_150: Self = Self(150.0);
+    #[cfg(test)]
+    pub(crate) const UPR_150: Self = Self(150.0);
 
     /// Any cutoff above 0, in undulations per revolution.
     ///
     /// # Errors
     /// Refuses zero, negative and non-finite cutoffs.
-    pub fn upr(undulations: f64) -> Result<Self, FormError> {
+    pub(crate) fn upr(undulations: f64) -> Result<Self, FormError> {
         if undulations.is_finite() && undulations > 0.0 {
             return Ok(Self(undulations));
         }
@@ -37,7 +39,7 @@ impl Cutoff {
     }
 
     /// Undulations per revolution at which half the amplitude passes.
-    pub fn undulations(self) -> f64 {
+    pub(crate) fn undulations(self) -> f64 {
         self.0
     }
 }
@@ -49,13 +51,13 @@ impl Default for Cutoff {
 }
 
 /// Share of an undulation's amplitude that passes: 2^(−(k/k_c)²).
-pub fn gaussian_transmission(lobes: f64, cutoff: Cutoff) -> f64 {
+pub(crate) fn gaussian_transmission(lobes: f64, cutoff: Cutoff) -> f64 {
     (-(lobes / cutoff.0).powi(2)).exp2()
 }
 
 /// Low-pass filters one full revolution of evenly spaced values: undulations from 0 up to the
 /// cutoff remain.
-pub fn gaussian_closed(profile: &[f64], cutoff: Cutoff) -> Vec<f64> {
+pub(crate) fn gaussian_closed(profile: &[f64], cutoff: Cutoff) -> Vec<f64> {
     let n = profile.len();
     if n == 0 {
         return Vec::new();

@@ -16,7 +16,7 @@ use super::minimum_zone_circle::minimum_zone_circle;
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "snake_case")]
-pub enum Reference {
+pub(crate) enum Reference {
     /// Least squares, LSCI.
     #[default]
     LeastSquares,
@@ -30,7 +30,7 @@ pub enum Reference {
 
 /// Roundness of a section, in the points' unit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Roundness {
+pub(crate) struct Roundness {
     /// The reference circle.
     pub circle: Circle,
     /// Peak to valley, RONt.
@@ -50,7 +50,7 @@ pub struct Roundness {
 ///
 /// # Errors
 /// As the reference circle's own.
-pub fn roundness(points: &[DVec2], reference: Reference) -> Result<Roundness, FormError> {
+pub(crate) fn roundness(points: &[DVec2], reference: Reference) -> Result<Roundness, FormError> {
     let fit = match reference {
         Reference::LeastSquares => {
             let ls = least_squares_circle(points)?;
@@ -83,7 +83,7 @@ pub fn roundness(points: &[DVec2], reference: Reference) -> Result<Roundness, Fo
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "snake_case")]
-pub enum StraightnessReference {
+pub(crate) enum StraightnessReference {
     /// Least squares, LSLI.
     #[default]
     LeastSquares,
@@ -93,7 +93,7 @@ pub enum StraightnessReference {
 
 /// Straightness of a profile, in the points' unit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Straightness {
+pub(crate) struct Straightness {
     /// The reference line.
     pub line: Line,
     /// Peak to valley, STRt.
@@ -113,7 +113,10 @@ pub struct Straightness {
 ///
 /// # Errors
 /// As the reference line's own.
-pub fn straightness(points: &[DVec2], reference: StraightnessReference) -> Result<Straightness, FormError> {
+pub(crate) fn straightness(
+    points: &[DVec2],
+    reference: StraightnessReference,
+) -> Result<Straightness, FormError> {
     let (fit, least_squares) = match reference {
         StraightnessReference::LeastSquares => (least_squares_line(points)?, true),
         StraightnessReference::MinimumZone => (minimum_zone_line(points)?, false),

@@ -6,13 +6,13 @@
 
 /// Circular radial run-out: full indicator movement of one section over a revolution, in the
 /// heights' unit. `None` without finite heights.
-pub fn circular_run_out(heights: &[f64]) -> Option<f64> {
+pub(crate) fn circular_run_out(heights: &[f64]) -> Option<f64> {
     span(heights.iter().copied())
 }
 
 /// Total radial run-out: full movement over all sections, each height measured from the one datum
 /// axis. `None` without finite heights.
-pub fn total_run_out<H: AsRef<[f64]>>(sections: &[H]) -> Option<f64> {
+pub(crate) fn total_run_out<H: AsRef<[f64]>>(sections: &[H]) -> Option<f64> {
     span(sections.iter().flat_map(|s| s.as_ref().iter().copied()))
 }
 

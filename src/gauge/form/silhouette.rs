@@ -23,7 +23,7 @@ use super::profile_filter::{Cutoff, gaussian_closed};
 
 /// A point of the hull's boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HullPoint {
+pub(crate) struct HullPoint {
     /// Position, in the support function's unit.
     pub position: DVec2,
     /// Direction of its tangent's normal α, radians.
@@ -35,7 +35,8 @@ pub struct HullPoint {
 /// How far support function and profile of one lobe pattern differ: k²a/R (convex only below about
 /// 1, and h ≈ r only far below), and the greatest excess (ka)²/2R of h over r to leading order, in
 /// the unit of `amplitude`.
-pub fn hull_limit(lobes: f64, amplitude: f64, radius: f64) -> (f64, f64) {
+#[cfg(test)]
+pub(crate) fn hull_limit(lobes: f64, amplitude: f64, radius: f64) -> (f64, f64) {
     (lobes * lobes * amplitude / radius, (lobes * amplitude).powi(2) / (2.0 * radius))
 }
 
@@ -123,7 +124,7 @@ fn check(support: &[f64]) -> Result<(), FormError> {
 /// # Errors
 /// Too few, non-finite or non-positive samples; a support function that is not convex after the
 /// filter.
-pub fn hull_from_support(support: &[f64], cutoff: Cutoff) -> Result<Vec<HullPoint>, FormError> {
+pub(crate) fn hull_from_support(support: &[f64], cutoff: Cutoff) -> Result<Vec<HullPoint>, FormError> {
     check(support)?;
     let series = Series::new(support, cutoff);
     let n = support.len();
@@ -134,7 +135,7 @@ pub fn hull_from_support(support: &[f64], cutoff: Cutoff) -> Result<Vec<HullPoin
 ///
 /// # Errors
 /// As [`hull_from_support`].
-pub fn polar_profile(support: &[f64], cutoff: Cutoff) -> Result<Vec<f64>, FormError> {
+pub(crate) fn polar_profile(support: &[f64], cutoff: Cutoff) -> Result<Vec<f64>, FormError> {
     hull_from_support(support, cutoff)?;
     let series = Series::new(support, cutoff);
     let n = support.len();

@@ -24,7 +24,7 @@ use super::turn::Turn;
 
 /// Two-point (caliper) sizes and global sizes of the silhouette over one revolution, mm.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TurnSizes {
+pub(crate) struct TurnSizes {
     /// Least-squares size GG of the hull.
     pub gg_mm: f64,
     /// Its standard uncertainty from independent edge errors.
@@ -51,7 +51,7 @@ pub struct TurnSizes {
 ///
 /// # Errors
 /// A support function that is not convex after the filter.
-pub fn turn_sizes(turn: &Turn, cutoff: Cutoff, u_edge_mm: f64) -> Result<TurnSizes, FormError> {
+pub(crate) fn turn_sizes(turn: &Turn, cutoff: Cutoff, u_edge_mm: f64) -> Result<TurnSizes, FormError> {
     let support = super::profile_filter::gaussian_closed(&turn.support_mm(), cutoff);
     let widths = turn.widths_mm();
     let n = widths.len() as f64;
@@ -85,7 +85,7 @@ fn hull_circle(support: &[f64], cutoff: Cutoff) -> Result<LeastSquaresCircle, Fo
 ///
 /// # Errors
 /// Too few or non-finite samples.
-pub fn circumscribed(support: &[f64]) -> Result<Circle, FormError> {
+pub(crate) fn circumscribed(support: &[f64]) -> Result<Circle, FormError> {
     chebyshev_centre(support, 1.0, "minimum circumscribed size")
 }
 
@@ -93,7 +93,7 @@ pub fn circumscribed(support: &[f64]) -> Result<Circle, FormError> {
 ///
 /// # Errors
 /// Too few or non-finite samples.
-pub fn inscribed(support: &[f64]) -> Result<Circle, FormError> {
+pub(crate) fn inscribed(support: &[f64]) -> Result<Circle, FormError> {
     chebyshev_centre(support, -1.0, "maximum inscribed size")
 }
 

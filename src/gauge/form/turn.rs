@@ -19,7 +19,7 @@ use super::error::FormError;
 /// Edge heights over one revolution at even spindle angles, mm: as many of the top as of the
 /// bottom, apart because harmonics are fitted to each as a slice.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Turn {
+pub(crate) struct Turn {
     first_angle_deg: f64,
     top_mm: Vec<f64>,
     bottom_mm: Vec<f64>,
@@ -30,7 +30,11 @@ impl Turn {
     ///
     /// # Errors
     /// Refuses unpaired, odd, few or non-finite readings.
-    pub fn even(first_angle_deg: f64, top_mm: Vec<f64>, bottom_mm: Vec<f64>) -> Result<Self, FormError> {
+    pub(crate) fn even(
+        first_angle_deg: f64,
+        top_mm: Vec<f64>,
+        bottom_mm: Vec<f64>,
+    ) -> Result<Self, FormError> {
         let n = top_mm.len();
         if n != bottom_mm.len() {
             return Err(FormError::Unpaired { top: n, bottom: bottom_mm.len() });
@@ -54,7 +58,7 @@ impl Turn {
     ///
     /// # Errors
     /// As [`Turn::even`], and for uneven angles.
-    pub fn from_readings(readings: &[[f64; 3]]) -> Result<Self, FormError> {
+    pub(crate) fn from_readings(readings: &[[f64; 3]]) -> Result<Self, FormError> {
         if let Some(index) = readings.iter().position(|r| r.iter().any(|v| !v.is_finite())) {
             return Err(FormError::NotFinite { index });
         }
@@ -74,44 +78,34 @@ impl Turn {
     }
 
     /// Readings in the revolution.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.top_mm.len()
     }
 
-    /// Never: a revolution has at least eight readings.
-    pub fn is_empty(&self) -> bool {
-        self.top_mm.is_empty()
-    }
-
     /// Spindle angle of a reading, degrees.
-    pub fn angle_deg(&self, index: usize) -> f64 {
+    pub(crate) fn angle_deg(&self, index: usize) -> f64 {
         self.first_angle_deg + 360.0 * index as f64 / self.len() as f64
     }
 
     /// Top edges, mm.
-    pub fn top_mm(&self) -> &[f64] {
+    pub(crate) fn top_mm(&self) -> &[f64] {
         &self.top_mm
     }
 
-    /// Bottom edges, mm.
-    pub fn bottom_mm(&self) -> &[f64] {
-        &self.bottom_mm
-    }
-
     /// Caliper diameters w(φ), mm: half a revolution shows each twice.
-    pub fn widths_mm(&self) -> Vec<f64> {
+    pub(crate) fn widths_mm(&self) -> Vec<f64> {
         self.top_mm.iter().zip(&self.bottom_mm).map(|(t, b)| t - b).collect()
     }
 
     /// Middle of the two edges m(φ), mm.
-    pub fn midline_mm(&self) -> Vec<f64> {
+    pub(crate) fn midline_mm(&self) -> Vec<f64> {
         self.top_mm.iter().zip(&self.bottom_mm).map(|(t, b)| 0.5 * (t + b)).collect()
     }
 
     /// The section's support function h(φ) about the spindle axis, mm: even lobes free of spindle
     /// motion, odd ones with it. The mean of the midline (where the axis stands in the image) is
     /// not part of it.
-    pub fn support_mm(&self) -> Vec<f64> {
+    pub(crate) fn support_mm(&self) -> Vec<f64> {
         let (widths, midline) = (self.widths_mm(), self.midline_mm());
         let opposite = |i: usize| (i + self.len() / 2) % self.len();
         (0..self.len())
@@ -123,7 +117,7 @@ impl Turn {
     }
 
     /// Synchronous spindle motion of even order s(φ), mm, its mean removed.
-    pub fn even_spindle_motion_mm(&self) -> Vec<f64> {
+    pub(crate) fn even_spindle_motion_mm(&self) -> Vec<f64> {
         let midline = self.midline_mm();
         let mean = midline.iter().sum::<f64>() / self.len() as f64;
         (0..self.len())

@@ -32,7 +32,10 @@ limits! {
 ///
 /// # Errors
 /// Settings out of range, no contrast, no round part, an edge that cannot be fitted.
-pub fn measure_ring(view: &FrameView<'_>, settings: &RingSettings) -> Result<RingMeasurement, RingError> {
+pub(crate) fn measure_ring(
+    view: &FrameView<'_>,
+    settings: &RingSettings,
+) -> Result<RingMeasurement, RingError> {
     settings.validate()?;
     let Coarse { outer, inner } = coarse::find(view, settings)?;
     let wall = inner.map_or(outer.radius, |bore| outer.radius - bore.radius);
@@ -239,7 +242,7 @@ impl Side<'_> {
 impl RingMeasurement {
     /// Flat keys for machine reading: `outer_diameter_px`, `u_outer_diameter_mm`,
     /// `roundness_inner_px`, `concentricity_px`, …; quantities not measured are absent.
-    pub fn to_json(&self) -> serde_json::Value {
+    pub(crate) fn to_json(&self) -> serde_json::Value {
         let mut map = serde_json::Map::new();
         let mut put = |key: String, value: f64| map.insert(key, value.into());
         for (name, edge) in [("outer", Some(&self.outer)), ("inner", self.inner.as_ref())] {

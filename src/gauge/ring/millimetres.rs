@@ -65,7 +65,7 @@ impl RingMeasurement {
     ///
     /// # Errors
     /// Where the corrected outline gives no circle.
-    pub fn calibrate(
+    pub(crate) fn calibrate(
         &mut self,
         calibration: &Calibration,
         conditions: &Conditions,

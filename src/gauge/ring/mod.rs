@@ -26,9 +26,10 @@ mod outline;
 mod result;
 mod settings;
 
-pub use error::RingError;
-pub use measurement::measure_ring;
-pub use outline::{Outline, OutlinePoint, PointOrigin};
-pub use result::EdgeMillimetres;
-pub use result::{Concentricity, EdgeCircle, RingMeasurement};
-pub use settings::{RingScale, RingSettings};
+pub(crate) use error::RingError;
+pub(crate) use measurement::measure_ring;
+pub(crate) use outline::PointOrigin;
+pub(crate) use result::{EdgeCircle, RingMeasurement};
+#[cfg(test)]
+pub(crate) use settings::RingScale;
+pub(crate) use settings::RingSettings;

@@ -10,7 +10,7 @@ use super::fit::EdgeFit;
 
 /// How a point of an outline was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PointOrigin {
+pub(crate) enum PointOrigin {
     /// An edge was fitted and is trusted.
     Fitted,
     /// Refused as burr or contamination: where the grey values cross the middle of the levels.
@@ -22,7 +22,7 @@ pub enum PointOrigin {
 /// Points of an edge around its circle, one a caliper, at angles (k + ½)·2π/n from the column axis
 /// towards the rows.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outline {
+pub(crate) struct Outline {
     /// Centre that the angles and radii count from: x the column, y the row, px.
     pub centre_px: [f64; 2],
     /// The points, one a caliper.
@@ -33,7 +33,7 @@ pub struct Outline {
 
 /// A point of an outline.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OutlinePoint {
+pub(crate) struct OutlinePoint {
     /// Radius with the curvature bias corrected, px.
     pub radius_px: f64,
     /// How it was found.
@@ -64,12 +64,12 @@ impl Outline {
     }
 
     /// Angle of point k, radians.
-    pub fn angle(&self, k: usize) -> f64 {
+    pub(crate) fn angle(&self, k: usize) -> f64 {
         TAU * (k as f64 + 0.5) / self.points.len() as f64
     }
 
     /// Point k: x the column, y the row, px.
-    pub fn point_px(&self, k: usize) -> [f64; 2] {
+    pub(crate) fn point_px(&self, k: usize) -> [f64; 2] {
         (DVec2::from(self.centre_px) + DVec2::from_angle(self.angle(k)) * self.points[k].radius_px).to_array()
     }
 
@@ -89,7 +89,7 @@ impl Outline {
     ///
     /// # Errors
     /// A ball that does not fit the bore.
-    pub fn felt_diameter_px(&self, tip_radius_px: f64) -> Result<f64, FormError> {
+    pub(crate) fn felt_diameter_px(&self, tip_radius_px: f64) -> Result<f64, FormError> {
         let outward = if self.outer { 1.0 } else { -1.0 };
         let radii = || self.points.iter().map(|p| p.radius_px);
         let mean = radii().sum::<f64>() / self.points.len().max(1) as f64;

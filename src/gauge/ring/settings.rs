@@ -8,7 +8,7 @@ use crate::setting::{SettingError, within};
 /// Settings of `measure --shape ring`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct RingSettings {
+pub(crate) struct RingSettings {
     /// Whether the part is brighter than its surroundings.
     pub bright_on_dark: bool,
     /// Least outer diameter of a part, px. At least 16.
@@ -52,7 +52,7 @@ impl Default for RingSettings {
 /// From pixels to millimetres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct RingScale {
+pub(crate) struct RingScale {
     /// Scale, µm per px. Above 0.
     pub um_per_px: f64,
     /// Its standard uncertainty, µm per px.
@@ -69,7 +69,7 @@ impl RingSettings {
     ///
     /// # Errors
     /// Names the first key out of range.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         within("ring.min_diameter_px", self.min_diameter_px, 16.0, 1e5, "16 or more")?;
         within("ring.calipers", self.calipers as f64, 64.0, 4096.0, "64 to 4096")?;
         within("ring.half_band_px", self.half_band_px, 3.0, 20.0, "3 to 20")?;

@@ -3,7 +3,7 @@
 
 /// Which way the shaft runs in the frames as the camera delivers them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ShaftRuns {
+pub(crate) enum ShaftRuns {
     /// Along the rows: level.
     #[default]
     AlongRows,

@@ -73,7 +73,7 @@ pub struct FlatField {
 /// Why there is no flat field.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
-pub enum FlatFieldError {
+pub(crate) enum FlatFieldError {
     /// Nothing to make it from.
     #[error(
         "{what}: no frame; at least 2 are needed, so that their noise can be told from the pixels' own pattern"
@@ -203,7 +203,7 @@ impl FlatField {
     /// # Errors
     /// Too few frames, sizes that differ, a flat field that is clipped, dark or not flat, a sensor
     /// with defects everywhere.
-    pub fn new(dark: &[FrameView<'_>], flat: &[FrameView<'_>]) -> Result<Self, FlatFieldError> {
+    pub(crate) fn new(dark: &[FrameView<'_>], flat: &[FrameView<'_>]) -> Result<Self, FlatFieldError> {
         let limits = FlatFieldLimits::get();
         let darks = Mean::of(dark, "dark")?;
         let flats = Mean::of(flat, "flat")?;
@@ -258,7 +258,7 @@ impl FlatField {
 
     /// Keeps the response that the frames it was made from were linearised by.
     #[must_use]
-    pub fn with_response(self, response: Option<Response>) -> Self {
+    pub(crate) fn with_response(self, response: Option<Response>) -> Self {
         Self { response, ..self }
     }
 
@@ -301,20 +301,20 @@ impl FlatField {
     }
 
     /// Whether the light is uneven enough to be corrected.
-    pub fn corrects_light(&self) -> bool {
+    pub(crate) fn corrects_light(&self) -> bool {
         self.fall_off > FlatFieldLimits::get().even
     }
 
     /// Corrects a frame of the size calibrated whose shaft lies level, in its own format; other
     /// sizes stay as they are.
     #[must_use]
-    pub fn corrected(&self, frame: Frame) -> Frame {
+    pub(crate) fn corrected(&self, frame: Frame) -> Frame {
         self.corrected_along(frame, ShaftRuns::AlongRows)
     }
 
     /// As [`Self::corrected`], of a shaft that runs so.
     #[must_use]
-    pub fn corrected_along(&self, frame: Frame, shaft: ShaftRuns) -> Frame {
+    pub(crate) fn corrected_along(&self, frame: Frame, shaft: ShaftRuns) -> Frame {
         let view = frame.view();
         if (view.rows(), view.columns()) != (self.rows, self.columns) {
             return frame;

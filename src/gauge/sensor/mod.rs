@@ -11,9 +11,9 @@
 
 mod defect_correction;
 pub(crate) mod flat_field;
-pub mod photon_transfer;
+pub(crate) mod photon_transfer;
 pub(crate) mod response;
 
-pub use defect_correction::ShaftRuns;
-pub use flat_field::{FlatField, FlatFieldError};
-pub use response::{NoResponse, Response, response};
+pub(crate) use defect_correction::ShaftRuns;
+pub(crate) use flat_field::{FlatField, FlatFieldError};
+pub(crate) use response::{NoResponse, Response, response};

@@ -31,7 +31,7 @@ limits! {
 
 /// Two frames of the same scene and exposure.
 #[derive(Clone, Copy, Debug)]
-pub struct FramePair<'a> {
+pub(crate) struct FramePair<'a> {
     /// Exposure in any unit proportional to the photons: time at constant light, or photons per
     /// pixel.
     pub exposure: f64,
@@ -90,7 +90,7 @@ pub struct TransferPoint {
 /// Why there is no photon transfer.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
-pub enum PhotonTransferError {
+pub(crate) enum PhotonTransferError {
     /// Too few exposures.
     #[error(
         "{usable} of {given} flat pairs are usable (unclipped, brighter than dark, below 70 % of saturation); at least 3 exposures are needed"
@@ -156,7 +156,7 @@ struct PairStatistics {
 ///
 /// # Errors
 /// Frames that do not match, too few usable or different exposures, no dark pair, no gain.
-pub fn photon_transfer(
+pub(crate) fn photon_transfer(
     flats: &[FramePair<'_>],
     darks: &[FramePair<'_>],
 ) -> Result<PhotonTransfer, PhotonTransferError> {

@@ -66,7 +66,7 @@ pub struct Response {
     "the signals of the flat fields depart from a line by {:.1} % and follow no smooth curve of their exposures (exponent {exponent:.2}, {:.1} % left): \
      check the exposures stated, and that the lamp was steady", 1e2 * departure, 1e2 * residual
 )]
-pub struct NoResponse {
+pub(crate) struct NoResponse {
     /// Exponent found.
     pub exponent: f64,
     /// Largest departure from a line.
@@ -87,7 +87,7 @@ struct Exposure {
 ///
 /// # Errors
 /// Where signals are neither in proportion to the exposures nor on a curve of them.
-pub fn response(
+pub(crate) fn response(
     dark: &[FrameView<'_>],
     flats: &[(f64, Vec<FrameView<'_>>)],
 ) -> Result<Option<Response>, NoResponse> {
@@ -216,7 +216,7 @@ impl Response {
     /// The frame in proportion to the light; black and the reference stay where they were, clipped
     /// pixels clipped.
     #[must_use]
-    pub fn linearised(&self, frame: Frame) -> Frame {
+    pub(crate) fn linearised(&self, frame: Frame) -> Frame {
         let view = frame.view();
         let (rows, columns, full) = (view.rows(), view.columns(), view.full_scale());
         let meta = frame.meta.clone();

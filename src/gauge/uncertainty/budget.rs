@@ -6,9 +6,9 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-pub use super::budget_conditions::OF_CONDITIONS;
+pub(crate) use super::budget_conditions::OF_CONDITIONS;
 use super::budget_conditions::{self, Row};
-pub use super::form_scatter::{Block, Scatter};
+pub(crate) use super::form_scatter::Scatter;
 use super::stated::stated;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::calibration::{ColumnSpread, Conditions, CovariancePart, LensModel, ReadWidth};
@@ -44,7 +44,7 @@ pub enum Shape {
 
 impl Shape {
     /// Its name in tables and files.
-    pub fn as_str(self) -> &'static str {
+    pub(crate) fn as_str(self) -> &'static str {
         match self {
             Self::Normal => "normal",
             Self::Rectangular => "rectangular",
@@ -87,10 +87,10 @@ pub struct Budget {
 
 /// Probability of the intervals where no coverage factor is given: that of k = 2 for a normal
 /// distribution.
-pub const PROBABILITY: f64 = 0.954_499_736_103_641_6;
+pub(crate) const PROBABILITY: f64 = 0.954_499_736_103_641_6;
 
 /// Draws of [`Budget::half_width_mm`]: the quantile is then known to 1 %.
-pub const DRAWS: usize = 20_000;
+pub(crate) const DRAWS: usize = 20_000;
 
 impl Budget {
     fn sum(&self, wanted: impl Fn(&Contribution) -> bool) -> f64 {
@@ -99,23 +99,23 @@ impl Budget {
     }
 
     /// Random standard uncertainty, mm.
-    pub fn u_random_mm(&self) -> f64 {
+    pub(crate) fn u_random_mm(&self) -> f64 {
         self.sum(|c| c.share == Share::Random)
     }
 
     /// Common standard uncertainty, mm.
-    pub fn u_common_mm(&self) -> f64 {
+    pub(crate) fn u_common_mm(&self) -> f64 {
         self.sum(|c| c.share == Share::Common)
     }
 
     /// Combined standard uncertainty, mm.
-    pub fn u_mm(&self) -> f64 {
+    pub(crate) fn u_mm(&self) -> f64 {
         self.sum(|_| true)
     }
 
     /// Effective degrees of freedom (Welch-Satterthwaite, GUM G.4.1); infinite where nothing is of
     /// type A.
-    pub fn effective_freedom(&self) -> f64 {
+    pub(crate) fn effective_freedom(&self) -> f64 {
         let fourth: f64 =
             self.contributions.iter().filter_map(|c| c.freedom.map(|n| c.u_mm.powi(4) / n.max(1.0))).sum();
         if fourth > 0.0 { self.u_mm().powi(4) / fourth } else { f64::INFINITY }
@@ -123,7 +123,7 @@ impl Budget {
 
     /// Adds a row, unless it is zero. NaN is kept: the sum is then NaN too, where leaving it out
     /// would state a certainty.
-    pub fn push(&mut self, contribution: Contribution) {
+    pub(crate) fn push(&mut self, contribution: Contribution) {
         if contribution.u_mm != 0.0 {
             self.contributions.push(contribution);
         }
@@ -131,7 +131,7 @@ impl Budget {
 
     /// The rows as a table: largest first, percentages of the variance. U is k·u for a coverage
     /// factor given, else for that of [`Self::factor_or`].
-    pub fn to_table(&self, given: Option<f64>) -> String {
+    pub(crate) fn to_table(&self, given: Option<f64>) -> String {
         let k = self.factor_or(given);
         let freedom = match self.effective_freedom() {
             n if n < 1e4 => format!("{n:.1}"),
@@ -179,7 +179,7 @@ impl Budget {
 
 /// Standard uncertainties of a width by what the edges of its frame are uncertain by.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct EdgesUncertainty {
+pub(crate) struct EdgesUncertainty {
     /// By noise alone, px.
     pub noise_px: f64,
     /// Share of quantisation in that noise' variance: (1/12)/σ_n².
@@ -200,7 +200,7 @@ pub struct EdgesUncertainty {
 
 /// A width in the image, input of a diameter's budget.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WidthReading {
+pub(crate) struct WidthReading {
     /// Column where it stands (the middle of those averaged), px.
     pub column_px: f64,
     /// Variance of the columns averaged, px².
@@ -219,7 +219,7 @@ pub struct WidthReading {
 
 impl WidthReading {
     /// Mean width over columns of a frame; `None` where fewer than 8 of them have both edges.
-    pub fn of_frame(edges: &FrameEdges, columns: Range<usize>) -> Option<Self> {
+    pub(crate) fn of_frame(edges: &FrameEdges, columns: Range<usize>) -> Option<Self> {
         let over = ColumnMeans::over(edges, columns)?;
         let chord = AxisSlope::of(edges).factor(over.column_px as usize);
         let clipped = edges.clipped_variance().min(over.u_shared_px.powi(2));
@@ -247,7 +247,7 @@ impl WidthReading {
     }
 
     /// The diameter at 20 °C and its budget.
-    pub fn budget(&self, calibration: &Calibration, conditions: &Conditions) -> Budget {
+    pub(crate) fn budget(&self, calibration: &Calibration, conditions: &Conditions) -> Budget {
         let scale = calibration.scale_mm_per_px;
         let (width_px, by) = match &calibration.setup {
             Some(setup) => {
@@ -344,7 +344,7 @@ pub(super) fn quantisation_share(edges: &FrameEdges) -> f64 {
 }
 
 /// Whether a source of the calibration is known by limits alone.
-pub fn is_rectangular(source: &str) -> bool {
+pub(crate) fn is_rectangular(source: &str) -> bool {
     ["temperature", "expansion", "distortion", "telecentricity"].iter().any(|word| source.starts_with(word))
 }
 

@@ -5,7 +5,7 @@ use crate::gauge::calibration::Conditions;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 
 /// Sources of the conditions of use in every budget: temperature, expansion, place, edges, drift.
-pub const OF_CONDITIONS: [&str; 5] = [
+pub(crate) const OF_CONDITIONS: [&str; 5] = [
     "temperature of the part",
     "expansion of the part",
     "focus: place of the axis x telecentricity",

@@ -36,7 +36,7 @@ limits! {
 
 impl Contribution {
     /// Its distribution, scaled to the diameter.
-    pub fn distribution(&self) -> Distribution {
+    pub(crate) fn distribution(&self) -> Distribution {
         match (self.shape, self.freedom) {
             (Shape::Rectangular, _) => Distribution::Rectangular { half: self.u_mm * 3.0_f64.sqrt() },
             (Shape::Product { known }, _) => Distribution::Product { u: self.u_mm, known },
@@ -50,7 +50,7 @@ impl Contribution {
 
 impl Budget {
     /// Coverage factor for a probability: see the module.
-    pub fn coverage_factor(&self, probability: f64) -> f64 {
+    pub(crate) fn coverage_factor(&self, probability: f64) -> f64 {
         let factor = student(self.effective_freedom(), probability);
         match self.bounded_half_width(probability) {
             Some(half) => factor.min(half / self.u_mm()),
@@ -60,14 +60,14 @@ impl Budget {
 
     /// The coverage factor given, else that of [`PROBABILITY`] at the effective degrees of freedom,
     /// to four decimals: 2 where there are many.
-    pub fn factor_or(&self, given: Option<f64>) -> f64 {
+    pub(crate) fn factor_or(&self, given: Option<f64>) -> f64 {
         given.unwrap_or_else(|| (1e4 * self.coverage_factor(PROBABILITY)).round() / 1e4)
     }
 
     /// Half width of the interval about the diameter that holds a probability when every row has
     /// its own distribution (JCGM 101 for the linear model, [`DRAWS`] draws, always the same): with
     /// one dominant rectangular row it is narrower than k·u of a normal.
-    pub fn half_width_mm(&self, probability: f64) -> f64 {
+    pub(crate) fn half_width_mm(&self, probability: f64) -> f64 {
         let mut random = Pcg64::new(0x6275_6467_6574, 1);
         let distributions: Vec<Distribution> =
             self.contributions.iter().map(Contribution::distribution).collect();

@@ -34,7 +34,7 @@ impl FormScatterLimits {
 
 /// Mean edges of a block of neighbouring columns.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Block {
+pub(crate) struct Block {
     /// Its columns, px.
     pub columns: ColumnSpread,
     /// Mean rows of the two edges, px.
@@ -64,7 +64,7 @@ impl Block {
 
 /// Data on the scatter of the widths averaged.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Scatter {
+pub(crate) enum Scatter {
     /// Blocks, whose widths show it.
     Blocks {
         /// Mean edges of each.

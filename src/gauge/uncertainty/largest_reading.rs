@@ -11,7 +11,11 @@ use crate::gauge::width::reused::Reused;
 impl WidthReading {
     /// The largest caliper diameter of a frame over stretches of `least_columns` or more, as
     /// [`crate::gauge::largest_caliper`] finds it, behind the lens of a calibration.
-    pub fn of_largest(edges: &FrameEdges, calibration: &Calibration, least_columns: usize) -> Option<Self> {
+    pub(crate) fn of_largest(
+        edges: &FrameEdges,
+        calibration: &Calibration,
+        least_columns: usize,
+    ) -> Option<Self> {
         let form_scatter_limits = FormScatterLimits::get();
         let largest = match &calibration.setup {
             Some(setup) => largest_caliper_where(edges, least_columns, |column, top_px, bottom_px| {

@@ -8,10 +8,10 @@
 //! of freedom, made in `budget` (of a width) or in `budget_conditions` (of the conditions of use).
 //! `form_scatter` is the scatter of columns, `largest_reading` the budget of a largest diameter.
 
-pub mod budget;
+pub(crate) mod budget;
 pub(crate) mod budget_conditions;
 pub(crate) mod coverage;
 pub(crate) mod form_scatter;
 pub(crate) mod largest_reading;
-pub mod monte_carlo;
+pub(crate) mod monte_carlo;
 pub mod stated;

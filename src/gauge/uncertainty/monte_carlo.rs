@@ -14,12 +14,12 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Trials of a block (JCGM 101, 7.9.4 recommends at least 10⁴).
-pub const BLOCK: usize = 10_000;
+pub(crate) const BLOCK: usize = 10_000;
 
 /// Distribution of an input about its estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Distribution {
+pub(crate) enum Distribution {
     /// Normal with standard uncertainty u.
     Normal {
         /// u.
@@ -48,7 +48,7 @@ pub enum Distribution {
 
 impl Distribution {
     /// Standard deviation.
-    pub fn u(&self) -> f64 {
+    pub(crate) fn u(&self) -> f64 {
         match *self {
             Self::Normal { u } | Self::Product { u, .. } => u,
             Self::Rectangular { half } => half / 3.0_f64.sqrt(),
@@ -57,7 +57,7 @@ impl Distribution {
     }
 
     /// A draw about zero.
-    pub fn draw(&self, random: &mut Pcg64) -> f64 {
+    pub(crate) fn draw(&self, random: &mut Pcg64) -> f64 {
         match *self {
             Self::Normal { u } => {
                 let z: f64 = StandardNormal.sample(random);
@@ -80,7 +80,7 @@ impl Distribution {
 
 /// An input: its best estimate and its distribution.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Input {
+pub(crate) struct Input {
     /// Its name.
     pub name: String,
     /// Its estimate.
@@ -91,7 +91,7 @@ pub struct Input {
 
 /// Result by the law of propagation of uncertainty, first order (GUM 5.1.2).
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LawOfPropagation {
+pub(crate) struct LawOfPropagation {
     /// f at the estimates.
     pub y: f64,
     /// Combined standard uncertainty.
@@ -102,7 +102,7 @@ pub struct LawOfPropagation {
 
 impl LawOfPropagation {
     /// y ± z·u for a normal output, the interval that the GUM gives for a probability.
-    pub fn interval(&self, probability: f64) -> (f64, f64) {
+    pub(crate) fn interval(&self, probability: f64) -> (f64, f64) {
         let half = Normal::standard().inverse_cdf(0.5 + 0.5 * probability) * self.u;
         (self.y - half, self.y + half)
     }
@@ -110,7 +110,7 @@ impl LawOfPropagation {
 
 /// Result of a Monte Carlo propagation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Propagated {
+pub(crate) struct Propagated {
     /// Trials made.
     pub trials: usize,
     /// Mean of the output.
@@ -130,7 +130,7 @@ pub struct Propagated {
 
 /// How the GUM's interval compares.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Validation {
+pub(crate) struct Validation {
     /// Numerical tolerance δ.
     pub tolerance: f64,
     /// |lower end by the GUM − lower end by Monte Carlo|.
@@ -142,7 +142,7 @@ pub struct Validation {
 }
 
 /// The law of propagation with central differences over ± one standard uncertainty.
-pub fn law_of_propagation(
+pub(crate) fn law_of_propagation(
     inputs: &[Input],
     model: impl Fn(&[f64]) -> Option<f64>,
 ) -> Option<LawOfPropagation> {
@@ -183,7 +183,7 @@ fn block(
 }
 
 /// Monte Carlo with a fixed number of trials; `None` where no trial gives an output.
-pub fn monte_carlo(
+pub(crate) fn monte_carlo(
     inputs: &[Input],
     model: impl Fn(&[f64]) -> Option<f64> + Sync,
     trials: usize,
@@ -199,7 +199,7 @@ pub fn monte_carlo(
 
 /// When the adaptive procedure ends.
 #[derive(Clone, Copy, Debug)]
-pub struct StopRule {
+pub(crate) struct StopRule {
     /// Twice the standard deviation of the blocks' averages that is enough.
     pub tolerance: f64,
     /// Trials after which it ends in any case.
@@ -209,7 +209,7 @@ pub struct StopRule {
 /// The adaptive procedure (7.9): blocks are added until twice the standard deviation of the blocks'
 /// averages of y, u and both ends of the interval lies below the tolerance, or the most trials are
 /// made.
-pub fn monte_carlo_adaptive(
+pub(crate) fn monte_carlo_adaptive(
     inputs: &[Input],
     model: impl Fn(&[f64]) -> Option<f64> + Sync,
     until: StopRule,
@@ -264,7 +264,7 @@ fn summarise(parts: Vec<Vec<f64>>, trials: usize, probability: f64) -> Option<Pr
 
 /// Half a unit of the last of `digits` significant digits of u (JCGM 101, 7.9.2): u = c·10^l gives
 /// ½·10^l.
-pub fn numerical_tolerance(u: f64, digits: u32) -> f64 {
+pub(crate) fn numerical_tolerance(u: f64, digits: u32) -> f64 {
     let digits = f64::from(digits);
     // The digits are those of the rounded value: 0.0996 to two digits is 0.10.
     let exponent = u.log10().floor() - (digits - 1.0);
@@ -274,7 +274,7 @@ pub fn numerical_tolerance(u: f64, digits: u32) -> f64 {
 }
 
 /// Compares the GUM's interval with Monte Carlo's symmetric one (8.1).
-pub fn validate(gum: &LawOfPropagation, mc: &Propagated, probability: f64, digits: u32) -> Validation {
+pub(crate) fn validate(gum: &LawOfPropagation, mc: &Propagated, probability: f64, digits: u32) -> Validation {
     let tolerance = numerical_tolerance(gum.u, digits);
     let (low, high) = gum.interval(probability);
     let (d_low, d_high) = ((low - mc.symmetric.0).abs(), (high - mc.symmetric.1).abs());

@@ -14,7 +14,7 @@ limits! {
 
 /// Decimals to which an uncertainty has two significant digits: those of the rounded value, 0.0996
 /// is 0.10. Negative from 100 on.
-pub fn decimals(u: f64) -> i32 {
+pub(crate) fn decimals(u: f64) -> i32 {
     let limits = StatedLimits::get();
     if !(u > 0.0 && u.is_finite()) {
         return limits.without_u;
@@ -25,7 +25,7 @@ pub fn decimals(u: f64) -> i32 {
 }
 
 /// A number rounded to so many decimals; to tens, hundreds, … where they are negative.
-pub fn rounded(value: f64, decimals: i32) -> String {
+pub(crate) fn rounded(value: f64, decimals: i32) -> String {
     match usize::try_from(decimals) {
         Ok(decimals) => format!("{value:.decimals$}"),
         Err(_) => {

@@ -7,7 +7,7 @@ use crate::numerics::line::Line;
 
 /// Slopes of the axis and of the flanks in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pose {
+pub(crate) struct Pose {
     /// Slope tan τ of the axis, rows per column.
     pub tan_tilt: f64,
     /// Slope tan α of the flanks, rows per column.
@@ -16,7 +16,7 @@ pub struct Pose {
 
 impl Pose {
     /// Robust lines through middles and half widths; level where there are too few columns.
-    pub fn of(edges: &FrameEdges) -> Self {
+    pub(crate) fn of(edges: &FrameEdges) -> Self {
         let pairs: Reused<(f64, f64, f64)> = edges
             .top
             .iter()
@@ -32,7 +32,7 @@ impl Pose {
     }
 
     /// D/w of the module's formula.
-    pub fn chord_factor(&self) -> f64 {
+    pub(crate) fn chord_factor(&self) -> f64 {
         let cos2 = 1.0 / (1.0 + self.tan_tilt * self.tan_tilt);
         let sin2 = 1.0 - cos2;
         ((cos2 - sin2 * self.tan_taper * self.tan_taper) / cos2.sqrt()).max(0.0)

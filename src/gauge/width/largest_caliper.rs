@@ -58,18 +58,18 @@ pub struct LargestCaliper {
 
 impl LargestCaliper {
     /// Columns of the stretch.
-    pub fn stretch_columns(&self) -> usize {
+    pub(crate) fn stretch_columns(&self) -> usize {
         self.stretch.1 - self.stretch.0 + 1
     }
 }
 
 /// Finds it over stretches of 5 columns or more; `None` where no column has both edges.
-pub fn largest_caliper(edges: &FrameEdges) -> Option<LargestCaliper> {
+pub(crate) fn largest_caliper(edges: &FrameEdges) -> Option<LargestCaliper> {
     largest_caliper_over(edges, LEAST_STRETCH)
 }
 
 /// Finds it over stretches of `least` columns or more.
-pub fn largest_caliper_over(edges: &FrameEdges, least: usize) -> Option<LargestCaliper> {
+pub(crate) fn largest_caliper_over(edges: &FrameEdges, least: usize) -> Option<LargestCaliper> {
     largest_caliper_where(edges, least, |_, top_px, bottom_px| bottom_px - top_px)
 }
 

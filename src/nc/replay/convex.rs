@@ -10,13 +10,13 @@ const TOUCH_MM: f64 = 1e-7;
 
 /// A convex polygon, anticlockwise.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Convex {
+pub(crate) struct Convex {
     points: Vec<(f64, f64)>,
 }
 
 impl Convex {
     /// The convex hull of points (Z, radius), mm (Andrew's monotone chain).
-    pub fn hull(mut points: Vec<(f64, f64)>) -> Self {
+    pub(crate) fn hull(mut points: Vec<(f64, f64)>) -> Self {
         points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         points.dedup();
         if points.len() < 3 {
@@ -42,29 +42,29 @@ impl Convex {
     }
 
     /// A rectangle from the axis: `from_z` to `to_z`, up to `diameter` mm.
-    pub fn cylinder(from_z: f64, to_z: f64, diameter: f64) -> Self {
+    pub(crate) fn cylinder(from_z: f64, to_z: f64, diameter: f64) -> Self {
         let r = 0.5 * diameter;
         Self { points: vec![(from_z, 0.0), (to_z, 0.0), (to_z, r), (from_z, r)] }
     }
 
     /// Corners.
-    pub fn points(&self) -> &[(f64, f64)] {
+    pub(crate) fn points(&self) -> &[(f64, f64)] {
         &self.points
     }
 
     /// Moved by (Z, radius).
-    pub fn moved(&self, (z, r): (f64, f64)) -> Self {
+    pub(crate) fn moved(&self, (z, r): (f64, f64)) -> Self {
         Self { points: self.points.iter().map(|p| (p.0 + z, p.1 + r)).collect() }
     }
 
     /// The region that it sweeps on the straight way from `a` to `b`.
-    pub fn swept(&self, a: (f64, f64), b: (f64, f64)) -> Self {
+    pub(crate) fn swept(&self, a: (f64, f64), b: (f64, f64)) -> Self {
         let at = |by: (f64, f64)| self.points.iter().map(move |p| (p.0 + by.0, p.1 + by.1));
         Self::hull(at(a).chain(at(b)).collect())
     }
 
     /// Whether the interiors intersect.
-    pub fn meets(&self, other: &Self) -> bool {
+    pub(crate) fn meets(&self, other: &Self) -> bool {
         !self.separated_by_box(other) && !self.has_separating_edge(other) && !other.has_separating_edge(self)
     }
 
@@ -77,7 +77,7 @@ impl Convex {
     }
 
     /// Least and largest Z and radius.
-    pub fn bounds(&self) -> ((f64, f64), (f64, f64)) {
+    pub(crate) fn bounds(&self) -> ((f64, f64), (f64, f64)) {
         let wide = ((f64::INFINITY, f64::INFINITY), (f64::NEG_INFINITY, f64::NEG_INFINITY));
         self.points.iter().fold(wide, |(low, high), p| {
             ((low.0.min(p.0), low.1.min(p.1)), (high.0.max(p.0), high.1.max(p.1)))

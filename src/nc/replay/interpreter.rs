@@ -19,7 +19,7 @@ const MOST_BLOCKS: usize = 1_000_000;
 
 /// Position of the programmed point: X mm of diameter, Z mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub(crate) struct Point {
     /// X, mm of diameter.
     pub x: f64,
     /// Z, mm.
@@ -28,7 +28,7 @@ pub struct Point {
 
 /// An action of a block.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Deed {
+pub(crate) enum Deed {
     /// A straight move.
     Move {
         /// Where it begins.
@@ -59,7 +59,7 @@ pub enum Deed {
 
 /// An action and the line that performs it, from 1.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Event {
+pub(crate) struct Event {
     /// Line, from 1.
     pub block: usize,
     /// The action.
@@ -69,10 +69,10 @@ pub struct Event {
 }
 
 /// Where a program is refused: line from 1, and why.
-pub type Fault = (usize, String);
+pub(crate) type Fault = (usize, String);
 
 /// State of the control before the program starts.
-pub struct Control<'a> {
+pub(crate) struct Control<'a> {
     /// The control.
     pub dialect: Dialect,
     /// How it reads offsets.

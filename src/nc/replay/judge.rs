@@ -23,7 +23,7 @@ const LATTICE: (usize, usize) = (9, 6);
 
 /// A solid in the machine.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Solid {
+pub(crate) struct Solid {
     /// Its name in a refusal.
     pub what: &'static str,
     /// Its outline, from the axis outwards.
@@ -32,7 +32,7 @@ pub struct Solid {
 
 /// The cut that is commanded.
 #[derive(Clone, Debug, Default)]
-pub struct CommandedCut {
+pub(crate) struct CommandedCut {
     /// Commanded diameters, (Z, X), Z ascending; level beyond both ends.
     pub commanded: Vec<(f64, f64)>,
     /// Programmed Z between which the part must be cut.
@@ -41,7 +41,7 @@ pub struct CommandedCut {
 
 /// The surroundings in which a program moves.
 #[derive(Clone, Debug)]
-pub struct WorkingSpace<'a> {
+pub(crate) struct WorkingSpace<'a> {
     /// The control.
     pub dialect: Dialect,
     /// How it reads offsets.
@@ -72,7 +72,7 @@ pub struct WorkingSpace<'a> {
 ///
 /// # Errors
 /// [`NcError::Block`] with the first block that is refused.
-pub fn check(text: &str, working_space: &WorkingSpace<'_>) -> Result<usize, NcError> {
+pub(crate) fn check(text: &str, working_space: &WorkingSpace<'_>) -> Result<usize, NcError> {
     let mut starts: Vec<(Point, bool)> = working_space.starts().into_iter().map(|at| (at, false)).collect();
     if !working_space.probe.is_empty() {
         // the previous program may have left the probe in the carrier
@@ -86,7 +86,7 @@ pub fn check(text: &str, working_space: &WorkingSpace<'_>) -> Result<usize, NcEr
 ///
 /// # Errors
 /// As [`check`].
-pub fn check_once(text: &str, working_space: &WorkingSpace<'_>) -> Result<usize, NcError> {
+pub(crate) fn check_once(text: &str, working_space: &WorkingSpace<'_>) -> Result<usize, NcError> {
     from(text, working_space, &[(working_space.at_change(), false)])
 }
 
@@ -95,7 +95,7 @@ pub fn check_once(text: &str, working_space: &WorkingSpace<'_>) -> Result<usize,
 ///
 /// # Errors
 /// As [`check`]; a program that runs to its end.
-pub fn must_alarm(text: &str, working_space: &WorkingSpace<'_>) -> Result<(), NcError> {
+pub(crate) fn must_alarm(text: &str, working_space: &WorkingSpace<'_>) -> Result<(), NcError> {
     let refused = refusal(text);
     let mut events = run(text, &working_space.control(working_space.at_change())).map_err(&refused)?;
     match events.pop() {
@@ -139,7 +139,7 @@ fn common_end(a: &[Event], b: &[Event]) -> usize {
 
 impl WorkingSpace<'_> {
     /// State of the control when the program starts at `start`.
-    pub fn control(&self, start: Point) -> Control<'_> {
+    pub(crate) fn control(&self, start: Point) -> Control<'_> {
         Control {
             dialect: self.dialect,
             settings: self.settings,
@@ -165,7 +165,7 @@ impl WorkingSpace<'_> {
 
     /// Start positions that are clear of every solid: a lattice over the space between chuck and
     /// change position, and places just beside the corners of the solids.
-    pub fn starts(&self) -> Vec<Point> {
+    pub(crate) fn starts(&self) -> Vec<Point> {
         self.starts_of(&self.tool)
     }
 

@@ -24,8 +24,10 @@ mod run;
 mod surface;
 mod touch;
 
-pub use convex::Convex;
-pub use interpreter::{Control, Deed, Event, Fault, Point};
-pub use judge::{CommandedCut, Solid, WorkingSpace, check, check_once, must_alarm};
-pub use run::{run, variables};
-pub use surface::Surface;
+pub(crate) use convex::Convex;
+#[cfg(test)]
+pub(crate) use interpreter::{Control, Deed, Event, Point};
+pub(crate) use judge::{CommandedCut, Solid, WorkingSpace, check, check_once, must_alarm};
+#[cfg(test)]
+pub(crate) use run::{run, variables};
+pub(crate) use surface::Surface;

@@ -1,5 +1,6 @@
 //! One run of a program.
 
+#[cfg(test)]
 use std::collections::HashMap;
 
 use super::flow::Program;
@@ -9,7 +10,7 @@ use super::interpreter::{Control, Event, Fault, Interpreter};
 ///
 /// # Errors
 /// Line (from 1) and reason where it cannot be interpreted.
-pub fn run(text: &str, control: &Control<'_>) -> Result<Vec<Event>, Fault> {
+pub(crate) fn run(text: &str, control: &Control<'_>) -> Result<Vec<Event>, Fault> {
     let program = Program::new(text).map_err(|(line, why)| (line + 1, why))?;
     Ok(Interpreter::new(&program, control).run()?.0)
 }
@@ -18,7 +19,8 @@ pub fn run(text: &str, control: &Control<'_>) -> Result<Vec<Event>, Fault> {
 ///
 /// # Errors
 /// As [`run`].
-pub fn variables(text: &str, control: &Control<'_>) -> Result<HashMap<u32, f64>, Fault> {
+#[cfg(test)]
+pub(crate) fn variables(text: &str, control: &Control<'_>) -> Result<HashMap<u32, f64>, Fault> {
     let program = Program::new(text).map_err(|(line, why)| (line + 1, why))?;
     Ok(Interpreter::new(&program, control).run()?.1)
 }

@@ -4,7 +4,7 @@ use crate::numerics::neighbours::{linear_between, neighbours};
 
 /// The surface that the probe touches: diameters over Z, linear between points, constant beyond.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Surface {
+pub(crate) struct Surface {
     /// (Z, mm) before the first feed of the program, Z ascending.
     pub before: Vec<(f64, f64)>,
     /// (Z, mm) after it.
@@ -18,12 +18,12 @@ pub struct Surface {
 
 impl Surface {
     /// Diameter before the cut, mm.
-    pub fn before_at(&self, z_mm: f64) -> f64 {
+    pub(crate) fn before_at(&self, z_mm: f64) -> f64 {
         at(&self.before, z_mm)
     }
 
     /// Diameter after the cut, mm.
-    pub fn after_at(&self, z_mm: f64) -> f64 {
+    pub(crate) fn after_at(&self, z_mm: f64) -> f64 {
         at(&self.after, z_mm)
     }
 }

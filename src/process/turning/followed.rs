@@ -7,7 +7,7 @@ use super::super::cut::CutNode;
 use super::super::force::DepthLaw;
 use super::super::force_components::Components;
 use super::{ProcessError, TurningProcess};
-use crate::plan::{CutSummary, FeedDirection, PassPlan};
+use crate::plan::{FeedDirection, PassPlan};
 use crate::shaft::{AxisKnot, ProfileKnot, Shaft};
 
 /// Places of the tool at which the axis is solved for the half-cut shaft; between them the line is
@@ -16,18 +16,17 @@ const PLACES: usize = 20;
 
 /// A pass in progress, evaluated with the tool anywhere; the workpiece itself is not cut.
 #[derive(Clone, Debug)]
-pub struct FollowedPass {
+pub(crate) struct FollowedPass {
     process: TurningProcess,
     /// The shaft as the pass leaves it.
     surface: Shaft,
     nodes: Vec<CutNode>,
     law: DepthLaw,
-    summary: CutSummary,
 }
 
 /// The axis by cause, mm; the first three are at rest, the others turn with the part.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Contributions {
+pub(crate) struct Contributions {
     /// Self weight.
     pub weight: Vec<AxisKnot>,
     /// Offset of the tailstock.
@@ -98,13 +97,13 @@ impl TurningProcess {
     }
 
     /// Free length, mm.
-    pub fn length_mm(&self) -> f64 {
+    pub(crate) fn length_mm(&self) -> f64 {
         self.step_mm * (self.diameter_mm.len() - 1) as f64
     }
 
     /// A shaft of this process as it stands after a pass, grown by its temperature during the scan.
     #[must_use]
-    pub fn as_scanned(&self, shaft: &Shaft) -> Shaft {
+    pub(crate) fn as_scanned(&self, shaft: &Shaft) -> Shaft {
         grown(shaft.clone(), self.growth(self.settings.disturbance.heat_scan_k))
     }
 
@@ -112,28 +111,17 @@ impl TurningProcess {
     ///
     /// # Errors
     /// As [`Self::cut`].
-    pub fn followed(&self, plan: &PassPlan) -> Result<FollowedPass, ProcessError> {
+    pub(crate) fn followed(&self, plan: &PassPlan) -> Result<FollowedPass, ProcessError> {
         let (passed, law) = self.passed(plan)?;
         let mut left = self.clone();
         left.diameter_mm = passed.nodes.iter().map(|n| n.after).collect();
-        Ok(FollowedPass {
-            process: self.clone(),
-            surface: left.shaft(plan),
-            nodes: passed.nodes,
-            law,
-            summary: passed.summary,
-        })
+        Ok(FollowedPass { process: self.clone(), surface: left.shaft(plan), nodes: passed.nodes, law })
     }
 }
 
 impl FollowedPass {
-    /// Extremes over the pass.
-    pub fn summary(&self) -> &CutSummary {
-        &self.summary
-    }
-
     /// Thermal growth of the radius at the tool while it stands at `tool_z_mm`, mm.
-    pub fn warm_radius_mm(&self, tool_z_mm: f64) -> f64 {
+    pub(crate) fn warm_radius_mm(&self, tool_z_mm: f64) -> f64 {
         let process = &self.process;
         let node = (tool_z_mm / process.step_mm).clamp(0.0, (self.nodes.len() - 1) as f64) as usize;
         let share = process.share_cut(tool_z_mm.clamp(0.0, process.length_mm()));
@@ -141,7 +129,7 @@ impl FollowedPass {
     }
 
     /// Components of the force with the tool at `tool_z_mm`, N; zero beyond the shaft.
-    pub fn force(&self, tool_z_mm: f64) -> Components {
+    pub(crate) fn force(&self, tool_z_mm: f64) -> Components {
         let node = tool_z_mm / self.process.step_mm;
         let last = self.nodes.len() - 1;
         if !(0.0..=last as f64).contains(&node) {
@@ -153,7 +141,7 @@ impl FollowedPass {
 
     /// The shaft while the tool stands at `tool_z_mm`: cut behind it, bent by its force, at its
     /// temperature then.
-    pub fn at(&self, tool_z_mm: f64) -> Shaft {
+    pub(crate) fn at(&self, tool_z_mm: f64) -> Shaft {
         let process = &self.process;
         let bending = &process.settings.bending;
         let supports = process.settings.support.supports();
@@ -173,7 +161,7 @@ impl FollowedPass {
 
     /// The contribution of each cause to the axis, with the tool at `tool_z_mm`, or clear after the
     /// pass. Each is linear in its load at the common thrust, so that they add up to the axis.
-    pub fn contributions(&self, tool_z_mm: Option<f64>) -> Contributions {
+    pub(crate) fn contributions(&self, tool_z_mm: Option<f64>) -> Contributions {
         let process = &self.process;
         let supports = process.settings.support.supports();
         let (before, after) = (elements(&process.diameter_mm), elements(&self.after()));

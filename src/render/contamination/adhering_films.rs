@@ -24,7 +24,7 @@ const GOLDEN_STEPS: usize = 24;
 
 /// One film on the shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Film {
+pub(crate) struct Film {
     /// Machine z of its middle, mm.
     pub z_mm: f64,
     /// Body angle of its middle, degrees.
@@ -39,7 +39,7 @@ pub struct Film {
 
 impl Film {
     /// Height over the clean surface, mm.
-    pub fn height_mm(&self, z_mm: f64, theta_deg: f64) -> f64 {
+    pub(crate) fn height_mm(&self, z_mm: f64, theta_deg: f64) -> f64 {
         let away = (theta_deg - self.theta_deg + 180.0).rem_euclid(360.0) - 180.0;
         self.thickness_mm * bump((z_mm - self.z_mm) / self.half_length_mm) * bump(away / self.half_width_deg)
     }
@@ -51,13 +51,13 @@ fn bump(u: f64) -> f64 {
 
 /// All films of a shaft.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct AdheringFilms {
+pub(crate) struct AdheringFilms {
     films: Vec<Film>,
 }
 
 impl AdheringFilms {
     /// The given films.
-    pub fn new(films: Vec<Film>) -> Self {
+    pub(crate) fn new(films: Vec<Film>) -> Self {
         Self { films }
     }
 
@@ -66,7 +66,7 @@ impl AdheringFilms {
     ///
     /// # Errors
     /// Refuses settings outside their ranges and more than a hundred thousand films.
-    pub fn draw(
+    pub(crate) fn draw(
         settings: &Contamination,
         radius_mm: f64,
         z_mm: std::ops::Range<f64>,
@@ -95,12 +95,12 @@ impl AdheringFilms {
     }
 
     /// The films.
-    pub fn films(&self) -> &[Film] {
+    pub(crate) fn films(&self) -> &[Film] {
         &self.films
     }
 
     /// Height of all films over the clean surface, mm.
-    pub fn height_mm(&self, z_mm: f64, theta_deg: f64) -> f64 {
+    pub(crate) fn height_mm(&self, z_mm: f64, theta_deg: f64) -> f64 {
         self.films.iter().map(|f| f.height_mm(z_mm, theta_deg)).sum()
     }
 
@@ -116,7 +116,7 @@ impl AdheringFilms {
     /// Rise of the tangent at the top (direction x) by the films over that of the clean circle of
     /// `radius_mm`, mm, at spindle angle `angle_deg`. The bottom edge is the top edge at
     /// `angle_deg + 180`.
-    pub fn rise_mm(&self, radius_mm: f64, z_mm: f64, angle_deg: f64) -> f64 {
+    pub(crate) fn rise_mm(&self, radius_mm: f64, z_mm: f64, angle_deg: f64) -> f64 {
         let thickest: f64 = self
             .films
             .iter()

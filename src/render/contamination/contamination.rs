@@ -43,7 +43,7 @@ impl PartialEq for ContaminationModel {
 
 /// A rise of both edges of a column by films, px.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rise {
+pub(crate) struct Rise {
     /// Of the upper edge, upwards.
     pub top_px: f64,
     /// Of the lower edge, downwards.
@@ -55,7 +55,7 @@ impl ContaminationModel {
     ///
     /// # Errors
     /// As [`ContaminationField::new`].
-    pub fn new(
+    pub(crate) fn new(
         settings: &Contamination,
         geometry: FieldGeometry,
         seed: u64,
@@ -69,7 +69,7 @@ impl ContaminationModel {
     }
 
     /// Whether it dims any pixel; films alone do not.
-    pub fn dims(&self) -> bool {
+    pub(crate) fn dims(&self) -> bool {
         !self.settings.is_clear()
     }
 
@@ -78,7 +78,7 @@ impl ContaminationModel {
     ///
     /// # Errors
     /// Refuses more than a hundred thousand objects of a kind.
-    pub fn transmission(
+    pub(crate) fn transmission(
         &self,
         frame_id: u64,
         [row, column]: [usize; 2],
@@ -101,7 +101,7 @@ impl ContaminationModel {
     }
 
     /// Takes back a frame's factors, so that the next frame can use their memory.
-    pub fn recycle(&self, packed: LightMap) {
+    pub(crate) fn recycle(&self, packed: LightMap) {
         *self.spare.lock().unwrap_or_else(PoisonError::into_inner) = Some(packed);
     }
 
@@ -109,7 +109,7 @@ impl ContaminationModel {
     ///
     /// # Errors
     /// Refuses more than a hundred thousand films.
-    pub fn films(&self, radius_mm: f64, z_mm: Range<f64>) -> Result<Vec<Film>, RenderError> {
+    pub(crate) fn films(&self, radius_mm: f64, z_mm: Range<f64>) -> Result<Vec<Film>, RenderError> {
         let films = &self.settings.films;
         if films.per_cm2 == 0.0 || radius_mm <= 0.0 {
             return Ok(Vec::new());
@@ -129,7 +129,7 @@ impl ContaminationModel {
     }
 
     /// Rises of both edges at one z by the given films, on a clean circle of `radius_mm`.
-    pub fn rise(&self, films: &[Film], radius_mm: f64, z_mm: f64, angle_deg: f64) -> Rise {
+    pub(crate) fn rise(&self, films: &[Film], radius_mm: f64, z_mm: f64, angle_deg: f64) -> Rise {
         let here: Vec<Film> =
             films.iter().filter(|f| (z_mm - f.z_mm).abs() < f.half_length_mm).copied().collect();
         if here.is_empty() {
@@ -144,7 +144,7 @@ impl ContaminationModel {
 
 /// An edge displaced by a film.
 #[derive(Clone, Copy, Debug)]
-pub struct RisenEdge {
+pub(crate) struct RisenEdge {
     /// Row of the edge without the film.
     pub clean: f64,
     /// Its displacement, rows.
@@ -154,7 +154,7 @@ pub struct RisenEdge {
 }
 
 /// Marks the pixels of a column that the displacement of an edge changes.
-pub fn mark_rise(mask: &mut [u8], columns: usize, column: usize, edge: RisenEdge) {
+pub(crate) fn mark_rise(mask: &mut [u8], columns: usize, column: usize, edge: RisenEdge) {
     let RisenEdge { clean, rise_px, blur_px } = edge;
     let sigma = (blur_px * blur_px + 1.0 / 12.0).sqrt();
     if rise_px.abs() * PEAK_OF_UNIT_GAUSSIAN / sigma < f64::from(mask::THRESHOLD) {

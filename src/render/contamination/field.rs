@@ -22,7 +22,7 @@ const MOST: f64 = 1e5;
 
 /// Geometry of a field of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FieldGeometry {
+pub(crate) struct FieldGeometry {
     /// Rows of the full sensor.
     pub rows: usize,
     /// Columns of the full sensor.
@@ -52,7 +52,7 @@ impl FieldGeometry {
 
 /// The contamination of a field of view: the window's once, the air's for every frame.
 #[derive(Clone, Debug)]
-pub struct ContaminationField {
+pub(crate) struct ContaminationField {
     settings: Contamination,
     geometry: FieldGeometry,
     seed: u64,
@@ -111,7 +111,11 @@ impl ContaminationField {
     /// # Errors
     /// Refuses settings outside their ranges and more than a hundred thousand objects of a kind,
     /// naming the key.
-    pub fn new(settings: &Contamination, geometry: FieldGeometry, seed: u64) -> Result<Self, RenderError> {
+    pub(crate) fn new(
+        settings: &Contamination,
+        geometry: FieldGeometry,
+        seed: u64,
+    ) -> Result<Self, RenderError> {
         settings.check()?;
         let mut field = Self { settings: settings.clone(), geometry, seed, window: Vec::new() };
         field.window = field.draw_window()?;
@@ -227,7 +231,7 @@ impl ContaminationField {
     ///
     /// # Errors
     /// Refuses more than a hundred thousand objects of a kind.
-    pub fn frame(
+    pub(crate) fn frame(
         &self,
         frame_id: u64,
         [row0, column0]: [usize; 2],

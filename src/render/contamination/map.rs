@@ -9,7 +9,7 @@ use super::tiles::{Band, TILE};
 
 /// Factors that multiply the light of every pixel, row-major, and their mask.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TransmissionMap {
+pub(crate) struct TransmissionMap {
     rows: usize,
     columns: usize,
     values: Vec<f32>,
@@ -19,7 +19,7 @@ pub struct TransmissionMap {
 
 impl TransmissionMap {
     /// A clean window.
-    pub fn new(rows: usize, columns: usize) -> Self {
+    pub(crate) fn new(rows: usize, columns: usize) -> Self {
         let tiles = rows.div_ceil(TILE) * columns.div_ceil(TILE);
         Self {
             rows,
@@ -30,33 +30,25 @@ impl TransmissionMap {
         }
     }
 
-    /// Rows of the window.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Columns of the window.
-    pub fn columns(&self) -> usize {
-        self.columns
-    }
-
     /// Factor of every pixel, row-major; 1 is clear.
-    pub fn values(&self) -> &[f32] {
+    pub(crate) fn values(&self) -> &[f32] {
         &self.values
     }
 
     /// Mask of every pixel: bits of [`super::mask`].
-    pub fn mask(&self) -> &[u8] {
+    #[cfg(test)]
+    pub(crate) fn mask(&self) -> &[u8] {
         &self.mask
     }
 
     /// Number of tiles in a row of tiles.
-    pub fn tile_columns(&self) -> usize {
+    pub(crate) fn tile_columns(&self) -> usize {
         self.columns.div_ceil(TILE)
     }
 
     /// Whether each tile of 32 x 32 pixels is affected, row-major.
-    pub fn touched(&self) -> &[bool] {
+    #[cfg(test)]
+    pub(crate) fn touched(&self) -> &[bool] {
         &self.touched
     }
 
@@ -76,19 +68,11 @@ impl TransmissionMap {
         );
     }
 
-    /// Marks pixels without dimming them: a film's rise of the edge.
-    pub fn mark(&mut self, column: usize, rows: std::ops::Range<i64>, kind: u8) {
-        if column < self.columns {
-            for row in rows.start.max(0)..rows.end.min(self.rows as i64) {
-                self.mask[row as usize * self.columns + column] |= kind;
-            }
-        }
-    }
-
     /// Makes this window a copy of `other`, writing only tiles that are affected in either.
     ///
     /// Windows of different sizes are copied whole.
-    pub fn copy_from(&mut self, other: &Self) {
+    #[cfg(test)]
+    pub(crate) fn copy_from(&mut self, other: &Self) {
         if (self.rows, self.columns) != (other.rows, other.columns) {
             self.clone_from(other);
             return;

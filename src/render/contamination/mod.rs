@@ -25,17 +25,19 @@ mod bands;
 mod contamination;
 mod field;
 mod map;
-pub mod mask;
+pub(crate) mod mask;
 mod settings;
 mod shading;
-pub mod shapes;
+pub(crate) mod shapes;
 mod tiles;
 
-pub use adhering_films::{AdheringFilms, Film};
-pub use contamination::{ContaminationModel, Rise, RisenEdge, mark_rise};
-pub use field::{ContaminationField, FieldGeometry};
-pub use map::TransmissionMap;
-pub use settings::{
-    AirDroplets, Chips, Contamination, Dirt, Films, Mist, Scratches, SizeDistribution, WindowDroplets,
-};
-pub use tiles::TransmissionRequest;
+#[cfg(test)]
+pub(crate) use adhering_films::{AdheringFilms, Film};
+pub(crate) use contamination::{ContaminationModel, Rise, RisenEdge, mark_rise};
+pub(crate) use field::{ContaminationField, FieldGeometry};
+pub(crate) use map::TransmissionMap;
+pub(crate) use settings::Scratches;
+#[cfg(test)]
+pub(crate) use settings::SizeDistribution;
+pub use settings::{AirDroplets, Chips, Contamination, Dirt, Films, Mist, WindowDroplets};
+pub(crate) use tiles::TransmissionRequest;

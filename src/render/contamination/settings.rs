@@ -247,12 +247,12 @@ fn density(key: &'static str, per_cm2: f64) -> Result<(), RenderError> {
 
 impl Contamination {
     /// Whether neither window nor air nor shaft is contaminated.
-    pub fn is_clean(&self) -> bool {
+    pub(crate) fn is_clean(&self) -> bool {
         self.is_clear() && self.films.per_cm2 == 0.0
     }
 
     /// Whether no pixel loses light; films on the shaft may still raise its edges.
-    pub fn is_clear(&self) -> bool {
+    pub(crate) fn is_clear(&self) -> bool {
         let densities = [
             self.mist.clouds_per_cm2,
             self.mist.haze_depth,
@@ -269,7 +269,7 @@ impl Contamination {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("contamination.window_distance_mm", self.window_distance_mm, 0.0, 1e4)?;
         within("contamination.beam_depth_mm", self.beam_depth_mm, 0.0, 1e4)?;
         within("contamination.acceptance_half_angle_deg", self.acceptance_half_angle_deg, 0.0, 45.0)?;

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 /// disc covers.
 ///
 /// Area common to two circles, divided by πb²: the exact shade of a disc out of focus.
-pub fn disc(r: f64, radius: f64, blur: f64) -> f64 {
+pub(crate) fn disc(r: f64, radius: f64, blur: f64) -> f64 {
     if r >= radius + blur {
         return 0.0;
     }
@@ -29,7 +29,7 @@ pub fn disc(r: f64, radius: f64, blur: f64) -> f64 {
 
 /// Share of the disc of confusion that lies inside a straight border at the signed distance
 /// `inside`.
-pub fn half_plane(inside: f64, blur: f64) -> f64 {
+pub(crate) fn half_plane(inside: f64, blur: f64) -> f64 {
     if blur == 0.0 || inside.abs() >= blur {
         return f64::from(u8::from(inside > 0.0));
     }
@@ -38,12 +38,12 @@ pub fn half_plane(inside: f64, blur: f64) -> f64 {
 }
 
 /// Shade of a line of `width` whose middle lies `across` away, far from its ends.
-pub fn line(across: f64, width: f64, blur: f64) -> f64 {
+pub(crate) fn line(across: f64, width: f64, blur: f64) -> f64 {
     half_plane(across + 0.5 * width, blur) - half_plane(across - 0.5 * width, blur)
 }
 
 /// Signed distance into a polygon (positive inside), corners in either order.
-pub fn into_polygon(point: [f64; 2], corners: &[[f64; 2]]) -> f64 {
+pub(crate) fn into_polygon(point: [f64; 2], corners: &[[f64; 2]]) -> f64 {
     let mut nearest = f64::INFINITY;
     let mut inside = false;
     for (i, a) in corners.iter().enumerate() {
@@ -64,14 +64,14 @@ pub fn into_polygon(point: [f64; 2], corners: &[[f64; 2]]) -> f64 {
 /// Largest distance from the middle of a ball of `radius` and index n at which a parallel ray is
 /// deflected by no more than `angle_rad`: 2(asin(h/a) - asin(h/na)) = angle, by bisection (the left
 /// side rises).
-pub fn clear_radius_of_ball(radius: f64, index: f64, angle_rad: f64) -> f64 {
+pub(crate) fn clear_radius_of_ball(radius: f64, index: f64, angle_rad: f64) -> f64 {
     let turned = |h: f64| 2.0 * (h.asin() - (h / index).asin());
     radius * largest(turned, angle_rad)
 }
 
 /// The same for a spherical cap on a window, wetted radius `radius` and contact angle φ, flat side
 /// towards the light: the cap's radius is a/sin φ, the ray turns by asin(n sin i) - i.
-pub fn clear_radius_of_cap(radius: f64, contact_rad: f64, index: f64, angle_rad: f64) -> f64 {
+pub(crate) fn clear_radius_of_cap(radius: f64, contact_rad: f64, index: f64, angle_rad: f64) -> f64 {
     let turned = |h: f64| {
         let sin = h * contact_rad.sin();
         if index * sin >= 1.0 { f64::INFINITY } else { (index * sin).asin() - sin.asin() }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 /// Side of a tile, pixels.
-pub const TILE: usize = 32;
+pub(crate) const TILE: usize = 32;
 
 /// A row of tiles: several whole rows of a map, with the requested output.
 pub(super) struct Band<'a> {
@@ -20,7 +20,7 @@ pub(super) struct Band<'a> {
 
 /// A request for the light of a window.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TransmissionRequest {
+pub(crate) struct TransmissionRequest {
     /// Rows and columns.
     pub size: [usize; 2],
     /// Whether the mask is requested as well.

@@ -25,7 +25,7 @@ const KEY: &str = "shaft.contour";
 ///
 /// # Errors
 /// Names the line and the valid form.
-pub fn read_contour(from: impl Read) -> Result<Vec<ContourPoint>, RenderError> {
+pub(crate) fn read_contour(from: impl Read) -> Result<Vec<ContourPoint>, RenderError> {
     let refuse = |found: &str, right: &str| RenderError::setting("shaft.contour_file", found, right);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -67,7 +67,7 @@ pub fn read_contour(from: impl Read) -> Result<Vec<ContourPoint>, RenderError> {
 /// # Errors
 /// Refuses contours that turn back in z, chamfers and radii that do not fit their lines, values out
 /// of range.
-pub fn contour_knots(points: &[ContourPoint]) -> Result<Vec<ProfileKnot>, RenderError> {
+pub(crate) fn contour_knots(points: &[ContourPoint]) -> Result<Vec<ProfileKnot>, RenderError> {
     for (i, p) in points.iter().enumerate() {
         within("shaft.contour.z_mm", p.z_mm, -1e6, 1e6)?;
         within("shaft.contour.diameter_mm", p.diameter_mm, 1e-6, 1e5)?;

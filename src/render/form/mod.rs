@@ -10,7 +10,7 @@ mod texture;
 
 use std::f64::consts::PI;
 
-pub use self::contour::{contour_knots, read_contour};
+pub(crate) use self::contour::{contour_knots, read_contour};
 use super::error::{RenderError, within};
 use crate::shaft::{AxisKnot, Bow, Deflection, Features, Helix, ProfileKnot, Shaft, ShaftForm, Thermal};
 
@@ -26,7 +26,7 @@ const BENT_PIECES: usize = 16;
 /// # Errors
 /// Refuses a contour that intersects itself, features that do not fit the body, a texture whose
 /// lengths are not positive or whose grid would be too large, naming the key.
-pub fn form_shaft(
+pub(crate) fn form_shaft(
     profile: Vec<ProfileKnot>,
     form: &ShaftForm,
     length_mm: f64,

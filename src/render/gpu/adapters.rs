@@ -9,7 +9,7 @@ use super::super::error::RenderError;
 
 /// An adapter as listed by `doctor`.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct AdapterReport {
+pub(crate) struct AdapterReport {
     /// Name from the driver.
     pub name: String,
     /// `vulkan`, `gl` or another API.
@@ -33,7 +33,7 @@ impl AdapterReport {
 
     /// Whether this is a graphics processor, not a software rasteriser. An adapter whose kind its
     /// driver does not state (`other`) does not count as one.
-    pub fn is_hardware(&self) -> bool {
+    pub(crate) fn is_hardware(&self) -> bool {
         let known = ["discrete", "integrated", "virtual"].contains(&self.kind.as_str());
         known && !SOFTWARE_NAMES.iter().any(|name| self.name.to_lowercase().contains(name))
     }
@@ -52,7 +52,7 @@ const SOFTWARE_NAMES: [&str; 6] =
 /// The adapter that `auto` chooses among those of one interface: the best hardware, or none. A
 /// software adapter costs 2.4 times the CPU time of the CPU twin and twice its memory for the same
 /// frame, so that it is chosen only where Vulkan or OpenGL is requested by name.
-pub fn automatic(adapters: &[AdapterReport]) -> Option<usize> {
+pub(crate) fn automatic(adapters: &[AdapterReport]) -> Option<usize> {
     best_of(adapters, AdapterReport::is_hardware)
 }
 
@@ -64,7 +64,7 @@ fn best_of(adapters: &[AdapterReport], wanted: impl Fn(&AdapterReport) -> bool) 
 
 /// Every adapter that Vulkan offers, or OpenGL with `gl`, best first. A process uses only one of
 /// the two.
-pub fn adapter_reports(gl: bool) -> Vec<AdapterReport> {
+pub(crate) fn adapter_reports(gl: bool) -> Vec<AdapterReport> {
     let mut reports: Vec<_> = offered(backends(gl)).iter().map(AdapterReport::of).collect();
     reports.sort_by_key(|a| (!a.is_hardware(), a.rank()));
     reports
@@ -102,7 +102,7 @@ static OPENED: AtomicBool = AtomicBool::new(false);
 
 /// Whether this process has opened a graphics driver: its libraries' destructors are not safe to
 /// run at exit.
-pub fn was_opened() -> bool {
+pub(crate) fn was_opened() -> bool {
     OPENED.load(Ordering::Relaxed)
 }
 

@@ -9,7 +9,7 @@ mod buffers;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-pub use adapters::{AdapterReport, adapter_reports, automatic, was_opened};
+pub(crate) use adapters::{AdapterReport, adapter_reports, automatic, was_opened};
 
 use self::buffers::Buffers;
 use super::error::RenderError;
@@ -17,14 +17,14 @@ use crate::render::kernel::job::Job;
 use crate::render::kernel::params::{FILL_ROWS, pixels_per_word};
 
 /// The shader, one file for all kernels of a shadowgraph.
-pub const SHADER: &str = include_str!("../../../shaders/shadowgraph.wgsl");
+pub(crate) const SHADER: &str = include_str!("../../../shaders/shadowgraph.wgsl");
 
 /// Invocations of a workgroup along a row, as in the shader.
 const GROUP: u32 = 64;
 
 /// Which kernels to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Work {
+pub(crate) enum Work {
     /// A frame: flat fields, then edges.
     Frame,
     /// One constant in every word: the write floor.
@@ -32,7 +32,7 @@ pub enum Work {
 }
 
 /// A device with its kernels.
-pub struct Gpu {
+pub(crate) struct Gpu {
     info: wgpu::AdapterInfo,
     device: wgpu::Device,
     queue: wgpu::Queue,
@@ -95,7 +95,7 @@ impl std::fmt::Debug for Gpu {
 
 /// The graphics interfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Api {
+pub(crate) enum Api {
     /// Vulkan.
     Vulkan,
     /// OpenGL (ES).
@@ -107,7 +107,7 @@ impl Gpu {
     ///
     /// # Errors
     /// When there is none, or the device cannot be opened or refuses the kernels.
-    pub fn open(api: Api) -> Result<Self, RenderError> {
+    pub(crate) fn open(api: Api) -> Result<Self, RenderError> {
         Self::on(&adapters::best(api == Api::Gl)?)
     }
 
@@ -116,7 +116,7 @@ impl Gpu {
     ///
     /// # Errors
     /// When its device cannot be opened or refuses the kernels.
-    pub fn open_hardware() -> Result<Option<Self>, RenderError> {
+    pub(crate) fn open_hardware() -> Result<Option<Self>, RenderError> {
         adapters::hardware().map(|adapter| Self::on(&adapter)).transpose()
     }
 
@@ -171,17 +171,17 @@ impl Gpu {
     }
 
     /// The adapter in use.
-    pub fn info(&self) -> &wgpu::AdapterInfo {
+    pub(crate) fn info(&self) -> &wgpu::AdapterInfo {
         &self.info
     }
 
     /// Fault injection: the device is destroyed after `frames` more frames.
-    pub fn lose_after(&mut self, frames: u64) {
+    pub(crate) fn lose_after(&mut self, frames: u64) {
         self.frames_left = Some(frames);
     }
 
     /// Fault injection: the adapter has no buffer of more than `bytes`.
-    pub fn limit_buffers(&mut self, bytes: u64) {
+    pub(crate) fn limit_buffers(&mut self, bytes: u64) {
         self.largest_bytes = self.largest_bytes.min(bytes);
     }
 
@@ -189,7 +189,7 @@ impl Gpu {
     ///
     /// # Errors
     /// Names the size that it needs and the adapter's limit.
-    pub fn holds(&self, job: &Job<'_>) -> Result<(), RenderError> {
+    pub(crate) fn holds(&self, job: &Job<'_>) -> Result<(), RenderError> {
         let needed = buffers::largest_bytes(job);
         if needed <= self.largest_bytes {
             return Ok(());
@@ -206,7 +206,7 @@ impl Gpu {
     ///
     /// # Errors
     /// When the device refuses the job or is lost.
-    pub fn run<R>(
+    pub(crate) fn run<R>(
         &mut self,
         job: &Job<'_>,
         work: Work,

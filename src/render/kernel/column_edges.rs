@@ -17,7 +17,7 @@ const BLOCK: usize = 256;
 
 /// Both edges of a column in pixels of the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ColumnEdges {
+pub(crate) struct ColumnEdges {
     /// Row of the upper edge.
     pub top_px: f64,
     /// Row of the lower edge.
@@ -46,7 +46,7 @@ pub struct Edge {
 }
 
 /// Marks an edge with a profile of its own, because it is not straight within the blur.
-pub const PROFILE: u32 = 0x8000_0000;
+pub(crate) const PROFILE: u32 = 0x8000_0000;
 
 /// Both edges of a column for the kernel.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -60,7 +60,7 @@ pub struct Column {
 
 /// The weights K over neighbouring columns.
 #[derive(Clone, Debug)]
-pub struct RowBlur {
+pub(crate) struct RowBlur {
     weights: Vec<f64>,
     /// Σ w i², the discrete variance.
     variance: f64,
@@ -76,7 +76,7 @@ pub(crate) struct Straight {
 
 impl RowBlur {
     /// K for a blur of `scale_px`.
-    pub fn new(scale_px: f64) -> Self {
+    pub(crate) fn new(scale_px: f64) -> Self {
         let variance = scale_px * scale_px + 1.0 / 12.0;
         let reach = (4.0 * variance.sqrt()).ceil() as i64;
         let raw: Vec<f64> = (-reach..=reach).map(|i| (-0.5 * (i * i) as f64 / variance).exp()).collect();
@@ -87,7 +87,7 @@ impl RowBlur {
     }
 
     /// Columns needed beyond either end of the frame.
-    pub fn reach(&self) -> usize {
+    pub(crate) fn reach(&self) -> usize {
         self.weights.len() / 2
     }
 
@@ -145,7 +145,7 @@ fn straights(blur: &RowBlur, rows: &[f64], out: &mut Straights) {
 
 /// Depth of the axis and radius of the surface in a column.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Depth {
+pub(crate) struct Depth {
     /// Distance of the axis from the plane of focus, mm towards the camera.
     pub y_mm: f64,
     /// Mean radius, mm.
@@ -154,7 +154,12 @@ pub struct Depth {
 
 /// Kernel columns of `edges`, which reach [`RowBlur::reach`] columns beyond the frame at either
 /// end; `depth` of every column, or empty where all are in focus.
-pub fn kernel_columns(edges: &[ColumnEdges], depth: &[Depth], blur: &RowBlur, esf: &EsfTable) -> Vec<Column> {
+pub(crate) fn kernel_columns(
+    edges: &[ColumnEdges],
+    depth: &[Depth],
+    blur: &RowBlur,
+    esf: &EsfTable,
+) -> Vec<Column> {
     let count = edges.len().saturating_sub(2 * blur.reach());
     let mut columns: Vec<Column> = vec![bytemuck::Zeroable::zeroed(); count];
     columns.par_chunks_mut(BLOCK).enumerate().for_each(|(block, columns)| {
@@ -197,7 +202,7 @@ fn edge(straight: Straight, depth: Depth, esf: &EsfTable, sign: f64) -> Edge {
 }
 
 /// Largest |sin β| over all columns.
-pub fn steepest(columns: &[Column]) -> f64 {
+pub(crate) fn steepest(columns: &[Column]) -> f64 {
     let tan = columns.iter().flat_map(|c| [c.top, c.bottom]).map(|e| f64::from((e.along / e.across).abs()));
     let tan = tan.fold(0.0, f64::max);
     tan / tan.hypot(1.0)
@@ -217,7 +222,7 @@ const FOLDED_SIN: f64 = 0.1;
 /// sin⁴β)/120 where the table has -1/120: with |F⁗| ≤ .55/σ⁴ the light errs by .55 sin²β/(1440 σ⁴).
 /// An edge of another blur s than the table's σ is given the scale of the same variance, (s² +
 /// 1/12)/(σ² + 1/12), whose box is too wide: .55·2(s² - σ²)/(2880 σ⁶).
-pub fn fold_pixel<'a>(esf: &'a EsfTable, columns: &mut [Column]) -> Option<&'a EsfTable> {
+pub(crate) fn fold_pixel<'a>(esf: &'a EsfTable, columns: &mut [Column]) -> Option<&'a EsfTable> {
     let s0 = esf.scale_px;
     let sharp = esf.sharp_px;
     let most_sin = (FOLDED_ERROR * 1440.0 / 0.55).sqrt() * sharp * sharp;
@@ -271,7 +276,7 @@ fn rows_of(e: &Edge, esf: &EsfTable) -> (i32, i32) {
 }
 
 /// Bands that contain every pixel with neither full light nor full shadow.
-pub fn bands(columns: &[Column], group: usize, esf: &EsfTable) -> Bands {
+pub(crate) fn bands(columns: &[Column], group: usize, esf: &EsfTable) -> Bands {
     let parts: Vec<(i32, Vec<[i32; 2]>)> = columns
         .par_chunks(group * BLOCK)
         .map(|columns| {

@@ -248,7 +248,7 @@ struct Blocks {
 }
 
 /// Renders a frame into `out`, row-major, `rows * columns` pixels, on the current thread pool.
-pub fn render<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
+pub(crate) fn render<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
     let columns = job.params.size.columns as usize;
     let extents = (0..columns).step_by(BLOCK).map(|first| BlockExtent::new(job, first)).collect();
     let blocks = Blocks { extents, cells: edge_cells(job) };
@@ -304,7 +304,7 @@ fn fill_edges(job: &Job<'_>, cells: &[[EdgeCell; 2]], at: At, z: &[f32; BLOCK], 
 }
 
 /// Writes one value into every pixel: the write floor.
-pub fn constant<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
+pub(crate) fn constant<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
     let value = P::from_counts(&job.params, job.params.size.words as f32);
     let columns = job.params.size.columns as usize;
     out.par_chunks_mut(columns * TASK_ROWS).for_each(|rows| rows.fill(value));

@@ -10,13 +10,13 @@
 //! never read.
 
 /// The 16-bit factor of clear light.
-pub const CLEAR: f32 = 32_768.0;
+pub(crate) const CLEAR: f32 = 32_768.0;
 
 /// Two factors of clear light.
 const CLEAR_WORD: u32 = 0x8000_8000;
 
 /// Pixels of a row that share a flag.
-pub const CELL: usize = 32;
+pub(crate) const CELL: usize = 32;
 
 /// Words of a cell.
 const CELL_WORDS: usize = CELL / 2;
@@ -44,7 +44,7 @@ pub(crate) struct Lines<'a> {
 impl LightMap {
     /// This map with the rows of another of the same width beneath it.
     #[must_use]
-    pub fn followed_by(mut self, other: &Self) -> Self {
+    pub(crate) fn followed_by(mut self, other: &Self) -> Self {
         self.words.extend_from_slice(&other.words);
         self.mask.extend_from_slice(&other.mask);
         self.touched.extend_from_slice(&other.touched);

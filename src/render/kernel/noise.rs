@@ -25,14 +25,14 @@
 //! multiply-adds produces the twin's bits.
 
 /// P, ascending powers of u.
-pub const NUMERATOR: [f32; 5] = [5.054_005_6, 917.006_8, 9_288.955, -1_999.658_2, 4_506.544];
+pub(crate) const NUMERATOR: [f32; 5] = [5.054_005_6, 917.006_8, 9_288.955, -1_999.658_2, 4_506.544];
 
 /// Q, ascending powers of u from the first; its constant is 1.
-pub const DENOMINATOR: [f32; 3] = [246.368_5, 3_911.391, 986.766_36];
+pub(crate) const DENOMINATOR: [f32; 3] = [246.368_5, 3_911.391, 986.766_36];
 
 /// Keys of a frame, 64 bits from seed and number; the keys of every row are derived from them
 /// (`row_key` of the kernel).
-pub fn frame_key(seed: u64, frame_id: u64) -> [u32; 2] {
+pub(crate) fn frame_key(seed: u64, frame_id: u64) -> [u32; 2] {
     let key = splitmix(splitmix(seed) ^ frame_id);
     [key as u32, (key >> 32) as u32]
 }

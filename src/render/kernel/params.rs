@@ -4,7 +4,7 @@ use super::noise::frame_key;
 use crate::frame::PixelFormat;
 
 /// Rows that an invocation of the kernel `fill` writes, as in the shader.
-pub const FILL_ROWS: u32 = 16;
+pub(crate) const FILL_ROWS: u32 = 16;
 
 /// Uniforms of `shaders/shadowgraph.wgsl`, which names the same bytes one by one: the groups are in
 /// the order of its members (`tests/inside/render_shaders.rs` compares every offset).
@@ -176,7 +176,7 @@ pub struct DarkParams {
 
 /// Levels and noise of a sensor, in counts of one format.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GreyLevels {
+pub(crate) struct GreyLevels {
     /// Grey value of the shadow, counts.
     pub shadow: f64,
     /// Grey value of the bright field, counts.
@@ -202,7 +202,7 @@ pub struct GreyLevels {
 impl GreyLevels {
     /// The same light and sensor read out with another number of bits.
     #[must_use]
-    pub fn in_format(self, from: PixelFormat, to: PixelFormat) -> Self {
+    pub(crate) fn in_format(self, from: PixelFormat, to: PixelFormat) -> Self {
         let (Some(from), Some(to)) = (from.full_scale(), to.full_scale()) else { return self };
         let ratio = (f64::from(to) + 1.0) / (f64::from(from) + 1.0);
         Self {
@@ -216,7 +216,7 @@ impl GreyLevels {
 }
 
 /// Pixels in a 32-bit word of a format.
-pub fn pixels_per_word(format: PixelFormat) -> u32 {
+pub(crate) fn pixels_per_word(format: PixelFormat) -> u32 {
     match format {
         PixelFormat::Mono8 => 4,
         PixelFormat::Mono10 | PixelFormat::Mono12 | PixelFormat::Mono14 | PixelFormat::Mono16 => 2,
@@ -226,7 +226,7 @@ pub fn pixels_per_word(format: PixelFormat) -> u32 {
 
 /// Window of the sensor that a frame shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Window {
+pub(crate) struct Window {
     /// First sensor row.
     pub row: u32,
     /// First sensor column.
@@ -240,7 +240,7 @@ pub struct Window {
 /// The windows of a frame: one, or two with the same columns, the rows of the second below those of
 /// the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Windows {
+pub(crate) struct Windows {
     /// The upper one.
     pub first: Window,
     /// The lower one.
@@ -249,29 +249,29 @@ pub struct Windows {
 
 impl Windows {
     /// The frame's size, at the place of the first window.
-    pub fn frame(&self) -> Window {
+    pub(crate) fn frame(&self) -> Window {
         Window { rows: self.first.rows + self.second.map_or(0, |w| w.rows), ..self.first }
     }
 
     /// The rows from the upper window's first to the lower one's last.
-    pub fn span(&self) -> Window {
+    pub(crate) fn span(&self) -> Window {
         Window { rows: self.frame().rows + self.skip(), ..self.first }
     }
 
     /// Sensor rows between the two.
-    pub fn skip(&self) -> u32 {
+    pub(crate) fn skip(&self) -> u32 {
         self.second.map_or(0, |w| w.row - self.first.row - self.first.rows)
     }
 
     /// Both, the upper one first.
-    pub fn parts(&self) -> impl Iterator<Item = Window> {
+    pub(crate) fn parts(&self) -> impl Iterator<Item = Window> {
         [Some(self.first), self.second].into_iter().flatten()
     }
 }
 
 /// Keys of a frame's noise and of its sensor's pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FrameKeys {
+pub(crate) struct FrameKeys {
     /// Seed of the temporal noise.
     pub seed: u64,
     /// The frame's number.
@@ -283,7 +283,7 @@ pub struct FrameKeys {
 impl Params {
     /// Uniforms of a frame with even light; bands, quadrature, light and the noise of flat pixels
     /// are filled in from their tables.
-    pub fn new(
+    pub(crate) fn new(
         windows: Windows,
         format: PixelFormat,
         levels: &GreyLevels,
@@ -337,7 +337,7 @@ impl Params {
 
     /// Assigns whole steps of rows in the shadow to a separate kernel, where the others would
     /// compute light.
-    pub fn set_dark(&mut self, rows: &std::ops::Range<i32>) {
+    pub(crate) fn set_dark(&mut self, rows: &std::ops::Range<i32>) {
         let step = |row: i32| row.clamp(0, self.size.rows as i32) as u32;
         let (from, to) = (step(rows.start).div_ceil(FILL_ROWS), step(rows.end) / FILL_ROWS);
         let steps = if self.light.kind != 0 { to.saturating_sub(from) } else { 0 };

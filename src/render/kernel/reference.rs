@@ -23,7 +23,7 @@ const REACH_SIGMA: f64 = 7.0;
 
 /// A straight or curved Gaussian edge pair, pixel by pixel in f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GaussianReference {
+pub(crate) struct GaussianReference {
     /// Blur, px.
     pub sigma_px: f64,
     /// Grey value of the shadow.
@@ -35,13 +35,13 @@ pub struct GaussianReference {
 impl GaussianReference {
     /// Grey values of a frame, row-major; `edges(x)` returns the rows of both edges at a fractional
     /// column.
-    pub fn frame(&self, rows: usize, columns: usize, edges: impl Fn(f64) -> [f64; 2]) -> Vec<f64> {
+    pub(crate) fn frame(&self, rows: usize, columns: usize, edges: impl Fn(f64) -> [f64; 2]) -> Vec<f64> {
         self.lit_frame(rows, columns, edges, |_, _| 1.0)
     }
 
     /// [`Self::frame`] where the light is not even: `factor(row, column)` multiplies the light
     /// above the shadow.
-    pub fn lit_frame(
+    pub(crate) fn lit_frame(
         &self,
         rows: usize,
         columns: usize,
@@ -54,7 +54,7 @@ impl GaussianReference {
 
     /// [`Self::frame`] for edges with corners: Simpson's rule at σ/8 between the columns given,
     /// ascending, at which `edges` may jump or bend.
-    pub fn frame_between(
+    pub(crate) fn frame_between(
         &self,
         rows: usize,
         columns: usize,
@@ -72,7 +72,7 @@ impl GaussianReference {
 
     /// [`Self::frame`] at another step of the trapezoidal sum, px: the error is proportional to its
     /// square at a bend of the edge, to itself at a jump.
-    pub fn frame_at(
+    pub(crate) fn frame_at(
         &self,
         rows: usize,
         columns: usize,
@@ -143,7 +143,7 @@ impl GaussianReference {
 /// square by the closed form in the table's second integral ([`EdgeSpread::over_pixel`]); the
 /// kernels use quadrature nodes over the pixel instead.
 #[derive(Clone, Copy, Debug)]
-pub struct StraightReference<'a> {
+pub(crate) struct StraightReference<'a> {
     /// The edge spread.
     pub esf: &'a EdgeSpread,
     /// Size of a pixel on the object, µm.
@@ -153,7 +153,7 @@ pub struct StraightReference<'a> {
 impl StraightReference<'_> {
     /// Light on a pixel whose centre lies `above_px` rows above an edge of slope tan β = `slope`,
     /// light above the edge.
-    pub fn light(&self, above_px: f64, slope: f64) -> f64 {
+    pub(crate) fn light(&self, above_px: f64, slope: f64) -> f64 {
         let distance_um = above_px / slope.hypot(1.0) * self.pixel_um;
         self.esf.over_pixel(distance_um, self.pixel_um, slope.atan())
     }

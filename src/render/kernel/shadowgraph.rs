@@ -34,7 +34,7 @@ pub(super) fn hash(key: [u32; 2], column: u32) -> u32 {
 /// A standard normal deviate from 32 bits: the sum of two 16-bit numbers is triangular and is
 /// mapped to normal by P/Q.
 #[inline(always)]
-pub fn standard_normal(bits: u32) -> f32 {
+pub(crate) fn standard_normal(bits: u32) -> f32 {
     let [p0, p1, p2, p3, p4] = NUMERATOR;
     let [q1, q2, q3] = DENOMINATOR;
     let v = (bits >> 16) as i32 + (bits & 0xffff) as i32 - 65535;
@@ -53,7 +53,7 @@ fn most(a: f32, b: f32) -> f32 {
 
 /// Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.
 #[inline(always)]
-pub fn noise_polynomial(params: &Params, mean: f32) -> [f32; 4] {
+pub(crate) fn noise_polynomial(params: &Params, mean: f32) -> [f32; 4] {
     let electrons = most((mean - params.signal.black) * params.signal.electrons_per_count, 0.0);
     let variance = most(params.signal.read_variance + electrons, 1e-6);
     let inverse = 1.0 / variance;
@@ -148,7 +148,7 @@ pub(super) fn field_light(params: &Params, row: u32, column: u32) -> f32 {
 }
 
 /// Conversion of counts to pixels of a container.
-pub trait Pixel: Copy + Send + Sync + Default {
+pub(crate) trait Pixel: Copy + Send + Sync + Default {
     /// One pixel from unquantised counts.
     fn from_counts(params: &Params, counts: f32) -> Self;
 }

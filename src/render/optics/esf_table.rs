@@ -47,7 +47,7 @@ const WIDTH_10_90: f64 = 2.563;
 
 /// The range that a table must cover beyond a knife edge in focus.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extent {
+pub(crate) struct Extent {
     /// Size of a pixel on the object, mm.
     pub pixel_mm: f64,
     /// Largest distance of the axis from the plane of focus, mm.
@@ -146,7 +146,12 @@ impl TableCache {
     ///
     /// # Errors
     /// As [`EsfTable::new`].
-    pub fn table(&self, esf: &Esf, optics: &Optics, extent: &Extent) -> Result<Arc<EsfTable>, RenderError> {
+    pub(crate) fn table(
+        &self,
+        esf: &Esf,
+        optics: &Optics,
+        extent: &Extent,
+    ) -> Result<Arc<EsfTable>, RenderError> {
         let mut extent = *extent;
         if optics.reflection.is_none() {
             // The radius affects reflections only.
@@ -168,7 +173,7 @@ impl TableCache {
 
 /// The table of an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TablePlace {
+pub(crate) struct TablePlace {
     /// Number of the table.
     pub table: u32,
     /// Share of the next one.
@@ -183,7 +188,7 @@ impl EsfTable {
     ///
     /// # Errors
     /// Refuses families whose values are out of range or whose tables would be too large.
-    pub fn new(esf: &Esf, optics: &Optics, extent: &Extent) -> Result<Self, RenderError> {
+    pub(crate) fn new(esf: &Esf, optics: &Optics, extent: &Extent) -> Result<Self, RenderError> {
         let reflection = optics.reflection.as_ref().filter(|r| r.polished_share > 0.0);
         if let (Esf::Gaussian(g), None) = (esf, reflection) {
             return Ok(Self::gaussian(g.sigma_px, optics.defocus_na, extent.pixel_mm));
@@ -200,7 +205,7 @@ impl EsfTable {
 
     /// The tables convolved with a pixel's height: the light on a pixel past an edge along its
     /// rows, so that one look-up replaces the quadrature. `None` where they cannot be computed.
-    pub fn over_pixel(&self) -> Option<&Self> {
+    pub(crate) fn over_pixel(&self) -> Option<&Self> {
         let made = || {
             let origin = &self.origin;
             if origin.sources.is_empty() {
@@ -284,24 +289,24 @@ impl EsfTable {
     }
 
     /// Whether edges may lie between two tables.
-    pub fn is_stacked(&self) -> bool {
+    pub(crate) fn is_stacked(&self) -> bool {
         matches!(self.origin.focus, Focus::Stack { .. })
     }
 
     /// Whether all edges share one table and scale, independent of depth and radius.
-    pub fn is_even(&self) -> bool {
+    pub(crate) fn is_even(&self) -> bool {
         self.origin.focus == Focus::Fixed && self.origin.radii_mm.len() < 2
     }
 
     /// Whether surfaces of different radius have tables of their own.
-    pub fn has_radii(&self) -> bool {
+    pub(crate) fn has_radii(&self) -> bool {
         self.origin.radii_mm.len() > 1
     }
 
     /// Table and scale of an edge whose axis lies `y_mm` in front of the plane of focus (towards
     /// the camera), on a surface of mean radius `radius_mm`; `extra_px2` widens the scale of the
     /// Gaussian.
-    pub fn place(&self, y_mm: f64, radius_mm: f64, extra_px2: f64) -> TablePlace {
+    pub(crate) fn place(&self, y_mm: f64, radius_mm: f64, extra_px2: f64) -> TablePlace {
         let scale = |variance: f64| (self.scale_px * self.scale_px + variance).sqrt();
         match self.origin.focus {
             Focus::Fixed if self.widens => TablePlace { table: 0, blend: 0.0, scale_px: scale(extra_px2) },
@@ -336,7 +341,7 @@ impl EsfTable {
 
     /// Light at a distance (px) into the light of an edge of the table given, in f64: for profiles,
     /// figures and tests.
-    pub fn light(&self, at: &TablePlace, distance_px: f64) -> f64 {
+    pub(crate) fn light(&self, at: &TablePlace, distance_px: f64) -> f64 {
         let u = distance_px / at.scale_px;
         let one = |table: u32| match self.origin.sources.get(table as usize) {
             Some(source) => source.value(u * self.origin.pixel_mm * 1e3),
@@ -347,7 +352,7 @@ impl EsfTable {
     }
 
     /// As [`Self::light`], from the kernel's own cubics: twenty times as fast, accurate to 1e-7.
-    pub fn sample(&self, at: &TablePlace, distance_px: f64) -> f64 {
+    pub(crate) fn sample(&self, at: &TablePlace, distance_px: f64) -> f64 {
         let count = self.per_table as usize;
         let place = ((distance_px / at.scale_px + f64::from(self.reach)) * f64::from(self.per_unit))
             .clamp(0.0, count as f64);
@@ -362,18 +367,8 @@ impl EsfTable {
     }
 
     /// The tables in f64, µm on the object; none for the plain Gaussian.
-    pub fn sources(&self) -> &[EdgeSpread] {
+    pub(crate) fn sources(&self) -> &[EdgeSpread] {
         &self.origin.sources
-    }
-
-    /// The first table of the kernel at a distance into the light, px: for figures and tests.
-    pub fn at_px(&self, distance_px: f64) -> f64 {
-        let count = self.per_table as usize;
-        let place = ((distance_px / self.scale_px + f64::from(self.reach)) * f64::from(self.per_unit))
-            .clamp(0.0, count as f64);
-        let segment = (place as usize).min(count - 1);
-        let t = place - segment as f64;
-        self.segments[segment].iter().rev().fold(0.0, |sum, &c| sum * t + f64::from(c))
     }
 }
 
@@ -482,7 +477,7 @@ pub struct Node {
 
 /// Nodes for edges of the sharpness of a Gaussian of `blur_px` and slopes up to `max_sin` =
 /// max |sin β|.
-pub fn pixel_quadrature(blur_px: f64, max_sin: f64) -> Vec<Node> {
+pub(crate) fn pixel_quadrature(blur_px: f64, max_sin: f64) -> Vec<Node> {
     let down = gauss_legendre(order(0.5 / blur_px));
     let along = gauss_legendre(order(0.5 * max_sin / blur_px));
     let node = |(x, wx): &(f64, f64), (y, wy): &(f64, f64)| Node {

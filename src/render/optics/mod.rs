@@ -8,8 +8,8 @@
 //! A new family is a file in [`edge_spread`] that ends as an [`edge_spread::EdgeSpread`], and a
 //! variant of [`settings::Esf`]; a new property of the lens is a file in [`lens`].
 
-pub mod edge_spread;
-pub mod esf_table;
+pub(crate) mod edge_spread;
+pub(crate) mod esf_table;
 pub(crate) mod laser_shoulder;
 pub mod lens;
-pub mod settings;
+pub(crate) mod settings;

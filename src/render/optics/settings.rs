@@ -47,7 +47,7 @@ impl Esf {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         match self {
             Self::Gaussian(g) => within("optics.esf.gaussian.sigma_px", g.sigma_px, 0.25, 20.0),
             Self::PartiallyCoherent(p) => p.check(),
@@ -116,7 +116,7 @@ impl Optics {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("optics.magnification", self.magnification, 1e-3, 100.0)?;
         within("optics.defocus_na", self.defocus_na, 0.0, 1.0)?;
         within("optics.telecentricity_mrad", self.telecentricity_mrad, -550.0, 550.0)?;

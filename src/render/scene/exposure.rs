@@ -85,7 +85,10 @@ impl ExposedEdges<'_> {
 ///
 /// # Errors
 /// Refuses a window outside the sensor and a shaft that leaves the field.
-pub fn geometric_edges(scene: &Scene, request: &FrameRequest) -> Result<Vec<ColumnEdges>, RenderError> {
+pub(crate) fn geometric_edges(
+    scene: &Scene,
+    request: &FrameRequest,
+) -> Result<Vec<ColumnEdges>, RenderError> {
     let windows = scene.setup.windows(request)?;
     let mut edges = mean(&instants(scene, request, windows.span(), 0)?);
     stack(&mut edges, windows)?;

@@ -22,7 +22,7 @@ pub(crate) mod request;
 pub(crate) mod scene;
 pub(crate) mod true_optics;
 
-pub use exposure::geometric_edges;
+pub(crate) use exposure::geometric_edges;
 pub use frame_job::frame_job;
 pub use request::FrameRequest;
 pub use scene::Scene;

@@ -10,7 +10,9 @@ use super::request::FrameRequest;
 use super::true_optics::OpticalSetup;
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::{ColumnEdges, RowBlur};
-use crate::render::optics::edge_spread::{EdgeSpread, LaserShadow};
+#[cfg(test)]
+use crate::render::optics::edge_spread::EdgeSpread;
+use crate::render::optics::edge_spread::LaserShadow;
 use crate::render::optics::esf_table::{EsfTable, Extent};
 use crate::render::optics::settings::Esf;
 use crate::render::silhouette::{Outline, Turned, View};
@@ -91,22 +93,24 @@ impl Scene {
 
     /// The same scene without films on the shaft, whatever contaminates window and air.
     #[must_use]
-    pub fn wiped(self) -> Self {
+    pub(crate) fn wiped(self) -> Self {
         Self { wiped: true, ..self }
     }
 
     /// The true optical setup.
-    pub fn setup(&self) -> &OpticalSetup {
+    pub(crate) fn setup(&self) -> &OpticalSetup {
         &self.setup
     }
 
     /// The shaft's outline.
-    pub fn outline(&self) -> &Outline {
+    #[cfg(test)]
+    pub(crate) fn outline(&self) -> &Outline {
         &self.outline
     }
 
     /// The edge spreads of the scene in f64, µm on the object; none where it is the plain Gaussian.
-    pub fn edge_spreads(&self) -> &[EdgeSpread] {
+    #[cfg(test)]
+    pub(crate) fn edge_spreads(&self) -> &[EdgeSpread] {
         self.esf.sources()
     }
 
@@ -136,7 +140,7 @@ impl Scene {
     }
 
     /// Exact edges at a fractional column, in rows of the full sensor.
-    pub fn edges_at(&self, turned: &Turned<'_>, field_z_mm: f64, sensor_column: f64) -> ColumnEdges {
+    pub(crate) fn edges_at(&self, turned: &Turned<'_>, field_z_mm: f64, sensor_column: f64) -> ColumnEdges {
         let distortion = &self.setup.nominal.optics.distortion;
         let view = self.view(field_z_mm);
         if distortion.is_none() {

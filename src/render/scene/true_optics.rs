@@ -79,32 +79,32 @@ impl OpticalSetup {
     }
 
     /// Rows of the full sensor.
-    pub fn rows(&self) -> usize {
+    pub(crate) fn rows(&self) -> usize {
         self.nominal.camera.rows as usize
     }
 
     /// Columns of the full sensor.
-    pub fn columns(&self) -> usize {
+    pub(crate) fn columns(&self) -> usize {
         self.nominal.camera.columns as usize
     }
 
     /// Row of the optical axis: (rows - 1)/2.
-    pub fn centre_row(&self) -> f64 {
+    pub(crate) fn centre_row(&self) -> f64 {
         (self.rows() as f64 - 1.0) / 2.0
     }
 
     /// Column of the optical axis: (columns - 1)/2.
-    pub fn centre_column(&self) -> f64 {
+    pub(crate) fn centre_column(&self) -> f64 {
         (self.columns() as f64 - 1.0) / 2.0
     }
 
     /// Machine z, mm, of a column of the full sensor with the field's centre at `field_z_mm`.
-    pub fn column_z_mm(&self, field_z_mm: f64, column: f64) -> f64 {
+    pub(crate) fn column_z_mm(&self, field_z_mm: f64, column: f64) -> f64 {
         field_z_mm + (column - self.centre_column()) * self.pixel_mm
     }
 
     /// Row of the full sensor that shows a height `x_mm` above the optical axis.
-    pub fn row_of_x(&self, x_mm: f64) -> f64 {
+    pub(crate) fn row_of_x(&self, x_mm: f64) -> f64 {
         self.centre_row() - x_mm / self.pixel_mm
     }
 
@@ -113,7 +113,7 @@ impl OpticalSetup {
     /// # Errors
     /// Refuses a window that is empty or leaves the sensor, and a second one that is not below the
     /// first or has other columns.
-    pub fn windows(&self, request: &FrameRequest) -> Result<Windows, RenderError> {
+    pub(crate) fn windows(&self, request: &FrameRequest) -> Result<Windows, RenderError> {
         let first = self.window(request.roi, "roi")?;
         let Some(roi) = request.second_roi else { return Ok(Windows { first, second: None }) };
         let second = self.window(Some(roi), "second_roi")?;
@@ -146,7 +146,7 @@ impl OpticalSetup {
     }
 
     /// Levels in counts of the requested format.
-    pub fn levels(&self, format: PixelFormat) -> GreyLevels {
+    pub(crate) fn levels(&self, format: PixelFormat) -> GreyLevels {
         let nominal = &self.nominal;
         GreyLevels {
             shadow: nominal.light.shadow_counts,
@@ -164,12 +164,12 @@ impl OpticalSetup {
     }
 
     /// Format of the requested frame.
-    pub fn format(&self, request: &FrameRequest) -> PixelFormat {
+    pub(crate) fn format(&self, request: &FrameRequest) -> PixelFormat {
         request.format.unwrap_or(self.nominal.sensor.format)
     }
 
     /// Metadata of the requested frame.
-    pub fn meta(&self, request: &FrameRequest) -> FrameMeta {
+    pub(crate) fn meta(&self, request: &FrameRequest) -> FrameMeta {
         FrameMeta {
             frame_id: request.frame_id,
             t_ns: request.t_ns,
@@ -191,7 +191,7 @@ impl OpticalSetup {
     }
 
     /// Takes back a job's memory for the next frame.
-    pub fn give_back(&self, job: Job<'_>) {
+    pub(crate) fn give_back(&self, job: Job<'_>) {
         if let Some(map) = job.contamination {
             self.recycle(map);
         }

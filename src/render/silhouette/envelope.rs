@@ -35,7 +35,7 @@ const HALVINGS: usize = 50;
 
 /// The view of the shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct View {
+pub(crate) struct View {
     /// Middle of the field, mm: the optical axis.
     pub middle_z_mm: f64,
     /// 1/ℓ, one over the distance from the axis' plane to the pinhole, 1/mm; 0 for a telecentric
@@ -45,14 +45,14 @@ pub struct View {
 
 impl View {
     /// Whether every slice projects independently.
-    pub fn is_straight(&self, tilt_to_camera_mrad: f64) -> bool {
+    pub(crate) fn is_straight(&self, tilt_to_camera_mrad: f64) -> bool {
         self.per_distance == 0.0 && tilt_to_camera_mrad == 0.0
     }
 }
 
 impl Turned<'_> {
     /// Both edges over image z (in the plane of the axis), mm above the optical axis.
-    pub fn edges_seen(&self, z_mm: f64, view: &View) -> EdgePair {
+    pub(crate) fn edges_seen(&self, z_mm: f64, view: &View) -> EdgePair {
         let tilt = self.outline.shaft.pose.tilt_to_camera_mrad;
         if view.is_straight(tilt) {
             return self.edges(z_mm);
@@ -61,7 +61,7 @@ impl Turned<'_> {
     }
 
     /// One edge over image z, mm above the optical axis.
-    pub fn edge_seen(&self, z_mm: f64, view: &View, top: bool) -> f64 {
+    pub(crate) fn edge_seen(&self, z_mm: f64, view: &View, top: bool) -> f64 {
         let tilt = self.outline.shaft.pose.tilt_to_camera_mrad;
         if view.is_straight(tilt) {
             return self.edge(z_mm, top);
@@ -71,7 +71,7 @@ impl Turned<'_> {
     }
 
     /// Distance from the focal plane of the axis seen at image z, mm towards the camera.
-    pub fn axis_depth_mm(&self, z_mm: f64, view: &View) -> f64 {
+    pub(crate) fn axis_depth_mm(&self, z_mm: f64, view: &View) -> f64 {
         let tilt = self.outline.shaft.pose.tilt_to_camera_mrad * 1e-3;
         self.axis_y_mm(z_mm) - (z_mm - view.middle_z_mm) * tilt.sin()
     }

@@ -35,6 +35,6 @@ mod segments;
 mod slice;
 mod turned;
 
-pub use envelope::View;
-pub use outline::Outline;
-pub use turned::{EdgePair, Turned};
+pub(crate) use envelope::View;
+pub(crate) use outline::Outline;
+pub(crate) use turned::Turned;

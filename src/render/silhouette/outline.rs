@@ -25,7 +25,7 @@ const CORNER: f64 = 3e-4;
 
 /// A shaft prepared for silhouettes: bounds and the division of the circle.
 #[derive(Clone, Debug)]
-pub struct Outline {
+pub(crate) struct Outline {
     pub(super) shaft: Shaft,
     /// Segments of a revolution, a multiple of the texture's nodes.
     pub(super) segments: usize,
@@ -52,7 +52,7 @@ impl Outline {
     /// Refuses a shaft that cannot be drawn: no knots, knots out of order, values that are not
     /// finite, a radius that is not positive, lobes below order 2, a texture grid that does not fit
     /// its heights.
-    pub fn new(shaft: Shaft) -> Result<Self, RenderError> {
+    pub(crate) fn new(shaft: Shaft) -> Result<Self, RenderError> {
         check(&shaft)?;
         let highest = shaft.lobes.iter().map(|l| l.order_upr as usize).max().unwrap_or(0);
         let wanted = FEWEST_SEGMENTS.max(SEGMENTS_PER_LOBE * highest);
@@ -78,18 +78,18 @@ impl Outline {
     }
 
     /// The shaft.
-    pub fn shaft(&self) -> &Shaft {
+    pub(crate) fn shaft(&self) -> &Shaft {
         &self.shaft
     }
 
     /// Lower bound of half the height of any slice, mm.
-    pub fn smallest_radius_mm(&self) -> f64 {
+    pub(crate) fn smallest_radius_mm(&self) -> f64 {
         self.core_mm
     }
 
     /// Bound of the distance of any slice's axis from the plane of focus, mm; 0 for a straight,
     /// centred shaft.
-    pub fn largest_depth_mm(&self) -> f64 {
+    pub(crate) fn largest_depth_mm(&self) -> f64 {
         let bow = self.shaft.bow.iter().map(|k| k.x_mm.hypot(k.y_mm)).fold(0.0, f64::max);
         let deflection = self.shaft.deflection.iter().map(|k| k.y_mm.abs()).fold(0.0, f64::max);
         let spindle = &self.shaft.spindle;
@@ -99,14 +99,14 @@ impl Outline {
     }
 
     /// Smallest and largest mean radius R(z), mm.
-    pub fn mean_radii_mm(&self) -> (f64, f64) {
+    pub(crate) fn mean_radii_mm(&self) -> (f64, f64) {
         let waves: f64 = self.shaft.features.waves.iter().map(|w| w.amplitude_mm.abs()).sum();
         let radii = self.shaft.profile.iter().map(|k| k.radius_mm);
         (radii.clone().fold(f64::INFINITY, f64::min) - waves, radii.fold(0.0, f64::max) + waves)
     }
 
     /// Mean radius at z, mm: profile and waves.
-    pub fn mean_radius_mm(&self, z_mm: f64) -> f64 {
+    pub(crate) fn mean_radius_mm(&self, z_mm: f64) -> f64 {
         let wave = |w: &crate::shaft::AxialWave| {
             w.amplitude_mm * (TAU * z_mm / w.wavelength_mm + w.phase_deg.to_radians()).cos()
         };
@@ -115,13 +115,13 @@ impl Outline {
 
     /// Whether a corner, a thread or the end of a feature lies in `from_mm..=to_mm`, so that the
     /// outline may not be smooth there.
-    pub fn is_broken(&self, from_mm: f64, to_mm: f64) -> bool {
+    pub(crate) fn is_broken(&self, from_mm: f64, to_mm: f64) -> bool {
         let after = self.broken_mm.partition_point(|(start, _)| *start <= to_mm);
         after.checked_sub(1).is_some_and(|last| self.broken_mm[last].1 >= from_mm)
     }
 
     /// Undulations per revolution of the finest form that turns with the shaft.
-    pub fn undulations(&self) -> f64 {
+    pub(crate) fn undulations(&self) -> f64 {
         let f = &self.shaft.features;
         let lobes = self.shaft.lobes.iter().map(|l| l.order_upr).max().unwrap_or(1);
         let cut = if f.flats.is_empty() && f.keyways.is_empty() { 1 } else { 12 };
@@ -131,7 +131,7 @@ impl Outline {
 
     /// Whether the outline consists of level pieces and upright shoulders alone, apart from form
     /// errors.
-    pub fn is_stepped(&self) -> bool {
+    pub(crate) fn is_stepped(&self) -> bool {
         let (shaft, features) = (&self.shaft, &self.shaft.features);
         let level = |k: &[ProfileKnot]| k[0].radius_mm == k[1].radius_mm || k[0].z_mm == k[1].z_mm;
         let uncut = features.helices.is_empty() && features.flats.is_empty() && features.keyways.is_empty();
@@ -139,12 +139,12 @@ impl Outline {
     }
 
     /// Whether the outline has any corner, thread or end of a feature.
-    pub fn has_breaks(&self) -> bool {
+    pub(crate) fn has_breaks(&self) -> bool {
         !self.broken_mm.is_empty()
     }
 
     /// z at which the outline changes direction or height between `from_mm` and `to_mm`, ascending.
-    pub fn breaks_mm(&self, from_mm: f64, to_mm: f64) -> Vec<f64> {
+    pub(crate) fn breaks_mm(&self, from_mm: f64, to_mm: f64) -> Vec<f64> {
         let first = self.shaft.profile.partition_point(|k| k.z_mm <= from_mm);
         let mut breaks: Vec<f64> =
             self.shaft.profile[first..].iter().map(|k| k.z_mm).take_while(|z| *z < to_mm).collect();

@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-12;
 impl Outline {
     /// Radius of the slice at z in body direction θ (radians), mm: the outermost point where a
     /// keyway leaves two. Eccentricity moves the axis and is not included.
-    pub fn radius_mm(&self, z_mm: f64, theta: f64) -> f64 {
+    pub(crate) fn radius_mm(&self, z_mm: f64, theta: f64) -> f64 {
         Slice::at(self, z_mm).cut(theta, self.uncut_radius_mm(z_mm, theta))
     }
 

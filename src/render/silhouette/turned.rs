@@ -24,7 +24,7 @@ pub(super) const BESIDE_MM: f64 = 1e-9;
 
 /// Both edges of the shaft's shadow over a z, in machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgePair {
+pub(crate) struct EdgePair {
     /// Height of the upper edge above the optical axis, mm.
     pub top_mm: f64,
     /// Height of the lower edge above the optical axis, mm.
@@ -33,7 +33,7 @@ pub struct EdgePair {
 
 /// An outline prepared for a spindle angle: both viewing directions, for all columns.
 #[derive(Clone, Debug)]
-pub struct Turned<'a> {
+pub(crate) struct Turned<'a> {
     pub(super) outline: &'a Outline,
     pub(super) cos: f64,
     pub(super) sin: f64,
@@ -45,7 +45,7 @@ pub struct Turned<'a> {
 
 impl Outline {
     /// The outline at spindle angle φ.
-    pub fn turned(&self, angle_deg: f64) -> Turned<'_> {
+    pub(crate) fn turned(&self, angle_deg: f64) -> Turned<'_> {
         let phi = angle_deg.to_radians().rem_euclid(TAU);
         let (sin, cos) = phi.sin_cos();
         let mut shift = DVec2::ZERO;
@@ -67,30 +67,30 @@ impl Outline {
 
 impl Turned<'_> {
     /// Caliper diameter of the slice at body coordinate `s_mm`, across its own axis, mm.
-    pub fn caliper_mm(&self, s_mm: f64) -> f64 {
+    pub(crate) fn caliper_mm(&self, s_mm: f64) -> f64 {
         self.support(&self.top, s_mm) + self.support(&self.bottom, s_mm)
     }
 
     /// Both edges over machine z, mm above the optical axis.
-    pub fn edges(&self, z_mm: f64) -> EdgePair {
+    pub(crate) fn edges(&self, z_mm: f64) -> EdgePair {
         EdgePair { top_mm: self.edge(z_mm, true), bottom_mm: self.edge(z_mm, false) }
     }
 
     /// Radius of the slice at z in machine direction `angle` (radians from x towards y), about its
     /// own axis, mm.
-    pub fn radius_at(&self, z_mm: f64, angle: f64) -> f64 {
+    pub(crate) fn radius_at(&self, z_mm: f64, angle: f64) -> f64 {
         self.outline.radius_mm(z_mm, angle - self.sin.atan2(self.cos))
     }
 
     /// Position of the slice's axis, mm along x and y from that of the spindle, without the pose in
     /// front of a camera.
-    pub fn axis_mm(&self, z_mm: f64) -> (f64, f64) {
+    pub(crate) fn axis_mm(&self, z_mm: f64) -> (f64, f64) {
         let axis = self.axis(z_mm);
         (axis.x, axis.y)
     }
 
     /// Distance of the slice's axis from the focal plane, mm towards the camera.
-    pub fn axis_y_mm(&self, z_mm: f64) -> f64 {
+    pub(crate) fn axis_y_mm(&self, z_mm: f64) -> f64 {
         self.axis(z_mm).y
     }
 
@@ -107,7 +107,7 @@ impl Turned<'_> {
 
     /// Moves the axis of rotation by an error that does not repeat, mm along x and y.
     #[must_use]
-    pub fn shifted(mut self, x_mm: f64, y_mm: f64) -> Self {
+    pub(crate) fn shifted(mut self, x_mm: f64, y_mm: f64) -> Self {
         self.shift += DVec2::new(x_mm, y_mm);
         self
     }
@@ -129,7 +129,7 @@ impl Turned<'_> {
 
     /// Light beneath the overhang of a leaning shoulder at z: its inner and outer end, mm above the
     /// optical axis.
-    pub fn gap(&self, z_mm: f64, top: bool) -> Option<[f64; 2]> {
+    pub(crate) fn gap(&self, z_mm: f64, top: bool) -> Option<[f64; 2]> {
         let outline = self.outline;
         if outline.sin_tilt == 0.0 {
             return None;

@@ -6,7 +6,7 @@ use crate::gauge::calibration::Adjustment;
 
 /// A finished calibration.
 #[derive(Clone, Debug)]
-pub struct Calibrated {
+pub(crate) struct Calibrated {
     /// The calibration; its check decides whether it may be used.
     pub calibration: Calibration,
     /// The adjustment behind it, for propagation of distributions.

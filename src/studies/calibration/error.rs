@@ -12,7 +12,7 @@ use crate::setting::SettingError;
 /// Why there is no calibration.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum CalibrateError {
+pub(crate) enum CalibrateError {
     /// A setting of the plan or of the gauge is out of range.
     #[error(transparent)]
     Setting(#[from] SettingError),

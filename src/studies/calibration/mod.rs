@@ -9,13 +9,13 @@ mod recordings;
 mod simulated;
 mod words;
 
-pub use calibrated::Calibrated;
-pub use error::CalibrateError;
+pub(crate) use calibrated::Calibrated;
+pub(crate) use error::CalibrateError;
 use one_encoding::OneEncoding;
-pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, Position, SimulatedPlan};
-pub use recordings::Recordings;
-pub use simulated::{Draws, Laid, SimulatedRecordings, SimulatedSetup};
-pub use words::{edge_model_line, parameter_table};
+pub(crate) use plan::{CalibrationPlan, Fields, PinPlan, Position, SimulatedPlan};
+pub(crate) use recordings::Recordings;
+pub(crate) use simulated::{Draws, Laid, SimulatedRecordings, SimulatedSetup};
+pub(crate) use words::{edge_model_line, parameter_table};
 
 use crate::frame::{Frame, FrameView};
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
@@ -43,7 +43,7 @@ struct PinEdges {
 /// # Errors
 /// A plan out of range, frames that are unavailable or cannot be measured, masters that do not
 /// determine the optical setup.
-pub fn calibrate(
+pub(crate) fn calibrate(
     plan: &CalibrationPlan,
     recordings: &mut dyn Recordings,
 ) -> Result<Calibrated, CalibrateError> {
@@ -94,7 +94,7 @@ pub fn calibrate(
 ///
 /// # Errors
 /// Frames that are unavailable or cannot be measured.
-pub fn rough_um_per_px(
+pub(crate) fn rough_um_per_px(
     plan: &CalibrationPlan,
     recordings: &mut dyn Recordings,
 ) -> Result<f64, CalibrateError> {

@@ -17,7 +17,7 @@ use crate::source::Channel;
 /// Frames of a pin at one place in the field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct Position {
+pub(crate) struct Position {
     /// Folder or file with its frames, relative to the TOML file; none where frames are simulated.
     pub frames: Option<PathBuf>,
     /// Distance of the pin's axis from the plane of the masters, towards the camera, mm: from the
@@ -31,7 +31,7 @@ pub struct Position {
 /// A pin with its certificate and its frames.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct PinPlan {
+pub(crate) struct PinPlan {
     /// Name in budgets and reports.
     pub name: String,
     /// Certified diameter at 20 °C, mm.
@@ -56,7 +56,7 @@ pub struct PinPlan {
 
 impl PinPlan {
     /// Its certificate.
-    pub fn certificate(&self) -> MasterCertificate {
+    pub(crate) fn certificate(&self) -> MasterCertificate {
         MasterCertificate {
             diameter_mm: self.diameter_mm,
             expanded_u_mm: self.expanded_u_mm,
@@ -65,7 +65,7 @@ impl PinPlan {
     }
 
     /// The part of its certificate that is common with others.
-    pub fn common(&self) -> Option<CertificateShare> {
+    pub(crate) fn common(&self) -> Option<CertificateShare> {
         let certified_by = self.certified_by.clone()?;
         self.common_expanded_u_mm.map(|u| CertificateShare { certified_by, u_mm: u / self.coverage_factor })
     }
@@ -74,7 +74,7 @@ impl PinPlan {
 /// A flat-field exposure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct FlatPlan {
+pub(crate) struct FlatPlan {
     /// Folder with its frames, two or more; none where frames are simulated.
     #[serde(default)]
     pub frames: Option<PathBuf>,
@@ -85,7 +85,7 @@ pub struct FlatPlan {
 /// Dark and flat fields.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct Fields {
+pub(crate) struct Fields {
     /// Folder with dark frames, two or more.
     pub dark: Option<PathBuf>,
     /// Flat fields: one exposure determines defects and light, three or more also the sensor's gain
@@ -97,7 +97,7 @@ pub struct Fields {
 /// about these. `render` of the same file draws the same optical setup.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct SimulatedPlan {
+pub(crate) struct SimulatedPlan {
     /// Seed of everything drawn.
     pub seed: u64,
     /// Frames of each position and exposure.
@@ -152,7 +152,7 @@ impl Default for SimulatedPlan {
 
 impl SimulatedPlan {
     /// The optical setup's settings.
-    pub fn setup(&self) -> SetupSettings {
+    pub(crate) fn setup(&self) -> SetupSettings {
         SetupSettings {
             camera: self.camera.clone(),
             optics: self.optics.clone(),
@@ -166,7 +166,7 @@ impl SimulatedPlan {
 
     /// The optical setup and seed of a job in place of its own.
     #[must_use]
-    pub fn before_setup_of(&self, job: &Job) -> Self {
+    pub(crate) fn before_setup_of(&self, job: &Job) -> Self {
         let SetupSettings { camera, optics, light, sensor, motion, contamination, departures } =
             job.setup_settings();
         Self {
@@ -185,7 +185,7 @@ impl SimulatedPlan {
     }
 
     /// Whether it has no tables for an optical setup of its own.
-    pub fn has_no_setup(&self) -> bool {
+    pub(crate) fn has_no_setup(&self) -> bool {
         self.setup() == SetupSettings::default()
     }
 
@@ -211,7 +211,7 @@ impl SimulatedPlan {
 /// A calibration to be made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct CalibrationPlan {
+pub(crate) struct CalibrationPlan {
     /// Identity of camera, lens, light and their adjustment: frames of other optics are refused.
     pub optics_id: String,
     /// Channel of colour frames that is measured; without it red, green and blue must be equal.
@@ -253,7 +253,7 @@ fn a_year() -> u32 {
 impl CalibrationPlan {
     /// The calibration of a job's own optical setup on its own master pins, each at three heights
     /// of the field.
-    pub fn of_job(job: &Job, date: Date) -> Self {
+    pub(crate) fn of_job(job: &Job, date: Date) -> Self {
         let pin = |(index, pin): (usize, &MasterCertificate)| {
             let room_mm = 0.3 * (0.97 * job.loop_job().field.height_mm() - pin.diameter_mm).max(0.0);
             PinPlan {
@@ -289,7 +289,7 @@ impl CalibrationPlan {
     /// The plan with the truth of a rendered setup: temperature and finish are exact where
     /// `[simulate]` draws them and the plan does not state them.
     #[must_use]
-    pub fn settled(&self) -> Self {
+    pub(crate) fn settled(&self) -> Self {
         if self.simulate.is_none() {
             return self.clone();
         }
@@ -322,7 +322,7 @@ impl CalibrationPlan {
     ///
     /// # Errors
     /// Names the key and what would be right.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         self.lens.validate()?;
         self.thermometer.validate()?;
         self.conditions.validate()?;

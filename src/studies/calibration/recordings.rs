@@ -5,7 +5,7 @@ use super::plan::{CalibrationPlan, PinPlan, Position};
 use crate::frame::Frame;
 
 /// A source of the frames of a calibration.
-pub trait Recordings {
+pub(crate) trait Recordings {
     /// Frames of pin `index` (masters first, then the check pin) at a position.
     ///
     /// # Errors

@@ -25,7 +25,7 @@ const LENS_STREAM: u64 = 0x6c65_6e73;
 
 /// A shaft placed in a simulated optical setup.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Laid {
+pub(crate) struct Laid {
     /// Its form at 20 °C; pose and deflection are set here.
     pub shaft: Shaft,
     /// Temperature, °C.
@@ -43,7 +43,7 @@ pub struct Laid {
 }
 
 /// The true optical setup.
-pub struct SimulatedSetup<'a> {
+pub(crate) struct SimulatedSetup<'a> {
     renderer: &'a Renderer,
     setup: OpticalSetup,
     /// True telecentricity error, 1/mm.
@@ -54,12 +54,17 @@ pub struct SimulatedSetup<'a> {
 
 impl<'a> SimulatedSetup<'a> {
     /// An optical setup with this telecentricity error.
-    pub fn new(renderer: &'a Renderer, setup: OpticalSetup, telecentricity_per_mm: f64, seed: u64) -> Self {
+    pub(crate) fn new(
+        renderer: &'a Renderer,
+        setup: OpticalSetup,
+        telecentricity_per_mm: f64,
+        seed: u64,
+    ) -> Self {
         Self { renderer, setup, telecentricity_per_mm, seed, frame_id: 0 }
     }
 
     /// The true optical setup.
-    pub fn setup(&self) -> &OpticalSetup {
+    pub(crate) fn setup(&self) -> &OpticalSetup {
         &self.setup
     }
 
@@ -68,7 +73,7 @@ impl<'a> SimulatedSetup<'a> {
     ///
     /// # Errors
     /// Where the shaft cannot be drawn.
-    pub fn frame(&mut self, laid: &Laid) -> Result<Frame, RenderError> {
+    pub(crate) fn frame(&mut self, laid: &Laid) -> Result<Frame, RenderError> {
         self.numbered(laid, self.frame_id, true).inspect(|_| self.frame_id += 1)
     }
 
@@ -76,7 +81,7 @@ impl<'a> SimulatedSetup<'a> {
     ///
     /// # Errors
     /// As [`Self::frame`].
-    pub fn numbered(&self, laid: &Laid, frame_id: u64, noise: bool) -> Result<Frame, RenderError> {
+    pub(crate) fn numbered(&self, laid: &Laid, frame_id: u64, noise: bool) -> Result<Frame, RenderError> {
         let request = FrameRequest { angle_deg: laid.angle_deg, noise, ..self.request(frame_id) };
         self.renderer.render(&self.scene(laid)?, &request, None)
     }
@@ -85,7 +90,7 @@ impl<'a> SimulatedSetup<'a> {
     ///
     /// # Errors
     /// As [`Self::frame`].
-    pub fn scene(&self, laid: &Laid) -> Result<Scene, RenderError> {
+    pub(crate) fn scene(&self, laid: &Laid) -> Result<Scene, RenderError> {
         let growth = (1.0 + laid.expansion_per_k * (laid.temperature_c - 20.0))
             * (1.0 + self.telecentricity_per_mm * laid.y_mm);
         let mut shaft = laid.shaft.clone();
@@ -102,7 +107,7 @@ impl<'a> SimulatedSetup<'a> {
     ///
     /// # Errors
     /// Where it cannot be drawn.
-    pub fn flat(&mut self, share: f64) -> Result<Frame, RenderError> {
+    pub(crate) fn flat(&mut self, share: f64) -> Result<Frame, RenderError> {
         self.flat_numbered(share, self.frame_id).inspect(|_| self.frame_id += 1)
     }
 
@@ -153,31 +158,31 @@ impl<'a> SimulatedSetup<'a> {
 }
 
 /// Random draws of true values from their estimates and uncertainties.
-pub struct Draws(Pcg64);
+pub(crate) struct Draws(Pcg64);
 
 impl Draws {
     /// Draws of a seed.
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(Pcg64::seed_from_u64(seed ^ TRUTH_STREAM))
     }
 
     /// A standard normal draw.
-    pub fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
     }
 
     /// A draw from −1 to 1.
-    pub fn even(&mut self) -> f64 {
+    pub(crate) fn even(&mut self) -> f64 {
         Uniform::new_inclusive(-1.0, 1.0).map_or(0.0, |d| d.sample(&mut self.0))
     }
 
     /// A true diameter, given its certificate.
-    pub fn certified(&mut self, certificate: &MasterCertificate) -> f64 {
+    pub(crate) fn certified(&mut self, certificate: &MasterCertificate) -> f64 {
         certificate.diameter_mm + certificate.u_mm() * self.normal()
     }
 
     /// True temperature and expansion, given a thermometer's reading.
-    pub fn thermal(&mut self, t: &Thermometer) -> (f64, f64) {
+    pub(crate) fn thermal(&mut self, t: &Thermometer) -> (f64, f64) {
         let temperature = t.temperature_c + t.limit_temperature_k * self.even();
         (temperature, 1e-6 * (t.expansion_um_per_m_k + t.limit_expansion_um_per_m_k * self.even()))
     }
@@ -223,7 +228,7 @@ struct Lying {
 
 /// Frames of a plan's pins on a simulated optical setup: recorded once, however often they are
 /// requested.
-pub struct SimulatedRecordings<'a> {
+pub(crate) struct SimulatedRecordings<'a> {
     setup: SimulatedSetup<'a>,
     simulate: SimulatedPlan,
     draws: Draws,
@@ -237,7 +242,7 @@ impl<'a> SimulatedRecordings<'a> {
     ///
     /// # Errors
     /// An optical setup that is refused.
-    pub fn new(plan: &CalibrationPlan, renderer: &'a Renderer) -> Result<Self, CalibrateError> {
+    pub(crate) fn new(plan: &CalibrationPlan, renderer: &'a Renderer) -> Result<Self, CalibrateError> {
         let plan = &plan.settled();
         let simulate = plan.simulate.clone().unwrap_or_default();
         let mut draws = Draws::new(simulate.seed);
@@ -250,18 +255,18 @@ impl<'a> SimulatedRecordings<'a> {
     }
 
     /// The optical setup, for measurements.
-    pub fn into_setup(self) -> SimulatedSetup<'a> {
+    pub(crate) fn into_setup(self) -> SimulatedSetup<'a> {
         self.setup
     }
 
     /// The optical setup.
-    pub fn setup(&self) -> &SimulatedSetup<'a> {
+    pub(crate) fn setup(&self) -> &SimulatedSetup<'a> {
         &self.setup
     }
 
     /// Poses of pin `index` (masters first, then the check pin) at a position, with the numbers of
     /// its frames.
-    pub fn laid(&mut self, index: usize, position: &Position) -> Vec<(Laid, u64)> {
+    pub(crate) fn laid(&mut self, index: usize, position: &Position) -> Vec<(Laid, u64)> {
         if let Some(known) = self.lying.iter().find(|l| l.pin == index && l.position == *position) {
             return known.frames.clone();
         }

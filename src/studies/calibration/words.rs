@@ -5,7 +5,7 @@ use crate::gauge::Calibration;
 use crate::gauge::stated::stated;
 
 /// The edge-spread function fitted to the masters' edges, in words.
-pub fn edge_model_line(calibrated: &Calibrated) -> String {
+pub(crate) fn edge_model_line(calibrated: &Calibrated) -> String {
     let calibration = &calibrated.calibration;
     let blur = calibration.setup.as_ref().map_or(f64::NAN, |b| b.sigma_px);
     let table = calibration.edge_table.as_ref().map_or(String::new(), |t| {
@@ -26,7 +26,7 @@ pub fn edge_model_line(calibrated: &Calibrated) -> String {
 }
 
 /// The adjusted parameters by name with unit and standard uncertainty, for reports.
-pub fn parameter_table(calibration: &Calibration) -> Vec<[String; 3]> {
+pub(crate) fn parameter_table(calibration: &Calibration) -> Vec<[String; 3]> {
     let Some(setup) = &calibration.setup else { return Vec::new() };
     let u = |i: usize| setup.parts.iter().map(|p| p.matrix[i][i]).sum::<f64>().max(0.0).sqrt();
     let lens = &setup.lens;

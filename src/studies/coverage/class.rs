@@ -7,7 +7,7 @@ use super::illumination;
 /// The class of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Class {
+pub(crate) enum Class {
     /// Certificates of the masters dominate.
     Certificates,
     /// Noise dominates.
@@ -58,7 +58,7 @@ pub enum Class {
 
 impl Class {
     /// Drawn from the budget's own distributions.
-    pub const DRAWN: [Self; 8] = [
+    pub(crate) const DRAWN: [Self; 8] = [
         Self::Certificates,
         Self::Noise,
         Self::Temperature,
@@ -69,7 +69,7 @@ impl Class {
         Self::Mixed,
     ];
     /// Deviating inside the declared limits.
-    pub const DEVIATING: [Self; 7] = [
+    pub(crate) const DEVIATING: [Self; 7] = [
         Self::Diffraction,
         Self::GivenEsf,
         Self::Gradient,
@@ -79,13 +79,13 @@ impl Class {
         Self::LowContrast,
     ];
     /// Outside the limits, and detectable by a residual, a blur or a clipped level.
-    pub const DETECTABLE: [Self; 4] =
+    pub(crate) const DETECTABLE: [Self; 4] =
         [Self::Vibration, Self::LossOfFocus, Self::Overexposed, Self::OtherLight];
     /// Outside the limits, and not detectable in any frame.
-    pub const UNDETECTABLE: [Self; 2] = [Self::WarmPart, Self::OtherFinish];
+    pub(crate) const UNDETECTABLE: [Self; 2] = [Self::WarmPart, Self::OtherFinish];
 
     /// The declaration of the class and its scenes, as far as they differ from the others.
-    pub fn declared(self) -> String {
+    pub(crate) fn declared(self) -> String {
         let text = match self {
             Self::Certificates => "certificates U = 2 um",
             Self::Noise => "340-500 counts, read noise 12 e, blur 1.4-2.6 px",
@@ -120,7 +120,7 @@ impl Class {
     }
 
     /// All of them, in the order of the tables.
-    pub fn all() -> impl Iterator<Item = Self> {
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
         let inside = Self::DRAWN.into_iter().chain(Self::DEVIATING);
         inside.chain(Self::DETECTABLE).chain(Self::UNDETECTABLE)
     }

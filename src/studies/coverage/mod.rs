@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::Serialize;
 
-pub use class::Class;
-pub use scene::Outcome;
+pub(crate) use class::Class;
+pub(crate) use scene::Outcome;
 pub(in crate::studies) use scene::{Recorded, measure, record};
 
 use crate::render::Renderer;
@@ -19,7 +19,7 @@ use crate::studies::calibration::CalibrateError;
 
 /// Figures of a class.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ClassFigures {
+pub(crate) struct ClassFigures {
     /// The class; none where several are pooled.
     pub class: Option<Class>,
     /// Scenes run.
@@ -44,28 +44,28 @@ pub struct ClassFigures {
 
 impl ClassFigures {
     /// Name of the class.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         self.class.map_or("all of them".to_owned(), |class| format!("{class:?}"))
     }
 
     /// Share of the scenes outside the limits that are handled, i.e. flagged. A light unlike the
     /// masters' widens U by its residual, so that there an interval that covers the truth counts as
     /// well.
-    pub fn handled(&self) -> f64 {
+    pub(crate) fn handled(&self) -> f64 {
         let covered =
             if self.class == Some(Class::OtherLight) && self.accepted > 0 { self.covered } else { 0.0 };
         self.flagged + (1.0 - self.flagged) * covered
     }
 
     /// Mean half width over the 95th percentile of the error.
-    pub fn half_over_p95(&self) -> f64 {
+    pub(crate) fn half_over_p95(&self) -> f64 {
         self.mean_half_um / self.p95_error_um
     }
 }
 
 /// The study's result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Coverage {
+pub(crate) struct Coverage {
     /// Classes drawn from the budget.
     pub drawn: Vec<ClassFigures>,
     /// All of them together.
@@ -84,7 +84,7 @@ impl Coverage {
     /// The requirements that are missed, of: 94-96 % overall and 92 % per class as drawn; 95 % and
     /// a half width of 1.5 times the 95th percentile of the error inside the limits; 99 % flagged
     /// outside. `slack` widens the limits by that many standard errors.
-    pub fn misses(&self, slack: f64) -> Vec<String> {
+    pub(crate) fn misses(&self, slack: f64) -> Vec<String> {
         let mut misses = Vec::new();
         let se = |p: f64, n: usize| slack * (p * (1.0 - p) / n.max(1) as f64).sqrt();
         let all = &self.drawn_together;
@@ -123,7 +123,7 @@ impl Coverage {
 ///
 /// # Errors
 /// The first scene whose masters cannot be drawn or measured.
-pub fn coverage(scenes: usize, seed: u64, renderer: &Renderer) -> Result<Coverage, CalibrateError> {
+pub(crate) fn coverage(scenes: usize, seed: u64, renderer: &Renderer) -> Result<Coverage, CalibrateError> {
     let group = |classes: &[Class], scenes: usize| -> Result<Group, CalibrateError> {
         let (mut all, mut each) = (Vec::new(), Vec::new());
         for class in classes {
@@ -147,7 +147,7 @@ type Group = (Vec<ClassFigures>, ClassFigures);
 ///
 /// # Errors
 /// As [`coverage`].
-pub fn class_figures(
+pub(crate) fn class_figures(
     class: Class,
     scenes: usize,
     seed: u64,

@@ -40,7 +40,7 @@ const DEVIATING_UM: f64 = 0.03;
 
 /// Result of a scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub(crate) struct Outcome {
     /// Measured minus true diameter at 20 °C, mm; none where the frame was refused.
     pub error_mm: Option<f64>,
     /// Combined standard uncertainty, mm.
@@ -356,7 +356,7 @@ pub(in crate::studies) fn measure(
 ///
 /// # Errors
 /// Where the masters cannot be drawn or measured.
-pub fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, CalibrateError> {
+pub(crate) fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, CalibrateError> {
     measure(class, seed, &record(class, seed, renderer)?)
 }
 

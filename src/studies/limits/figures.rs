@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Counts and sums over readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Counts {
+pub(crate) struct Counts {
     /// Frames.
     pub frames: usize,
     /// Frames refused as a whole.
@@ -27,7 +27,7 @@ pub struct Counts {
 
 impl Counts {
     /// Adds another's.
-    pub fn add(&mut self, other: &Self) {
+    pub(crate) fn add(&mut self, other: &Self) {
         self.frames += other.frames;
         self.refused += other.refused;
         self.clean += other.clean;
@@ -40,7 +40,7 @@ impl Counts {
     }
 
     /// The figures that are printed.
-    pub fn figures(&self) -> Figures {
+    pub(crate) fn figures(&self) -> Figures {
         let values = (self.clean - self.lost).max(1) as f64;
         Figures {
             coverage: self.covered as f64 / values,
@@ -55,7 +55,7 @@ impl Counts {
 
 /// Figures of a variant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Figures {
+pub(crate) struct Figures {
     /// Share of the clean values whose true one lies within U (k = 2; the 95 % interval of a
     /// calibrated setup).
     pub coverage: f64,
@@ -73,7 +73,7 @@ pub struct Figures {
 
 /// By how much figures differ from the default's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Change {
+pub(crate) struct Change {
     /// Of the coverage, in percent of all values.
     pub coverage_percent: f64,
     /// Of the rms of error over u, in percent of it.
@@ -90,7 +90,7 @@ pub struct Change {
 
 impl Change {
     /// From the default's figures to a variant's.
-    pub fn between(default: &Figures, variant: &Figures) -> Self {
+    pub(crate) fn between(default: &Figures, variant: &Figures) -> Self {
         let whole = |before: usize, after: usize| after as i64 - before as i64;
         let percent = |before: f64, after: f64| {
             if before > 0.0 { 1e2 * (after / before - 1.0) } else { 0.0 }
@@ -107,14 +107,14 @@ impl Change {
 
     /// Size by which variants are sorted: a point of coverage, a value mishandled, a station lost,
     /// a frame refused and 10 % of accuracy count alike. It ranks rows and judges nothing.
-    pub fn size(&self) -> f64 {
+    pub(crate) fn size(&self) -> f64 {
         let whole = (self.mishandled.abs() + self.lost.abs() + self.refused.abs()) as f64;
         let tenths = 0.1 * (self.rms_error_over_u_percent.abs() + self.rms_error_percent.abs());
         self.coverage_percent.abs() + whole + tenths
     }
 
     /// Whether a figure changes by as much as is printed.
-    pub fn shows(&self) -> bool {
+    pub(crate) fn shows(&self) -> bool {
         let percents = [self.coverage_percent, self.rms_error_over_u_percent, self.rms_error_percent];
         self.mishandled != 0
             || self.lost != 0

@@ -39,7 +39,7 @@ const CUTOFF_UPR: f64 = 6.0;
 
 /// What one kind of scene gave.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct KindCounts {
+pub(crate) struct KindCounts {
     /// The kind.
     pub kind: String,
     /// Its counts.
@@ -51,21 +51,21 @@ pub struct KindCounts {
 
 /// What all scenes gave.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// Kind by kind, in the scenes' order.
     pub kinds: Vec<KindCounts>,
 }
 
 impl Measured {
     /// All kinds together.
-    pub fn counts(&self) -> Counts {
+    pub(crate) fn counts(&self) -> Counts {
         let mut all = Counts::default();
         self.kinds.iter().for_each(|kind| all.add(&kind.counts));
         all
     }
 
     /// Kinds of which any result differs from the other's.
-    pub fn kinds_unlike(&self, other: &Self) -> Vec<String> {
+    pub(crate) fn kinds_unlike(&self, other: &Self) -> Vec<String> {
         let pairs = self.kinds.iter().zip(&other.kinds);
         pairs.filter(|(a, b)| a.digest != b.digest).map(|(a, _)| a.kind.clone()).collect()
     }
@@ -75,7 +75,7 @@ impl Measured {
 ///
 /// # Errors
 /// Settings that the gauge refuses.
-pub fn measure(scenes: &[Scene]) -> Result<Measured, SettingError> {
+pub(crate) fn measure(scenes: &[Scene]) -> Result<Measured, SettingError> {
     let mut kinds = Vec::new();
     for of_kind in scenes.chunk_by(|a, b| a.kind.name == b.kind.name) {
         let mut tally = Tally::new(of_kind[0].kind.role);

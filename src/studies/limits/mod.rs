@@ -20,7 +20,7 @@ mod measure;
 mod scene;
 mod values;
 
-pub use figures::{Change, Counts, Figures};
-pub use measure::{KindCounts, Measured, measure};
-pub use scene::{Scene, SceneError, from_bytes, kind_names, make, to_bytes};
-pub use values::{Variant, Way, is_share, variants};
+pub(crate) use figures::{Change, Figures};
+pub(crate) use measure::{Measured, measure};
+pub(crate) use scene::{from_bytes, kind_names, make, to_bytes};
+pub(crate) use values::{Variant, Way, is_share, variants};

@@ -24,7 +24,7 @@ const FLAT_WIDTH: f64 = 40.3;
 
 /// Why scenes cannot be made or read.
 #[derive(Debug, thiserror::Error)]
-pub enum SceneError {
+pub(crate) enum SceneError {
     /// A frame cannot be drawn.
     #[error(transparent)]
     Draw(#[from] DrawError),
@@ -41,7 +41,7 @@ pub enum SceneError {
 
 /// Frames of one scene, and what is true of them.
 #[derive(Clone, Debug)]
-pub struct Scene {
+pub(crate) struct Scene {
     pub(super) kind: Kind,
     pub(super) seed: u64,
     pub(super) frames: Vec<Frame>,
@@ -54,7 +54,7 @@ pub struct Scene {
 ///
 /// # Errors
 /// A scene that cannot be drawn.
-pub fn make(
+pub(crate) fn make(
     each: usize,
     seed: u64,
     renderer: &Renderer,
@@ -75,7 +75,7 @@ fn count(kind: &Kind, each: usize) -> u64 {
 }
 
 /// Names of the kinds.
-pub fn kind_names() -> Vec<&'static str> {
+pub(crate) fn kind_names() -> Vec<&'static str> {
     kinds::all().iter().map(|kind| kind.name).collect()
 }
 
@@ -185,7 +185,7 @@ struct SceneHead {
 ///
 /// # Errors
 /// Heads that cannot be written as JSON.
-pub fn to_bytes(scenes: &[Scene]) -> Result<Vec<u8>, SceneError> {
+pub(crate) fn to_bytes(scenes: &[Scene]) -> Result<Vec<u8>, SceneError> {
     let heads: Vec<SceneHead> = scenes.iter().map(head).collect();
     let text = serde_json::to_vec(&heads).map_err(|e| SceneError::Bytes(e.to_string()))?;
     let mut bytes = (text.len() as u64).to_le_bytes().to_vec();
@@ -227,7 +227,7 @@ fn head(scene: &Scene) -> SceneHead {
 ///
 /// # Errors
 /// Bytes that are no scenes of this program.
-pub fn from_bytes(bytes: &[u8]) -> Result<Vec<Scene>, SceneError> {
+pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Vec<Scene>, SceneError> {
     let refused = |what: &str| SceneError::Bytes(what.to_owned());
     let (length, rest) = bytes.split_first_chunk::<8>().ok_or_else(|| refused("no length"))?;
     let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);

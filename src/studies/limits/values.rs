@@ -11,7 +11,7 @@ use crate::gauge::Limit;
 /// Which way a threshold is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Way {
+pub(crate) enum Way {
     /// Half the value, or half its distance to 1.
     Half,
     /// Double the value, or double its distance to 1.
@@ -20,10 +20,10 @@ pub enum Way {
 
 impl Way {
     /// Both.
-    pub const BOTH: [Self; 2] = [Self::Half, Self::Double];
+    pub(crate) const BOTH: [Self; 2] = [Self::Half, Self::Double];
 
     /// Its name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Half => "half",
             Self::Double => "double",
@@ -33,7 +33,7 @@ impl Way {
 
 /// One threshold with another value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Variant {
+pub(crate) struct Variant {
     /// The threshold, as `group.field`.
     pub name: String,
     /// Its default value.
@@ -45,7 +45,7 @@ pub struct Variant {
 }
 
 /// Both variants of a threshold; none of a zero.
-pub fn variants(limit: &Limit) -> Vec<Variant> {
+pub(crate) fn variants(limit: &Limit) -> Vec<Variant> {
     let of = |way| {
         let value = varied(limit, way)?;
         Some(Variant { name: limit.name.clone(), default: limit.value, way, value })
@@ -72,7 +72,7 @@ fn varied(limit: &Limit, way: Way) -> Option<f64> {
 }
 
 /// Whether the distance to 1 is what is varied.
-pub fn is_share(value: f64) -> bool {
+pub(crate) fn is_share(value: f64) -> bool {
     value > 0.5 && value < 1.0
 }
 

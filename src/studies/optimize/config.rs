@@ -10,7 +10,7 @@ use crate::setting::{SettingError, positive, require};
 /// A choice of cutting data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct OptimizeConfig {
+pub(crate) struct OptimizeConfig {
     /// Name, for reports.
     #[serde(default)]
     pub name: String,
@@ -47,7 +47,7 @@ fn default_front_points() -> usize {
 /// The part to finish.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct OptimizePart {
+pub(crate) struct OptimizePart {
     /// Length, mm.
     pub length_mm: f64,
     /// Diameter, mm.
@@ -64,7 +64,7 @@ fn one() -> u32 {
 /// Bounds, from and to (equation 9).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Cutting speed, m/min.
     pub speed_m_per_min: [f64; 2],
     /// Feed, mm/r.
@@ -76,7 +76,7 @@ pub struct Limits {
 /// What the part must keep (equations 7 and 8).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Quality {
+pub(crate) struct Quality {
     /// Allowed size error ΔD, mm of diameter.
     pub size_error_mm: f64,
     /// Part of it that other causes use up, mm (0.01 in equation 7).
@@ -89,7 +89,7 @@ pub struct Quality {
 /// on 45 steel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct ToolLife {
+pub(crate) struct ToolLife {
     /// C_T, m/min at T = 1 min, f = 1 mm/r, a_p = 1 mm.
     pub constant_m_per_min: f64,
     /// y.
@@ -109,7 +109,7 @@ impl Default for ToolLife {
 /// Times beside the cut (equation 4).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct TimeModel {
+pub(crate) struct TimeModel {
     /// t_h, one tool change, min.
     pub tool_change_min: f64,
     /// t_q, everything else, min.
@@ -125,7 +125,7 @@ impl Default for TimeModel {
 /// The genetic algorithm's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct GeneticSettings {
+pub(crate) struct GeneticSettings {
     /// Evaluations of the model.
     pub evaluations: usize,
     /// Individuals.
@@ -157,7 +157,7 @@ impl Default for GeneticSettings {
 /// A point to compare with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Reference {
+pub(crate) struct Reference {
     /// Its name.
     pub name: String,
     /// Cutting speed, m/min.
@@ -170,7 +170,7 @@ pub struct Reference {
 
 impl Reference {
     /// The point itself.
-    pub fn point(&self) -> Point {
+    pub(crate) fn point(&self) -> Point {
         Point {
             speed_m_per_min: self.speed_m_per_min,
             feed_mm_per_rev: self.feed_mm_per_rev,
@@ -184,7 +184,7 @@ impl OptimizeConfig {
     ///
     /// # Errors
     /// Names the first key out of range; bounds that exclude each other are such a key.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub(crate) fn validate(&self) -> Result<(), SettingError> {
         self.process.validate()?;
         let (part, quality, life) = (&self.part, &self.quality, &self.tool_life);
         positive("part.length_mm", part.length_mm)?;

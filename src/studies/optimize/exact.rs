@@ -14,19 +14,17 @@ use super::point::Point;
 use super::problem::{Problem, Solution};
 
 /// Relative gap to which optima are proven.
-pub const DEFAULT_GAP: f64 = 1e-4;
+pub(crate) const DEFAULT_GAP: f64 = 1e-4;
 /// Number of boxes after which the search stops and reports the gap reached.
 const MOST_BOXES: usize = 200_000;
 
 /// An optimum and its proof.
 #[derive(Clone, Debug)]
-pub struct Optimum {
+pub(crate) struct Optimum {
     /// The point.
     pub solution: Solution,
     /// No feasible point is shorter by more than this, relative.
     pub proven_gap: f64,
-    /// Boxes examined.
-    pub boxes: usize,
 }
 
 struct Candidate {
@@ -53,7 +51,7 @@ impl Ord for Candidate {
 }
 
 /// The shortest feasible point; `None` where nothing is feasible.
-pub fn minimise(problem: &Problem, gap: f64) -> Option<Optimum> {
+pub(crate) fn minimise(problem: &Problem, gap: f64) -> Option<Optimum> {
     let largest_feed = problem.largest_feed_mm_per_rev();
     if largest_feed < problem.limits.feed_mm_per_rev[0] {
         return None;
@@ -77,7 +75,7 @@ pub fn minimise(problem: &Problem, gap: f64) -> Option<Optimum> {
     }
     let point = pattern_search(problem, &root, best?.0);
     let solution = problem.solution(point);
-    Some(Optimum { solution, proven_gap: reached, boxes })
+    Some(Optimum { solution, proven_gap: reached })
 }
 
 /// Bounds a box, searches it for a good point, and keeps it if it may contain a better one.

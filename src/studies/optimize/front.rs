@@ -9,7 +9,7 @@ const GAP: f64 = 1e-3;
 
 /// The non-dominated points of time and size error, from the most exact to the fastest. Empty where
 /// even the roughness limit cannot be satisfied.
-pub fn time_against_error(problem: &Problem, points: usize) -> Vec<Solution> {
+pub(crate) fn time_against_error(problem: &Problem, points: usize) -> Vec<Solution> {
     let at_limit = |size_limit_mm: f64| {
         exact::minimise(&problem.with_size_limit(size_limit_mm), GAP).map(|found| found.solution)
     };

@@ -16,7 +16,7 @@ use super::problem::{Problem, Solution};
 
 /// The best individual.
 #[derive(Clone, Debug)]
-pub struct Best {
+pub(crate) struct Best {
     /// The point.
     pub solution: Solution,
     /// Evaluations of the model.
@@ -27,7 +27,7 @@ pub struct Best {
 
 /// The best individual of a generation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Generation {
+pub(crate) struct Generation {
     /// Number of the generation; 0 is the population drawn at random.
     pub generation: usize,
     /// Evaluations of the model so far.
@@ -58,7 +58,7 @@ impl Individual {
 }
 
 /// Evolves a population; `None` where it found nothing feasible.
-pub fn minimise(problem: &Problem, settings: &GeneticSettings, seed: u64) -> Option<Best> {
+pub(crate) fn minimise(problem: &Problem, settings: &GeneticSettings, seed: u64) -> Option<Best> {
     let mut evolution =
         Evolution { problem, settings, random: Pcg64::new(u128::from(seed), 0x6761), evaluations: 0 };
     let mut population: Vec<Individual> = (0..settings.population).map(|_| evolution.newborn()).collect();

@@ -12,23 +12,24 @@
 //! point from the optimum, [`front`] the paper's next step: time against size error.
 
 mod config;
-pub mod exact;
-pub mod front;
-pub mod genetic;
+pub(crate) mod exact;
+pub(crate) mod front;
+pub(crate) mod genetic;
 mod point;
 mod problem;
+mod timed;
 
-pub use config::{
-    GeneticSettings, Limits, OptimizeConfig, OptimizePart, Quality, Reference, TimeModel, ToolLife,
-};
-pub use point::Point;
-pub use problem::{Conflict, Constraint, Problem, Solution};
+pub(crate) use config::{GeneticSettings, OptimizeConfig};
+pub(crate) use point::Point;
+pub(crate) use problem::Problem;
+pub(crate) use problem::{Conflict, Constraint, Solution};
+pub use timed::TimedProblem;
 
 use serde::Serialize;
 
 /// Results of a study of one problem.
 #[derive(Clone, Debug, Serialize)]
-pub struct Study {
+pub(crate) struct Study {
     /// Whether any cutting data satisfy all limits.
     pub feasible: bool,
     /// Why not.
@@ -51,7 +52,7 @@ pub struct Study {
 
 /// The genetic algorithm's answer beside the optimum.
 #[derive(Clone, Debug, Serialize)]
-pub struct GeneticResult {
+pub(crate) struct GeneticResult {
     /// The best individual.
     pub solution: Solution,
     /// How much longer it takes than the optimum, relative.
@@ -66,7 +67,7 @@ pub struct GeneticResult {
 
 /// Time against the number of passes, at the optimum's cutting data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct PassTime {
+pub(crate) struct PassTime {
     /// n.
     pub passes: u32,
     /// Equation 5 as printed: the time of the last of n passes, min.
@@ -76,11 +77,11 @@ pub struct PassTime {
 }
 
 /// Number of passes up to which the time is plotted.
-pub const MOST_PASSES: u32 = 8;
+pub(crate) const MOST_PASSES: u32 = 8;
 
 /// Time over the number of passes at a point, from one pass to [`MOST_PASSES`], as far as the
 /// diameter of the stock allows.
-pub fn times_over_passes(problem: &Problem, point: &Point) -> Vec<PassTime> {
+pub(crate) fn times_over_passes(problem: &Problem, point: &Point) -> Vec<PassTime> {
     (1..=MOST_PASSES)
         .map_while(|passes| {
             let total_min = problem.total_time_min(point, passes)?;
@@ -91,7 +92,7 @@ pub fn times_over_passes(problem: &Problem, point: &Point) -> Vec<PassTime> {
 
 /// A given point beside the optimum.
 #[derive(Clone, Debug, Serialize)]
-pub struct ReferenceResult {
+pub(crate) struct ReferenceResult {
     /// Its name.
     pub name: String,
     /// The point.
@@ -103,7 +104,7 @@ pub struct ReferenceResult {
 }
 
 /// Solves a problem by both methods and computes its front.
-pub fn study(problem: &Problem, config: &OptimizeConfig) -> Study {
+pub(crate) fn study(problem: &Problem, config: &OptimizeConfig) -> Study {
     let found = exact::minimise(problem, exact::DEFAULT_GAP);
     let longer = |time: f64| found.as_ref().map(|f| time / f.solution.time_min - 1.0);
     let genetic = genetic::minimise(problem, &config.genetic, config.genetic.seed);

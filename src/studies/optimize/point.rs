@@ -6,7 +6,7 @@ use crate::plan::CuttingData;
 
 /// Cutting data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Point {
+pub(crate) struct Point {
     /// Cutting speed, m/min.
     pub speed_m_per_min: f64,
     /// Feed, mm/r.
@@ -17,7 +17,7 @@ pub struct Point {
 
 impl Point {
     /// Feed and speed.
-    pub fn cutting(&self) -> CuttingData {
+    pub(crate) fn cutting(&self) -> CuttingData {
         CuttingData { speed_m_per_min: self.speed_m_per_min, feed_mm_per_rev: self.feed_mm_per_rev }
     }
 }

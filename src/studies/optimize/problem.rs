@@ -11,7 +11,7 @@ use crate::process::{ForceLaw, Section, ToolSettings, tool_factors};
 /// A limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Constraint {
+pub(crate) enum Constraint {
     /// Size error (equation 7).
     SizeError,
     /// Height of the feed marks (equation 8).
@@ -26,7 +26,7 @@ pub enum Constraint {
 
 /// A point with all results of the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Solution {
+pub(crate) struct Solution {
     /// Cutting data.
     #[serde(flatten)]
     pub point: Point,
@@ -46,7 +46,7 @@ pub struct Solution {
 
 /// Why nothing is feasible.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Conflict {
+pub(crate) struct Conflict {
     /// The limits that exclude each other (with the bounds).
     pub constraints: Vec<Constraint>,
     /// Explanation in words, with the nearest reachable values.
@@ -57,7 +57,7 @@ pub struct Conflict {
 
 /// A problem ready to be solved.
 #[derive(Clone, Debug)]
-pub struct Problem {
+pub(crate) struct Problem {
     /// Bounds.
     pub limits: Limits,
     /// Size error allowed to the cut (ΔD less the reserve), mm.
@@ -84,7 +84,7 @@ impl Problem {
     ///
     /// # Errors
     /// As [`OptimizeConfig::validate`].
-    pub fn new(config: &OptimizeConfig) -> Result<Self, crate::setting::SettingError> {
+    pub(crate) fn new(config: &OptimizeConfig) -> Result<Self, crate::setting::SettingError> {
         config.validate()?;
         let process = &config.process;
         let material = process.material.resolve()?;
@@ -109,17 +109,17 @@ impl Problem {
 
     /// The same problem with another limit of the size error.
     #[must_use]
-    pub fn with_size_limit(&self, size_limit_mm: f64) -> Self {
+    pub(crate) fn with_size_limit(&self, size_limit_mm: f64) -> Self {
         Self { size_limit_mm, ..self.clone() }
     }
 
     /// t_j, min (equation 5).
-    pub fn cutting_time_min(&self, p: &Point) -> f64 {
+    pub(crate) fn cutting_time_min(&self, p: &Point) -> f64 {
         self.turning_min(p, self.passes)
     }
 
     /// t_j of pass `pass`, min: equation 5 with n = `pass`.
-    pub fn pass_time_min(&self, p: &Point, pass: u32) -> f64 {
+    pub(crate) fn pass_time_min(&self, p: &Point, pass: u32) -> f64 {
         self.turning_min(p, f64::from(pass))
     }
 
@@ -131,14 +131,14 @@ impl Problem {
     /// t of a stock turned in `passes` passes at the same cutting data, min: equation 5 gives the
     /// time of the last of them; this is Σ t_j(k) for k = 1 to n with the tool changes of all, and
     /// the auxiliary time once. `None` where no diameter would remain.
-    pub fn total_time_min(&self, p: &Point, passes: u32) -> Option<f64> {
+    pub(crate) fn total_time_min(&self, p: &Point, passes: u32) -> Option<f64> {
         let left = self.diameter_mm - 2.0 * f64::from(passes) * p.depth_mm;
         let cutting: f64 = (1..=passes).map(|pass| self.pass_time_min(p, pass)).sum();
         (left > 0.0).then(|| self.time_of(cutting, self.wear_per_min(p)))
     }
 
     /// 1/T, 1/min.
-    pub fn wear_per_min(&self, p: &Point) -> f64 {
+    pub(crate) fn wear_per_min(&self, p: &Point) -> f64 {
         let life = &self.life;
         let relative = p.speed_m_per_min
             * p.feed_mm_per_rev.powf(life.feed_exponent)
@@ -153,42 +153,42 @@ impl Problem {
     }
 
     /// t, min (equation 4).
-    pub fn time_min(&self, p: &Point) -> f64 {
+    pub(crate) fn time_min(&self, p: &Point) -> f64 {
         self.time_of(self.cutting_time_min(p), self.wear_per_min(p))
     }
 
     /// Radial force, N.
-    pub fn force_n(&self, p: &Point) -> f64 {
+    pub(crate) fn force_n(&self, p: &Point) -> f64 {
         self.force.at(&p.cutting(), &self.tool, &self.material).force_n(p.depth_mm)
     }
 
     /// Size error, mm of diameter (equation 6 as twice the deflection).
-    pub fn size_error_mm(&self, p: &Point) -> f64 {
+    pub(crate) fn size_error_mm(&self, p: &Point) -> f64 {
         self.error_per_force_mm_per_n * self.force_n(p)
     }
 
     /// Height of the feed marks, µm: f²/8r, or the height left by the minor cutting edge at feeds
     /// beyond the nose.
-    pub fn roughness_um(&self, feed_mm_per_rev: f64) -> f64 {
+    pub(crate) fn roughness_um(&self, feed_mm_per_rev: f64) -> f64 {
         1e3 * tool_factors::feed_mark_mm(feed_mm_per_rev, &self.tool)
     }
 
     /// Largest feed that bound and roughness allow, mm/r; may lie below the lower bound.
-    pub fn largest_feed_mm_per_rev(&self) -> f64 {
+    pub(crate) fn largest_feed_mm_per_rev(&self) -> f64 {
         let most = self.limits.feed_mm_per_rev[1];
         tool_factors::largest_feed_mm_per_rev(1e-3 * self.roughness_limit_um, most, &self.tool)
     }
 
     /// Excess of size error and roughness over their limits, relative; zero for a feasible point
     /// within the bounds.
-    pub fn violation(&self, p: &Point) -> f64 {
+    pub(crate) fn violation(&self, p: &Point) -> f64 {
         let size = self.size_error_mm(p) / self.size_limit_mm - 1.0;
         let rough = self.roughness_um(p.feed_mm_per_rev) / self.roughness_limit_um - 1.0;
         size.max(0.0) + rough.max(0.0)
     }
 
     /// Limits and bounds that a point violates by more than rounding.
-    pub fn violated(&self, p: &Point) -> Vec<Constraint> {
+    pub(crate) fn violated(&self, p: &Point) -> Vec<Constraint> {
         let outside =
             |value: f64, [low, high]: [f64; 2]| value < low * (1.0 - ACTIVE) || value > high * (1.0 + ACTIVE);
         let checks = [
@@ -218,7 +218,7 @@ impl Problem {
     }
 
     /// A point with all results of the model.
-    pub fn solution(&self, point: Point) -> Solution {
+    pub(crate) fn solution(&self, point: Point) -> Solution {
         Solution {
             time_min: self.time_min(&point),
             tool_life_min: 1.0 / self.wear_per_min(&point),
@@ -241,7 +241,7 @@ impl Problem {
 
     /// The point of smallest size error among the corners: the force is monotone in each variable,
     /// so no point of the box has a smaller one.
-    pub fn smallest_error(&self, limits: &Limits) -> Point {
+    pub(crate) fn smallest_error(&self, limits: &Limits) -> Point {
         let first = Point {
             speed_m_per_min: limits.speed_m_per_min[1],
             feed_mm_per_rev: limits.feed_mm_per_rev[0],
@@ -251,7 +251,7 @@ impl Problem {
     }
 
     /// Why nothing is feasible: the smallest set of limits that excludes every point.
-    pub fn conflict(&self) -> Conflict {
+    pub(crate) fn conflict(&self) -> Conflict {
         let least_feed = self.limits.feed_mm_per_rev[0];
         if self.largest_feed_mm_per_rev() < least_feed {
             let nearest = Point { feed_mm_per_rev: least_feed, ..self.smallest_error(&self.limits) };
@@ -299,7 +299,7 @@ impl Problem {
     }
 
     /// Where the force law is used outside its data at a point.
-    pub fn notes(&self, p: &Point) -> Vec<String> {
+    pub(crate) fn notes(&self, p: &Point) -> Vec<String> {
         self.force.extrapolation(&p.cutting(), [p.depth_mm; 2], &self.tool)
     }
 }

@@ -32,7 +32,7 @@ const FORCE_SPREAD: f64 = 0.1;
 
 /// A finished part as measured by the gauge.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub(crate) struct Part {
     /// Whether it was compensated.
     pub compensated: bool,
     /// Measured diameters after finishing, (x from the end face as a share of the length, mm).
@@ -43,7 +43,7 @@ pub struct Part {
 
 impl Part {
     /// Mean measured diameter, mm.
-    pub fn mean_mm(&self) -> f64 {
+    pub(crate) fn mean_mm(&self) -> f64 {
         self.measured_mm.iter().map(|p| p.1).sum::<f64>() / self.measured_mm.len() as f64
     }
 }
@@ -51,7 +51,7 @@ impl Part {
 /// Why the experiment cannot be run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ExperimentError {
+pub(crate) enum ExperimentError {
     /// The loop through frames.
     #[error(transparent)]
     Loop(#[from] LoopError),
@@ -96,7 +96,11 @@ fn job(inputs: &Inputs, line: &LineFit) -> Result<Job, ExperimentError> {
 ///
 /// # Errors
 /// Where the cell, the gauge or the controller fails.
-pub fn run(inputs: &Inputs, line: &LineFit, renderer: &Renderer) -> Result<Vec<Part>, ExperimentError> {
+pub(crate) fn run(
+    inputs: &Inputs,
+    line: &LineFit,
+    renderer: &Renderer,
+) -> Result<Vec<Part>, ExperimentError> {
     let job = job(inputs, line)?;
     let group =
         |compensated: bool| (0..PARTS).map(move |k| (compensated, 1 + k + PARTS * u64::from(!compensated)));
@@ -135,7 +139,7 @@ fn group_figures(parts: &[Part], compensated: bool, target_mm: f64) -> (f64, f64
 }
 
 /// The rows of the experiment.
-pub fn rows(inputs: &Inputs, parts: &[Part]) -> Vec<Row> {
+pub(crate) fn rows(inputs: &Inputs, parts: &[Part]) -> Vec<Row> {
     let [(with, limit_with), (without, limit_without)] =
         [true, false].map(|compensated| group_figures(parts, compensated, inputs.target_mm));
     let assumed = format!(

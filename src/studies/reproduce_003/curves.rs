@@ -8,7 +8,7 @@ use crate::studies::optimize::genetic::Generation;
 
 /// A curve (x, y) and the paper's printed point on it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub(crate) struct Curve {
     /// Its name in the legend.
     pub name: String,
     /// Points.
@@ -19,7 +19,7 @@ pub struct Curve {
 
 /// All curves.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Curves {
+pub(crate) struct Curves {
     /// Size error over the tool's position (mm, µm of diameter), one curve per depth of cut.
     pub fig_7: Vec<Curve>,
     /// The same, one curve per cutting speed.

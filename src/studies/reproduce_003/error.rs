@@ -10,7 +10,7 @@ use crate::studies::factor::FactorError;
 /// Why a reproduction cannot be computed from the inputs.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum ReproductionError {
+pub(crate) enum ReproductionError {
     /// An input out of range.
     #[error("{key}: {problem}")]
     Input {

@@ -13,7 +13,7 @@ use crate::studies::reproduction::Row;
 
 /// One run: measured errors of every pass at the paper's position, mm.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FrameRun {
+pub(crate) struct FrameRun {
     /// Measured errors.
     pub error_mm: Vec<f64>,
     /// Measured errors of every pass over z, (mm, mm).

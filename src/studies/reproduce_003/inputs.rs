@@ -9,7 +9,7 @@ use crate::process::fit::ForcePoint;
 /// Everything the paper prints that a row needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Inputs {
+pub(crate) struct Inputs {
     /// The finite-element model.
     pub beam: Beam,
     /// Exponents that the tables do not vary.
@@ -33,7 +33,7 @@ pub struct Inputs {
 /// The finite-element model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Beam {
+pub(crate) struct Beam {
     /// Length, mm.
     pub length_mm: f64,
     /// Diameter, mm.
@@ -65,7 +65,7 @@ fn loaded_node() -> usize {
 /// Exponents of the force law that a table does not vary.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Handbook {
+pub(crate) struct Handbook {
     /// Depth.
     pub depth_exponent: f64,
     /// Feed.
@@ -93,7 +93,7 @@ fn cutting_ratio() -> f64 {
 /// The shaft of Fig. 11 as it is taken here.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct PlantInput {
+pub(crate) struct PlantInput {
     /// Length, mm: twice the position at which Fig. 11 is read.
     pub length_mm: f64,
     /// Diameter after the last of the four passes, mm (printed).
@@ -113,7 +113,7 @@ impl Default for PlantInput {
 /// A row of Table 1 or 2.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Force {
+pub(crate) struct Force {
     /// Depth of cut as printed, mm.
     #[serde(default = "depth")]
     pub depth_mm: f64,
@@ -147,7 +147,7 @@ fn feed() -> f64 {
 
 impl Force {
     /// The row as meant.
-    pub fn meant(&self) -> ForcePoint {
+    pub(crate) fn meant(&self) -> ForcePoint {
         ForcePoint {
             depth_mm: self.meant_depth_mm.unwrap_or(self.depth_mm),
             speed_m_per_min: self.speed_m_per_min,
@@ -160,7 +160,7 @@ impl Force {
 /// A size error read from a figure: of a row of the table, or at a feed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Figure {
+pub(crate) struct Figure {
     /// Row of the table, from 1.
     #[serde(default)]
     pub row: usize,
@@ -174,7 +174,7 @@ pub struct Figure {
 /// Figs 7 to 9.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Figures {
+pub(crate) struct Figures {
     /// Over Table 1.
     pub fig_7: Vec<Figure>,
     /// Over Table 2.
@@ -190,7 +190,7 @@ pub struct Figures {
 /// The chosen cutting data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct OptimumInput {
+pub(crate) struct OptimumInput {
     /// Cutting speed, m/min.
     pub speed_m_per_min: f64,
     /// Feed, mm/r.
@@ -224,7 +224,7 @@ pub struct OptimumInput {
 /// The controller and Fig. 11.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct PidInput {
+pub(crate) struct PidInput {
     /// Kp.
     pub kp: f64,
     /// Ki.

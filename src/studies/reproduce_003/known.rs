@@ -12,7 +12,7 @@ const GROWTH: &str = "copied errors level off, their factor being below 1; the t
 const FIG_8: &str = "the printed errors fall faster with the speed than the printed forces do (fig8.linear), which no static beam can follow";
 
 /// The misses, with the built-in inputs.
-pub const KNOWN_MISSES: [KnownMiss; 11] = [
+pub(crate) const KNOWN_MISSES: [KnownMiss; 11] = [
     KnownMiss {
         id: "fig7.position",
         ours: 0.28700,

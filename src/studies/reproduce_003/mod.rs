@@ -15,11 +15,10 @@ mod optimum;
 mod own_figures;
 mod physical;
 
-pub use curves::{Curve, Curves};
-pub use error::ReproductionError;
-pub use frames::FrameRun;
-pub use inputs::{Beam, Figure, Figures, Force, Handbook, Inputs, OptimumInput, PidInput, PlantInput};
-pub use known::KNOWN_MISSES;
+pub(crate) use curves::{Curve, Curves};
+pub(crate) use error::ReproductionError;
+pub(crate) use inputs::Inputs;
+pub(crate) use known::KNOWN_MISSES;
 
 use super::optimize::OptimizeConfig;
 use super::reproduction::{self, Row};
@@ -27,7 +26,7 @@ use crate::render::Renderer;
 
 /// Rows and curves of a reproduction.
 #[derive(Clone, Debug)]
-pub struct Reproduction {
+pub(crate) struct Reproduction {
     /// Every figure of the paper beside ours.
     pub rows: Vec<Row>,
     /// Curves for plots.
@@ -39,7 +38,7 @@ pub struct Reproduction {
 ///
 /// # Errors
 /// Inputs that are refused.
-pub fn run(
+pub(crate) fn run(
     inputs: &Inputs,
     problem: &OptimizeConfig,
     renderer: Option<&Renderer>,

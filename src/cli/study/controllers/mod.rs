@@ -24,7 +24,7 @@ const CONFIG: &str = include_str!("../../../../configs/controllers.toml");
 
 /// Arguments of `study controllers`.
 #[derive(Debug, clap::Args)]
-pub struct StudyControllersArgs {
+pub(crate) struct StudyControllersArgs {
     /// The job; by default the preset's shaft with disturbances (configs/controllers.toml).
     config: Option<PathBuf>,
     /// Shafts that every controller turns.
@@ -60,7 +60,7 @@ pub struct StudyControllersArgs {
 /// # Errors
 /// Exit 2 for a config, a controller or a command that is refused, 3 for a program, a device or a
 /// disk that fails.
-pub fn run(args: &StudyControllersArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyControllersArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "configs/controllers.toml", CONFIG)?;
     let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
     job.seed = args.seed.unwrap_or(job.seed);

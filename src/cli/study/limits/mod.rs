@@ -26,7 +26,7 @@ const MOST_NAMES: usize = 12;
 
 /// Arguments of `study limits`.
 #[derive(Debug, clap::Args)]
-pub struct StudyLimitsArgs {
+pub(crate) struct StudyLimitsArgs {
     /// Only thresholds whose name (group.field) holds this text.
     #[arg(long, value_name = "PATTERN")]
     only: Option<String>,
@@ -62,7 +62,7 @@ pub struct StudyLimitsArgs {
 /// # Errors
 /// Exit 2 for a pattern that fits nothing, 3 for scenes that cannot be made, a process that cannot
 /// be started and a file that cannot be written.
-pub fn run(args: &StudyLimitsArgs) -> CommandResult {
+pub(crate) fn run(args: &StudyLimitsArgs) -> CommandResult {
     if args.measure {
         return measure(args.variant.as_deref());
     }

@@ -56,7 +56,7 @@ limits! {
 
 /// Gathers residuals from the masters' frames.
 #[derive(Debug, Default)]
-pub struct ResidualAccumulator {
+pub(crate) struct ResidualAccumulator {
     sides: [Option<SideResiduals>; 2],
     chi2: f64,
     edges: f64,
@@ -120,7 +120,7 @@ impl ResidualAccumulator {
 
     /// What the edges leave; `None` where the model fits them as well as their noise lets it be
     /// determined.
-    pub fn finish(self) -> Option<SystematicResidual> {
+    pub(crate) fn finish(self) -> Option<SystematicResidual> {
         let ModelBiasLimits { least_excess, step_px, .. } = *ModelBiasLimits::get();
         let chi2 = self.chi2 / self.edges.max(1.0);
         if !(chi2 > 1.0 + least_excess) {

@@ -53,7 +53,7 @@ limits! {
 
 /// Rows that an edge must travel over the frame for its shape to be estimated.
 #[must_use]
-pub fn least_travel_px() -> f64 {
+pub(crate) fn least_travel_px() -> f64 {
     SlantedEdgeLimits::get().least_travel_px
 }
 

@@ -31,7 +31,7 @@ pub struct EdgeTable {
 
 impl EdgeTable {
     /// From samples in px at a scale, to six decimals.
-    pub fn from_samples(samples: &EsfSamples, um_per_px: f64) -> Self {
+    pub(crate) fn from_samples(samples: &EsfSamples, um_per_px: f64) -> Self {
         let short = |v: f64| (1e6 * v).round() / 1e6;
         Self {
             distance_um: samples.distance_px.iter().map(|d| short(d * um_per_px)).collect(),
@@ -40,7 +40,7 @@ impl EdgeTable {
     }
 
     /// As the gauge uses it, at a scale.
-    pub fn samples(&self, um_per_px: f64) -> EsfSamples {
+    pub(crate) fn samples(&self, um_per_px: f64) -> EsfSamples {
         EsfSamples {
             distance_px: self.distance_um.iter().map(|d| d / um_per_px).collect(),
             light: self.light.clone(),
@@ -59,7 +59,7 @@ impl EdgeTable {
     }
 
     /// Whether another table is of the same edge.
-    pub fn is_of_the_same_edge(&self, other: &Self) -> bool {
+    pub(crate) fn is_of_the_same_edge(&self, other: &Self) -> bool {
         let same = EdgeTableLimits::get().same_light;
         let near = |a: &Self, b: &Self| {
             a.distance_um.iter().zip(&a.light).all(|(d, light)| (b.at(*d) - light).abs() <= same)

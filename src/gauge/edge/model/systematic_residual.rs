@@ -46,7 +46,7 @@ impl SystematicResidual {
     }
 
     /// Root sum square of a side's residual over the pixels of an edge, as a share of the contrast.
-    pub fn norm(&self, side: usize) -> f64 {
+    pub(crate) fn norm(&self, side: usize) -> f64 {
         self.residual[side].iter().map(|r| r * r * self.step_px).sum::<f64>().sqrt()
     }
 }

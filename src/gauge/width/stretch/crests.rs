@@ -48,7 +48,7 @@ pub(crate) struct Crests {
 
 /// Pitch of crests that face roots, px, where the frame shows such at even distances: contamination
 /// on both sides alternates, but not evenly.
-pub fn crest_pitch_px(edges: &FrameEdges) -> Option<f64> {
+pub(crate) fn crest_pitch_px(edges: &FrameEdges) -> Option<f64> {
     let limits = CrestLimits::get();
     Crests::find(edges).filter(|crests| crests.unevenness <= limits.most_uneven).map(|crests| crests.pitch_px)
 }

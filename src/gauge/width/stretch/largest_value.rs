@@ -57,7 +57,7 @@ limits! {
 }
 
 /// Least width of a stretch where none is stated, columns.
-pub const LEAST_STRETCH: usize = 5;
+pub(crate) const LEAST_STRETCH: usize = 5;
 /// Widths tried, each wider by a quarter to two thirds: of a stretch in between the mean or line
 /// over the next narrower one has a u that is larger by less than a third.
 const WIDTHS: [usize; 12] = [5, 7, 9, 13, 17, 25, 33, 45, 65, 105, 165, 257];

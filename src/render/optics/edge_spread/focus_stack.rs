@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+#[cfg(test)]
 use super::partial::PartiallyCoherentEdge;
 use super::table::EdgeSpread;
 use crate::render::error::{RenderError, within};
@@ -21,9 +22,10 @@ const KEY: &str = "optics.esf.partially_coherent.depth_mm";
 
 /// Tables at equal steps of defocus from 0 to the largest.
 #[derive(Clone, Debug)]
-pub struct FocusStack {
+pub(crate) struct FocusStack {
     step_mm: f64,
     tables: Vec<EdgeSpread>,
+    #[cfg_attr(not(test), allow(dead_code, reason = "read by tests"))]
     blend_error: f64,
 }
 
@@ -33,7 +35,12 @@ impl FocusStack {
     ///
     /// # Errors
     /// Refuses values outside their ranges, and a tolerance that would need more than 257 tables.
-    pub fn new(edge: &PartiallyCoherentEdge, largest_mm: f64, tolerance: f64) -> Result<Self, RenderError> {
+    #[cfg(test)]
+    pub(crate) fn new(
+        edge: &PartiallyCoherentEdge,
+        largest_mm: f64,
+        tolerance: f64,
+    ) -> Result<Self, RenderError> {
         Self::of(largest_mm, tolerance, |defocus_mm| {
             PartiallyCoherentEdge { defocus_mm, ..edge.clone() }.edge_spread()
         })
@@ -44,7 +51,7 @@ impl FocusStack {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn of(
+    pub(crate) fn of(
         largest_mm: f64,
         tolerance: f64,
         table: impl Fn(f64) -> Result<EdgeSpread, RenderError> + Sync,
@@ -72,23 +79,25 @@ impl FocusStack {
     }
 
     /// The tables, in focus first.
-    pub fn tables(&self) -> &[EdgeSpread] {
+    pub(crate) fn tables(&self) -> &[EdgeSpread] {
         &self.tables
     }
 
     /// Difference of focus between two tables, mm.
-    pub fn step_mm(&self) -> f64 {
+    pub(crate) fn step_mm(&self) -> f64 {
         self.step_mm
     }
 
     /// Largest error of the blend, share of full intensity.
-    pub fn blend_error(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn blend_error(&self) -> f64 {
         self.blend_error
     }
 
     /// Table and share of the next one for an edge `defocus_mm` out of focus; the last table beyond
     /// the largest.
-    pub fn place(&self, defocus_mm: f64) -> (usize, f64) {
+    #[cfg(test)]
+    pub(crate) fn place(&self, defocus_mm: f64) -> (usize, f64) {
         let last = self.tables.len() - 2;
         let at = (defocus_mm.abs() / self.step_mm).min((last + 1) as f64);
         let i = (at as usize).min(last);
@@ -96,7 +105,8 @@ impl FocusStack {
     }
 
     /// F at `d_um` into the light of an edge `defocus_mm` out of focus.
-    pub fn value(&self, d_um: f64, defocus_mm: f64) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn value(&self, d_um: f64, defocus_mm: f64) -> f64 {
         let (i, share) = self.place(defocus_mm);
         (1.0 - share) * self.tables[i].value(d_um) + share * self.tables[i + 1].value(d_um)
     }

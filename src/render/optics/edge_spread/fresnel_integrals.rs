@@ -13,7 +13,7 @@ const MEET: f64 = 1.6;
 const MOST: usize = 200;
 
 /// C(x) and S(x), absolute error below 1e-13.
-pub fn fresnel(x: f64) -> (f64, f64) {
+pub(crate) fn fresnel(x: f64) -> (f64, f64) {
     let v = x.abs();
     let (c, s) = if v < MEET { series(v) } else { fraction(v) };
     (c.copysign(x), s.copysign(x))

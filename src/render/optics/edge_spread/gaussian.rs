@@ -28,7 +28,7 @@ const TOLERANCE: f64 = 1e-8;
 /// A Gaussian edge in units of the object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct GaussianBlur {
+pub(crate) struct GaussianBlur {
     /// Standard deviation of the blur by lens and sensor, µm on the object.
     pub lens_sigma_um: f64,
     /// Distance of the edge from the plane of focus, mm.
@@ -51,7 +51,7 @@ impl GaussianBlur {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("optics.esf.gaussian_blur.lens_sigma_um", self.lens_sigma_um, 1e-3, 1e4)?;
         within("optics.esf.gaussian_blur.defocus_mm", self.defocus_mm, -1e3, 1e3)?;
         within("optics.esf.gaussian_blur.effective_na", self.effective_na, 0.0, 0.5)?;
@@ -59,7 +59,7 @@ impl GaussianBlur {
     }
 
     /// Standard deviation of all terms together, µm.
-    pub fn sigma_um(&self) -> f64 {
+    pub(crate) fn sigma_um(&self) -> f64 {
         let defocus_um = self.defocus_mm * 1e3 * self.effective_na / 2.0;
         let motion_um = self.motion_um / 12f64.sqrt();
         (self.lens_sigma_um.powi(2) + defocus_um.powi(2) + motion_um.powi(2)).sqrt()
@@ -69,7 +69,7 @@ impl GaussianBlur {
     ///
     /// # Errors
     /// Refuses values outside their ranges.
-    pub fn edge_spread(&self) -> Result<EdgeSpread, RenderError> {
+    pub(crate) fn edge_spread(&self) -> Result<EdgeSpread, RenderError> {
         self.check()?;
         let sigma = self.sigma_um();
         EdgeSpread::tabulate(-REACH * sigma, REACH * sigma, TOLERANCE, |d| {

@@ -73,7 +73,7 @@ impl GrazingReflection {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("optics.reflection.source_half_angle_deg", self.source_half_angle_deg, 0.0, 30.0)?;
         within("optics.reflection.acceptance_half_angle_deg", self.acceptance_half_angle_deg, 0.0, 30.0)?;
         within("optics.reflection.polished_share", self.polished_share, 0.0, 1.0)?;
@@ -85,7 +85,8 @@ impl GrazingReflection {
     /// (paraxial).
     ///
     /// R(θ-α)(θ+3α)/8: Rθ²/8 on the axis; its maximum Rθ²/6 at α = θ/3.
-    pub fn strip_um(&self, radius_mm: f64, acceptance_deg: f64) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn strip_um(&self, radius_mm: f64, acceptance_deg: f64) -> f64 {
         let (theta, alpha) = (self.source_half_angle_deg.to_radians(), acceptance_deg.to_radians());
         radius_mm * 1e3 * (theta - alpha) * (theta + 3.0 * alpha) / 8.0
     }
@@ -95,7 +96,7 @@ impl GrazingReflection {
     ///
     /// With c = sin γ the cosine of incidence, for metals |n + ik|² ≫ 1 (Born & Wolf 14.2):
     /// R⊥ = |(c - m)/(c + m)|², R∥ = |(m²c - q)/(m²c + q)|², q = √(m² - 1 + c²), m = n + ik.
-    pub fn reflectance(&self, glancing_rad: f64) -> f64 {
+    pub(crate) fn reflectance(&self, glancing_rad: f64) -> f64 {
         let c = glancing_rad.sin().clamp(0.0, 1.0);
         let (n, k) = (self.refractive_index, self.extinction);
         let square = (n * n - k * k, 2.0 * n * k);
@@ -119,7 +120,8 @@ impl GrazingReflection {
     ///
     /// # Errors
     /// Refuses values outside their ranges.
-    pub fn light(&self, radius_mm: f64, x_mm: f64) -> Result<f64, RenderError> {
+    #[cfg(test)]
+    pub(crate) fn light(&self, radius_mm: f64, x_mm: f64) -> Result<f64, RenderError> {
         self.check()?;
         within("shaft.radius_mm", radius_mm, 1e-4, 1e4)?;
         Ok(self.mean_light(x_mm / radius_mm, &self.chords(), &gauss_legendre(ALONG)))
@@ -176,7 +178,7 @@ impl GrazingReflection {
     ///
     /// # Errors
     /// Refuses values outside their ranges.
-    pub fn shifts(&self, radius_mm: f64) -> Result<Shifts, RenderError> {
+    pub(crate) fn shifts(&self, radius_mm: f64) -> Result<Shifts, RenderError> {
         self.check()?;
         within("shaft.radius_mm", radius_mm, 1e-4, 1e4)?;
         let (chords, rule) = (self.chords(), gauss_legendre(ALONG));
@@ -211,7 +213,7 @@ impl GrazingReflection {
     ///
     /// # Errors
     /// Refuses values outside their ranges.
-    pub fn edge_spread(&self, edge: &EdgeSpread, radius_mm: f64) -> Result<EdgeSpread, RenderError> {
+    pub(crate) fn edge_spread(&self, edge: &EdgeSpread, radius_mm: f64) -> Result<EdgeSpread, RenderError> {
         edge.spread(&self.shifts(radius_mm)?, TOLERANCE)
     }
 }

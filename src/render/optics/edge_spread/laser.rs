@@ -68,7 +68,7 @@ impl LaserShadow {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("optics.esf.fresnel.wavelength_nm", self.wavelength_nm, 100.0, 20_000.0)?;
         within("optics.esf.fresnel.bandwidth_nm", self.bandwidth_nm, 0.0, 0.2 * self.wavelength_nm)?;
         within("optics.esf.fresnel.distance_mm", self.distance_mm, 1e-3, 1e5)?;
@@ -77,7 +77,7 @@ impl LaserShadow {
     }
 
     /// √(λz/2), µm: the distance for which v = 1.
-    pub fn unit_um(&self) -> f64 {
+    pub(crate) fn unit_um(&self) -> f64 {
         (0.5 * self.wavelength_nm * 1e-3 * self.distance_mm * 1e3).sqrt()
     }
 
@@ -85,7 +85,7 @@ impl LaserShadow {
     ///
     /// # Errors
     /// Refuses values outside their ranges.
-    pub fn edge_spread(&self) -> Result<EdgeSpread, RenderError> {
+    pub(crate) fn edge_spread(&self) -> Result<EdgeSpread, RenderError> {
         self.check()?;
         let unit = self.unit_um();
         let line = self.line();
@@ -112,7 +112,8 @@ impl LaserShadow {
     ///
     /// # Errors
     /// Refuses values outside their ranges.
-    pub fn wire(&self, diameter_um: f64, x_um: f64) -> Result<f64, RenderError> {
+    #[cfg(test)]
+    pub(crate) fn wire(&self, diameter_um: f64, x_um: f64) -> Result<f64, RenderError> {
         self.check()?;
         within("wire.diameter_um", diameter_um, 0.0, 1e6)?;
         let unit = self.unit_um();

@@ -55,7 +55,7 @@ impl MeasuredEsf {
     ///
     /// # Errors
     /// As [`MeasuredEdge::read`].
-    pub fn fill(&mut self, from: impl Read) -> Result<(), RenderError> {
+    pub(crate) fn fill(&mut self, from: impl Read) -> Result<(), RenderError> {
         let edge = MeasuredEdge::read(from, self.monotone)?;
         (self.d_um, self.intensity) = edge.samples.into_iter().unzip();
         self.file = None;
@@ -66,7 +66,7 @@ impl MeasuredEsf {
     ///
     /// # Errors
     /// As [`MeasuredEdge::read`]; a file that was not read.
-    pub fn edge(&self) -> Result<MeasuredEdge, RenderError> {
+    pub(crate) fn edge(&self) -> Result<MeasuredEdge, RenderError> {
         if let Some(file) = &self.file {
             return Err(refuse(
                 file,
@@ -93,7 +93,7 @@ impl MeasuredEsf {
 
 /// An edge as samples (d_um, intensity), sorted by distance.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MeasuredEdge {
+pub(crate) struct MeasuredEdge {
     samples: Vec<(f64, f64)>,
 }
 
@@ -104,7 +104,7 @@ impl MeasuredEdge {
     /// # Errors
     /// Names the line and the valid form: not a number, distances that do not rise, fewer than 8
     /// samples, ends that are not 0 and 1 to 2 %, an intensity that falls where `monotone` is set.
-    pub fn read(from: impl Read, monotone: bool) -> Result<Self, RenderError> {
+    pub(crate) fn read(from: impl Read, monotone: bool) -> Result<Self, RenderError> {
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .comment(Some(b'#'))
@@ -151,7 +151,8 @@ impl MeasuredEdge {
     }
 
     /// The samples, (µm, intensity).
-    pub fn samples(&self) -> &[(f64, f64)] {
+    #[cfg(test)]
+    pub(crate) fn samples(&self) -> &[(f64, f64)] {
         &self.samples
     }
 
@@ -160,7 +161,7 @@ impl MeasuredEdge {
     /// # Errors
     /// Refuses samples whose distances differ so much that a table of equal steps would be too
     /// large.
-    pub fn edge_spread(&self) -> Result<EdgeSpread, RenderError> {
+    pub(crate) fn edge_spread(&self) -> Result<EdgeSpread, RenderError> {
         let s = &self.samples;
         let (low, high) = (s[0].0, s[s.len() - 1].0);
         let closest = s.windows(2).map(|w| w[1].0 - w[0].0).fold(f64::INFINITY, f64::min);

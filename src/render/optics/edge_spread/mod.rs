@@ -15,22 +15,22 @@
 //! integrates it over a pixel's area.
 
 mod focus_stack;
-pub mod fresnel_integrals;
+pub(crate) mod fresnel_integrals;
 pub(crate) mod gaussian;
 mod grazing;
 mod laser;
 mod measured;
 mod partial;
-pub mod quadrature;
+pub(crate) mod quadrature;
 mod shifts;
 mod table;
 mod transmission;
 
-pub use focus_stack::FocusStack;
-pub use gaussian::GaussianBlur;
-pub use grazing::GrazingReflection;
-pub use laser::LaserShadow;
-pub use measured::{MeasuredEdge, MeasuredEsf};
-pub use partial::PartiallyCoherentEdge;
-pub use shifts::Shifts;
-pub use table::EdgeSpread;
+pub(crate) use focus_stack::FocusStack;
+pub(crate) use gaussian::GaussianBlur;
+pub(crate) use grazing::GrazingReflection;
+pub(crate) use laser::LaserShadow;
+pub(crate) use measured::{MeasuredEdge, MeasuredEsf};
+pub(crate) use partial::PartiallyCoherentEdge;
+pub(crate) use shifts::Shifts;
+pub(crate) use table::EdgeSpread;

@@ -70,7 +70,7 @@ impl PartiallyCoherentEdge {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("optics.esf.partially_coherent.numerical_aperture", self.na, 1e-4, 0.5)?;
         within("optics.esf.partially_coherent.coherence_ratio", self.coherence_ratio, 0.0, 1e6)?;
         within("optics.esf.partially_coherent.wavelength_nm", self.wavelength_nm, 100.0, 20_000.0)?;
@@ -82,12 +82,12 @@ impl PartiallyCoherentEdge {
     }
 
     /// λ/NA, µm.
-    pub fn unit_um(&self) -> f64 {
+    pub(crate) fn unit_um(&self) -> f64 {
         self.wavelength_nm * 1e-3 / self.na
     }
 
     /// Defocus in λ/NA².
-    pub fn defocus(&self) -> f64 {
+    pub(crate) fn defocus(&self) -> f64 {
         self.defocus_mm.abs() * 1e3 * self.na / self.unit_um()
     }
 
@@ -95,7 +95,7 @@ impl PartiallyCoherentEdge {
     ///
     /// # Errors
     /// Refuses values outside their ranges.
-    pub fn edge_spread(&self) -> Result<EdgeSpread, RenderError> {
+    pub(crate) fn edge_spread(&self) -> Result<EdgeSpread, RenderError> {
         self.check()?;
         if let Some((_, table)) = tables().iter().find(|(edge, _)| edge == self) {
             return Ok(table.clone());

@@ -7,7 +7,7 @@ const NEWTON_STEPS: usize = 8;
 ///
 /// Roots of P_n by Newton's method on its recurrence from cos(π(i + 3/4)/(n + 1/2)) (Abramowitz &
 /// Stegun 22.16.6).
-pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| {
             let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
@@ -32,14 +32,20 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
 }
 
 /// A rule on -1..1 moved to `low..high`.
-pub fn scaled(rule: &[(f64, f64)], low: f64, high: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
+pub(crate) fn scaled(rule: &[(f64, f64)], low: f64, high: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
     rule.iter().map(move |(x, w)| (centre + half * x, half * w))
 }
 
 /// Nodes and weights over `low..high`, divided at `breaks` and further into panels of at most
 /// `panel`.
-pub fn panels(low: f64, high: f64, breaks: &[f64], panel: f64, rule: &[(f64, f64)]) -> Vec<(f64, f64)> {
+pub(crate) fn panels(
+    low: f64,
+    high: f64,
+    breaks: &[f64],
+    panel: f64,
+    rule: &[(f64, f64)],
+) -> Vec<(f64, f64)> {
     let mut ends: Vec<f64> = breaks.iter().copied().filter(|b| *b > low && *b < high).collect();
     ends.extend([low, high]);
     ends.sort_by(f64::total_cmp);

@@ -45,7 +45,7 @@ struct Knot {
 
 /// An edge-spread function F(d): 0 in the shadow, 1 in the light.
 #[derive(Clone, Debug, PartialEq)]
-pub struct EdgeSpread {
+pub(crate) struct EdgeSpread {
     low_um: f64,
     step_um: f64,
     knots: Vec<Knot>,
@@ -63,7 +63,7 @@ impl EdgeSpread {
     ///
     /// # Errors
     /// Refuses an empty range and a function that needs more than two million knots.
-    pub fn tabulate(
+    pub(crate) fn tabulate(
         low_um: f64,
         high_um: f64,
         tolerance: f64,
@@ -126,32 +126,29 @@ impl EdgeSpread {
     }
 
     /// First and last distance of the table, µm; F is 0 before and 1 after.
-    pub fn range_um(&self) -> (f64, f64) {
+    pub(crate) fn range_um(&self) -> (f64, f64) {
         (self.low_um, self.low_um + self.step_um * self.segments() as f64)
     }
 
     /// Distance of the knots, µm.
-    pub fn step_um(&self) -> f64 {
+    pub(crate) fn step_um(&self) -> f64 {
         self.step_um
     }
 
-    /// F and dF/dd (1/µm) at the knots.
-    pub fn knots(&self) -> impl ExactSizeIterator<Item = (f64, f64)> + '_ {
-        self.knots.iter().map(|k| (k.value, k.slope))
-    }
-
     /// Largest difference between the table and its function, as a share of full intensity.
-    pub fn interpolation_error(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn interpolation_error(&self) -> f64 {
         self.interpolation_error
     }
 
     /// Largest difference to 0 or 1 that was faded out at the ends, as a share of full intensity.
-    pub fn truncation(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn truncation(&self) -> f64 {
         self.truncation
     }
 
     /// F at a distance of `d_um` into the light.
-    pub fn value(&self, d_um: f64) -> f64 {
+    pub(crate) fn value(&self, d_um: f64) -> f64 {
         match self.place(d_um) {
             Place::Shadow => 0.0,
             Place::Light => 1.0,
@@ -163,7 +160,7 @@ impl EdgeSpread {
     }
 
     /// dF/dd, the line-spread function, 1/µm.
-    pub fn slope(&self, d_um: f64) -> f64 {
+    pub(crate) fn slope(&self, d_um: f64) -> f64 {
         match self.place(d_um) {
             Place::Shadow | Place::Light => 0.0,
             Place::Segment(i, t) => {
@@ -174,7 +171,7 @@ impl EdgeSpread {
     }
 
     /// ∫F from the shadow to `d_um`, µm.
-    pub fn integral(&self, d_um: f64) -> f64 {
+    pub(crate) fn integral(&self, d_um: f64) -> f64 {
         match self.place(d_um) {
             Place::Shadow => 0.0,
             Place::Light => self.knots[self.segments()].first + d_um - self.range_um().1,
@@ -187,7 +184,8 @@ impl EdgeSpread {
     }
 
     /// ∬F from the shadow to `d_um`, µm².
-    pub fn second_integral(&self, d_um: f64) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn second_integral(&self, d_um: f64) -> f64 {
         match self.place(d_um) {
             Place::Shadow => 0.0,
             Place::Light => {
@@ -205,7 +203,8 @@ impl EdgeSpread {
 
     /// Light on a square pixel of side `pixel_um` whose centre lies `d_um` into the light, measured
     /// across an edge that makes the angle `slope_rad` with the pixel's rows. Exact for the table.
-    pub fn over_pixel(&self, d_um: f64, pixel_um: f64, slope_rad: f64) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn over_pixel(&self, d_um: f64, pixel_um: f64, slope_rad: f64) -> f64 {
         let (sin, cos) = slope_rad.sin_cos();
         let (x, y) = (0.5 * pixel_um * cos.abs(), 0.5 * pixel_um * sin.abs());
         let (wide, narrow) = if x > y { (x, y) } else { (y, x) };
@@ -225,7 +224,7 @@ impl EdgeSpread {
     ///
     /// # Errors
     /// As [`Self::tabulate`].
-    pub fn averaged(&self, width_um: f64, tolerance: f64) -> Result<Self, RenderError> {
+    pub(crate) fn averaged(&self, width_um: f64, tolerance: f64) -> Result<Self, RenderError> {
         let half = 0.5 * width_um;
         let (low, high) = self.range_um();
         if half < NARROW_STEPS * self.step_um {
@@ -241,7 +240,7 @@ impl EdgeSpread {
     ///
     /// # Errors
     /// As [`Self::tabulate`].
-    pub fn spread(&self, shifts: &Shifts, tolerance: f64) -> Result<Self, RenderError> {
+    pub(crate) fn spread(&self, shifts: &Shifts, tolerance: f64) -> Result<Self, RenderError> {
         let (low, high) = self.range_um();
         let (nearest, farthest) = shifts.range_um();
         self.again(low + nearest.min(0.0), high + farthest.max(0.0), tolerance, |d| {
@@ -268,7 +267,7 @@ impl EdgeSpread {
 
     /// Smallest distance, µm, at which F reaches `level` (0 < level < 1); `None` where it never
     /// does.
-    pub fn position_um(&self, level: f64) -> Option<f64> {
+    pub(crate) fn position_um(&self, level: f64) -> Option<f64> {
         let i = self.knots.windows(2).position(|k| k[0].value < level && k[1].value >= level)?;
         let (mut a, mut b) =
             (self.low_um + i as f64 * self.step_um, self.low_um + (i + 1) as f64 * self.step_um);
@@ -280,21 +279,21 @@ impl EdgeSpread {
     }
 
     /// Distance from the first 10 % point to the first 90 % point, µm.
-    pub fn width_10_90_um(&self) -> Option<f64> {
+    pub(crate) fn width_10_90_um(&self) -> Option<f64> {
         Some(self.position_um(0.9)? - self.position_um(0.1)?)
     }
 
     /// Blur of a Gaussian edge of the same sharpness, the root of max|dF| over max|d³F|, µm: the
     /// scale that a quadrature over the pixel must resolve. Equals σ for the Gaussian; about a
     /// sixth of the finest period for rings.
-    pub fn sharpness_um(&self) -> f64 {
+    pub(crate) fn sharpness_um(&self) -> f64 {
         let steepest = self.knots.iter().fold(0.0, |m: f64, k| m.max(k.slope.abs()));
         let third = (0..self.segments()).map(|i| 6.0 * self.segment(i)[3].abs() / self.step_um.powi(3));
         (steepest / third.fold(f64::MIN_POSITIVE, f64::max)).sqrt()
     }
 
     /// Cubics over `segments` equal segments of -`reach_um`..=`reach_um`.
-    pub fn cubics(&self, reach_um: f64, segments: usize) -> Vec<[f64; 4]> {
+    pub(crate) fn cubics(&self, reach_um: f64, segments: usize) -> Vec<[f64; 4]> {
         let step = 2.0 * reach_um / segments as f64;
         let knot = |i: usize| {
             let d = -reach_um + i as f64 * step;
@@ -317,13 +316,13 @@ impl EdgeSpread {
     }
 
     /// Coefficients c0..c3 of segment `i` over its fraction 0..1.
-    pub fn segment(&self, i: usize) -> [f64; 4] {
+    pub(crate) fn segment(&self, i: usize) -> [f64; 4] {
         let (a, b) = (&self.knots[i], &self.knots[i + 1]);
         hermite((a.value, a.slope), (b.value, b.slope), self.step_um)
     }
 
     /// Number of segments.
-    pub fn segments(&self) -> usize {
+    pub(crate) fn segments(&self) -> usize {
         self.knots.len() - 1
     }
 }

@@ -47,7 +47,7 @@ impl Distortion {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("optics.distortion.k1", self.k1, -LARGEST, LARGEST)?;
         within("optics.distortion.k2", self.k2, -LARGEST, LARGEST)?;
         within("optics.distortion.k3", self.k3, -LARGEST, LARGEST)?;
@@ -71,12 +71,12 @@ impl Distortion {
     }
 
     /// Whether there is no distortion.
-    pub fn is_none(&self) -> bool {
+    pub(crate) fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
     /// Distorted position of the ideal point (u, v), both in half diagonals.
-    pub fn distort(&self, u: f64, v: f64) -> (f64, f64) {
+    pub(crate) fn distort(&self, u: f64, v: f64) -> (f64, f64) {
         let r2 = u * u + v * v;
         let radial = 1.0 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3));
         (
@@ -100,7 +100,7 @@ impl Distortion {
     }
 
     /// The ideal point with the distorted position (u', v').
-    pub fn undistort(&self, u_seen: f64, v_seen: f64) -> (f64, f64) {
+    pub(crate) fn undistort(&self, u_seen: f64, v_seen: f64) -> (f64, f64) {
         let (mut u, mut v) = (u_seen, v_seen);
         for _ in 0..STEPS {
             let (a, b) = self.distort(u, v);
@@ -118,7 +118,7 @@ impl Distortion {
 
     /// [`Self::distort`] in pixels of a sensor of `rows` x `columns`: the distorted position of the
     /// ideal point (row, column).
-    pub fn distort_px(&self, row: f64, column: f64, rows: usize, columns: usize) -> (f64, f64) {
+    pub(crate) fn distort_px(&self, row: f64, column: f64, rows: usize, columns: usize) -> (f64, f64) {
         let frame = SensorFrame::new(rows, columns);
         let (u, v) = frame.units(row, column);
         let (u, v) = self.distort(u, v);
@@ -126,7 +126,7 @@ impl Distortion {
     }
 
     /// [`Self::undistort`] in pixels of a sensor of `rows` x `columns`.
-    pub fn undistort_px(&self, row: f64, column: f64, rows: usize, columns: usize) -> (f64, f64) {
+    pub(crate) fn undistort_px(&self, row: f64, column: f64, rows: usize, columns: usize) -> (f64, f64) {
         let frame = SensorFrame::new(rows, columns);
         let (u, v) = frame.units(row, column);
         let (u, v) = self.undistort(u, v);
@@ -137,7 +137,13 @@ impl Distortion {
     ///
     /// Solves distorted column(c) = `column` for the ideal column c by secant steps; accurate to
     /// 1e-10 px for edges with slopes below about 100.
-    pub fn edge_row(&self, column: f64, rows: usize, columns: usize, edge: impl Fn(f64) -> f64) -> f64 {
+    pub(crate) fn edge_row(
+        &self,
+        column: f64,
+        rows: usize,
+        columns: usize,
+        edge: impl Fn(f64) -> f64,
+    ) -> f64 {
         let seen = |c: f64| self.distort_px(edge(c), c, rows, columns);
         let start = self.undistort_px(edge(column), column, rows, columns).1;
         let (mut a, mut b) = (column, if start == column { column + 1e-3 } else { start });

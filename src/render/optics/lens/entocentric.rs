@@ -14,9 +14,11 @@
 //! point (s, y) of the body appears at s·cos τ + y·sin τ: a shoulder of radius R spreads over ±
 //! R·sin τ in z (R = 12.5 mm and 0.1°: ± 22 µm).
 
+#[cfg(test)]
 use crate::render::error::{RenderError, within};
 
 /// Golden-section steps on a slice's ellipse or a bracket of slices; reduces the bracket to 1e-10.
+#[cfg(test)]
 const STEPS: usize = 48;
 
 /// Edges of a circle of radius `radius_mm` centred at (`x_mm`, `y_mm`), viewed from `distance_mm`:
@@ -24,7 +26,13 @@ const STEPS: usize = 48;
 ///
 /// # Errors
 /// Refuses a camera inside the circle.
-pub fn edges_mm(radius_mm: f64, x_mm: f64, y_mm: f64, distance_mm: f64) -> Result<(f64, f64), RenderError> {
+#[cfg(test)]
+pub(crate) fn edges_mm(
+    radius_mm: f64,
+    x_mm: f64,
+    y_mm: f64,
+    distance_mm: f64,
+) -> Result<(f64, f64), RenderError> {
     within("shaft.radius_mm", radius_mm, 0.0, 1e5)?;
     within("optics.entocentric.distance_mm", distance_mm, 1e-3, 1e6)?;
     let depth = distance_mm - y_mm;
@@ -45,7 +53,8 @@ pub fn edges_mm(radius_mm: f64, x_mm: f64, y_mm: f64, distance_mm: f64) -> Resul
 ///
 /// # Errors
 /// Refuses a camera inside the cylinder.
-pub fn apparent_radius_mm(radius_mm: f64, distance_mm: f64) -> Result<f64, RenderError> {
+#[cfg(test)]
+pub(crate) fn apparent_radius_mm(radius_mm: f64, distance_mm: f64) -> Result<f64, RenderError> {
     Ok(edges_mm(radius_mm, 0.0, 0.0, distance_mm)?.0)
 }
 
@@ -56,7 +65,8 @@ pub fn apparent_radius_mm(radius_mm: f64, distance_mm: f64) -> Result<f64, Rende
 /// s·cos τ + y·sin τ). Maximum over the slices s that can appear at z, of the height √(R² - y²) of
 /// the slice's rim at y = (z - s·cos τ)/sin τ. `largest_mm` bounds the radius. Steps in `radius`
 /// are allowed; slices are searched on a grid of `slices`, the best bracket is refined.
-pub fn tilted_half_height_mm(
+#[cfg(test)]
+pub(crate) fn tilted_half_height_mm(
     radius: impl Fn(f64) -> f64,
     largest_mm: f64,
     z_mm: f64,
@@ -84,7 +94,8 @@ pub fn tilted_half_height_mm(
 /// A rim point (R cos t, R sin t, s) appears magnified by m = ℓ/(ℓ - R sin t) at z = m·s and x =
 /// m·R cos t. For every s the t with m·s = z is unique, so the envelope is a maximum over s alone;
 /// for a straight cylinder it is [`apparent_radius_mm`].
-pub fn entocentric_half_height_mm(
+#[cfg(test)]
+pub(crate) fn entocentric_half_height_mm(
     radius: impl Fn(f64) -> f64,
     largest_mm: f64,
     z_mm: f64,
@@ -107,6 +118,7 @@ pub fn entocentric_half_height_mm(
 }
 
 /// Maximum of `f` over `low..high`: the best of a grid, then a golden-section search about it.
+#[cfg(test)]
 fn best(f: impl Fn(f64) -> f64, low: f64, high: f64, slices: usize) -> f64 {
     let step = (high - low) / slices as f64;
     let grid = (0..=slices).map(|i| low + i as f64 * step);

@@ -38,7 +38,8 @@ pub struct FieldLight {
 
 impl FieldLight {
     /// cos⁴ of the angle of view, whose tangent at the corner is `tan_corner`: 1 - 2t²r² + 3t⁴r⁴.
-    pub fn natural(tan_corner: f64) -> Self {
+    #[cfg(test)]
+    pub(crate) fn natural(tan_corner: f64) -> Self {
         let t2 = tan_corner * tan_corner;
         Self { vignetting_2: 2.0 * t2, vignetting_4: -3.0 * t2 * t2, ..Self::default() }
     }
@@ -47,7 +48,7 @@ impl FieldLight {
     ///
     /// # Errors
     /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("light.field.vignetting_2", self.vignetting_2, -1.0, 1.0)?;
         within("light.field.vignetting_4", self.vignetting_4, -1.0, 1.0)?;
         within("light.field.gradient_along", self.gradient_along, -1.0, 1.0)?;
@@ -63,19 +64,20 @@ impl FieldLight {
     }
 
     /// Whether the field is even.
-    pub fn is_even(&self) -> bool {
+    pub(crate) fn is_even(&self) -> bool {
         *self == Self::default()
     }
 
     /// Brightness at (u, v) half diagonals from the centre, 1 in the centre.
-    pub fn factor(&self, u: f64, v: f64) -> f64 {
+    pub(crate) fn factor(&self, u: f64, v: f64) -> f64 {
         let r2 = u * u + v * v;
         let lens = 1.0 - r2 * (self.vignetting_2 + r2 * self.vignetting_4);
         lens * (1.0 + self.gradient_along * u + self.gradient_down * v - self.sag * r2)
     }
 
     /// The factor at a pixel of a sensor of `rows` x `columns`.
-    pub fn at_px(&self, row: f64, column: f64, rows: usize, columns: usize) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn at_px(&self, row: f64, column: f64, rows: usize, columns: usize) -> f64 {
         let (rows, columns) = (rows as f64, columns as f64);
         let half_diagonal = 0.5 * rows.hypot(columns);
         self.factor(
@@ -86,7 +88,8 @@ impl FieldLight {
 
     /// Factors of one row of a sensor of `[rows, columns]`: `out[i]` belongs to column `column0 +
     /// i`.
-    pub fn row(&self, row: usize, column0: usize, [rows, columns]: [usize; 2], out: &mut [f32]) {
+    #[cfg(test)]
+    pub(crate) fn row(&self, row: usize, column0: usize, [rows, columns]: [usize; 2], out: &mut [f32]) {
         for (i, f) in out.iter_mut().enumerate() {
             *f = self.at_px(row as f64, (column0 + i) as f64, rows, columns) as f32;
         }

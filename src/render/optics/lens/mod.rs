@@ -6,8 +6,8 @@
 //! - [`entocentric`]: outlines in perspective, and the envelope over z of a tilted shoulder.
 
 mod distortion;
-pub mod entocentric;
+pub(crate) mod entocentric;
 mod field_light;
 
-pub use distortion::Distortion;
+pub(crate) use distortion::Distortion;
 pub use field_light::FieldLight;
