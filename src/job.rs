@@ -1,9 +1,9 @@
-//! The settings of a job in two halves: the closed loop's and the simulated bench's.
+//! The settings of a job in two halves: the closed loop's and the simulation's.
 //!
 //! [`LoopJob`] is the loop's half, for any cell: the part and its passes, the scan, the masters,
 //! the camera's data sheet ([`FieldOfView`]), the gauge, a probe, the controller, the machine that
-//! the offsets go to. [`Job`] is a whole config file: the same tables, and those of the simulated
-//! bench (shaft, camera, optics, light, sensor, motion, contamination, departures, process);
+//! the offsets go to. [`Job`] is a whole config file: the same tables, and those of the
+//! simulation (shaft, camera, optics, light, sensor, motion, contamination, departures, process);
 //! [`Job::loop_job`] takes the loop's half out of it. Each stage owns its settings; both check
 //! conditions across stages (a shaft larger than the field, masters outside it, passes that do not
 //! remove material). Errors name the key and the valid range.
@@ -12,7 +12,7 @@
 //! a function of its part; `simulated` is the whole job, `workpiece` what the model-based
 //! controller takes from it, `edge` and `gauge_settings` give the gauge the edge of the job's own
 //! optics; `error` is what a check refuses. A new table of the loop is a field of both with a check
-//! of its own, called in [`LoopJob::check`]; one of the bench a field of [`Job`] alone.
+//! of its own, called in [`LoopJob::check`]; one of the simulation a field of [`Job`] alone.
 
 #[cfg(feature = "render")]
 mod edge;

@@ -1,4 +1,4 @@
-//! A whole job, as a config file holds it: the loop's half and the simulated bench.
+//! A whole job, as a config file holds it: the loop's half and the simulation's.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

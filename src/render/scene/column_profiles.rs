@@ -17,8 +17,8 @@
 //! straight edge; at a corner of 90° it would err by up to 0.27 of full intensity in monochromatic
 //! light from a point source, where the rings of both edges cross. There the shoulders of cylinders
 //! are computed from the amplitudes (`optics::laser_shoulder`;
-//! `tests/inside/render_shaft/corners.rs` compares them with the opaque quadrant). An edge in motion
-//! is the mean of its images.
+//! `tests/inside/render_shaft/corners.rs` compares them with the opaque quadrant). An edge in
+//! motion is the mean of its images.
 
 use std::sync::LazyLock;
 

@@ -1,6 +1,8 @@
 //! What a benchmark runs of both methods.
 
-use super::{GeneticSettings, OptimizeConfig, Problem, exact, genetic};
+use super::config::{GeneticSettings, OptimizeConfig};
+use super::problem::Problem;
+use super::{exact, genetic};
 use crate::setting::SettingError;
 
 /// A problem whose optimum is sought by both methods.
