@@ -60,6 +60,17 @@ pub(super) struct Inspector {
     frames: usize,
 }
 
+/// Sizes of a whole frame that are judged beside its places.
+#[derive(Clone, Copy)]
+struct FrameSizes {
+    /// The mean diameter.
+    mean: Reading,
+    /// The largest diameter with its place, mm.
+    largest: Option<(f64, LargestDiameter)>,
+    /// Whether the largest diameter is the only size: of a part seen end-on, and of crests.
+    alone: bool,
+}
+
 impl Inspector {
     /// Checks the settings; `calibration` is that of level shafts.
     ///
@@ -138,7 +149,9 @@ impl Inspector {
         out.stations = self.settings.station_mm.map(|length| self.stations(&meta, &diameters, length));
         if self.judges_frames() {
             let largest = reading.map(|r| diameters.z_mm(&meta, 0) + r.column_px * diameters.pitch_mm);
-            let values = self.to_be_judged(&meta, &diameters, averaged, largest.zip(out.diameter), out);
+            let alone = out.largest.is_some_and(|l| l.end_on || l.tangents);
+            let sizes = FrameSizes { mean: averaged, largest: largest.zip(out.diameter), alone };
+            let values = self.to_be_judged(&meta, &diameters, sizes);
             self.judge_frame(&values, out);
         }
         if self.settings.turn {
@@ -241,18 +254,15 @@ impl Inspector {
         &self,
         meta: &FrameMeta,
         diameters: &ColumnDiameters,
-        mean: Reading,
-        largest: Option<(f64, LargestDiameter)>,
-        out: &Measurement,
+        sizes: FrameSizes,
     ) -> Vec<Candidate> {
-        let largest = largest.map(|(z_mm, d)| Candidate {
+        let largest = sizes.largest.map(|(z_mm, d)| Candidate {
             what: "largest",
             z_mm,
             reading: Reading::Value(d.diameter),
             freedom: d.freedom,
         });
-        let alone = out.largest.is_some_and(|l| l.end_on || l.tangents);
-        if largest.is_some() && alone {
+        if largest.is_some() && sizes.alone {
             return Vec::from_iter(largest);
         }
         let (what, length) = match self.settings.station_mm {
@@ -264,7 +274,7 @@ impl Inspector {
         let places =
             diameters.record(meta, length).into_iter().map(|(z_mm, reading)| of(what, z_mm, reading));
         let mean_word = if self.settings.averages() { "average" } else { "mean" };
-        largest.into_iter().chain(places).chain([of(mean_word, meta.z_mm, mean)]).collect()
+        largest.into_iter().chain(places).chain([of(mean_word, meta.z_mm, sizes.mean)]).collect()
     }
 
     /// Judges a frame by its worst value, of equal ones that closest to a limit.

@@ -43,7 +43,7 @@ fn argument_row(argument: &Arg) -> String {
         given if given.is_empty() || !argument.get_action().takes_values() => String::new(),
         given => format!("`{given}`"),
     };
-    row([cell(&format!("`{}`", name(argument))), default, meaning(argument)])
+    row(&[cell(&format!("`{}`", name(argument))), default, meaning(argument)])
 }
 
 /// `--out <DIR>`, `-v`, `<CONFIG>`.

@@ -116,7 +116,7 @@ impl ConfigPage {
         };
         let range = self.ranges.get(&path).map(|range| format!("Must be {range}.")).unwrap_or_default();
         let words = cell(&[self.meaning(schema), range].join(" "));
-        row([format!("`{key}`"), kind, cell(&default), format!("{words} {meaning}").trim().to_owned()])
+        row(&[format!("`{key}`"), kind, cell(&default), format!("{words} {meaning}").trim().to_owned()])
     }
 
     /// Words of a key: its own, else its table's.

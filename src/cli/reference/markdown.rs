@@ -11,7 +11,7 @@ pub(crate) fn cell(text: &str) -> String {
 }
 
 /// A row of a table.
-pub(crate) fn row<const N: usize>(cells: [String; N]) -> String {
+pub(crate) fn row(cells: &[String]) -> String {
     format!("| {} |\n", cells.join(" | "))
 }
 

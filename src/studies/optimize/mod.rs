@@ -19,7 +19,9 @@ mod point;
 mod problem;
 mod timed;
 
-pub(crate) use config::{GeneticSettings, OptimizeConfig};
+#[cfg(test)]
+pub(crate) use config::GeneticSettings;
+pub(crate) use config::OptimizeConfig;
 pub(crate) use point::Point;
 pub(crate) use problem::Problem;
 pub(crate) use problem::{Conflict, Constraint, Solution};
