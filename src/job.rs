@@ -1,10 +1,10 @@
 //! The settings of a job in two halves: the closed loop's and the simulation's.
 //!
 //! [`LoopJob`] is the loop's half, for any cell: the part and its passes, the scan, the masters,
-//! the camera's data sheet ([`FieldOfView`]), the gauge, a probe, the controller, the machine that
+//! the camera's data sheet (`FieldOfView`), the gauge, a probe, the controller, the machine that
 //! the offsets go to. [`Job`] is a whole config file: the same tables, and those of the
 //! simulation (shaft, camera, optics, light, sensor, motion, contamination, departures, process);
-//! [`Job::loop_job`] takes the loop's half out of it. Each stage owns its settings; both check
+//! `Job::loop_job` takes the loop's half out of it. Each stage owns its settings; both check
 //! conditions across stages (a shaft larger than the field, masters outside it, passes that do not
 //! remove material). Errors name the key and the valid range.
 //!
@@ -24,6 +24,7 @@ mod gauge_settings;
 mod loop_job;
 mod nc_job;
 mod part;
+#[cfg(feature = "render")]
 mod part_facts;
 mod probe;
 mod scan;

@@ -106,7 +106,7 @@ pub trait TurningCell {
         Err(CellError::NoProbe)
     }
 
-    /// Cuts a pass while the gauge follows the tool; [`FollowedCut::finish`] ends it.
+    /// Cuts a pass while the gauge follows the tool; `FollowedCut::finish` ends it.
     ///
     /// # Errors
     /// Where the machine refuses, or has no such gauge.

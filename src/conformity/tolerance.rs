@@ -38,7 +38,7 @@ impl Tolerance {
         (self.nominal_mm + self.lower_mm, self.nominal_mm + self.upper_mm)
     }
 
-    /// Its limits for a [`super::Judge`].
+    /// Its limits for a `super::Judge`.
     pub fn limits(&self) -> Limits {
         let (lower_mm, upper_mm) = self.limits_mm();
         Limits::Tolerance { lower_mm, upper_mm }

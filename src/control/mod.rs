@@ -1,9 +1,9 @@
 //! Compensation from measured diameters: the offsets of the next pass.
 //!
 //! Per station, in mm of diameter: error e(k) = D(k) − r(k) of pass k, offset o(k+1) of the next,
-//! commanded diameter b(k+1) = r(k+1) − o(k+1). A *law* ([`Pid`], least squares, …) proposes
+//! commanded diameter b(k+1) = r(k+1) − o(k+1). A *law* (`Pid`, least squares, …) proposes
 //! offsets; the guards release them or hold the last ones with a reason. Stability of the loop from
-//! pass to pass is judged in [`stability`].
+//! pass to pass is judged in `stability`.
 //!
 //! In: the plan of a pass, its measured profile and a [`PassContext`]. Out: a
 //! [`Decision`](crate::plan::Decision). `readings` turns a profile into errors, `law/` proposes,

@@ -47,7 +47,7 @@ impl Gauge {
     }
 
     /// Expects of every edge the residual that a calibration's masters left
-    /// ([`super::Calibration::systematic_residual`]): what they share with it the calibration has
+    /// (`super::Calibration::systematic_residual`): what they share with it the calibration has
     /// absorbed, and only what departs from it widens u or is flagged. The same model must be
     /// fitted as when they were measured; another one shows as a systematic residual.
     #[must_use]

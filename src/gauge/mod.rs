@@ -2,7 +2,7 @@
 //! the scene.
 //!
 //! In: [`FrameView`](crate::frame::FrameView)s of a camera, [`GaugeSettings`], a [`Calibration`].
-//! Out: [`FrameEdges`] in px, [`ColumnDiameters`] and a
+//! Out: [`FrameEdges`] in px, `ColumnDiameters` and a
 //! [`DiameterProfile`](crate::profile::DiameterProfile) in mm, each value with u or a gap with its
 //! reason.
 //!

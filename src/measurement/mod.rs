@@ -3,9 +3,9 @@
 //! In: a [`Gauge`](crate::gauge::Gauge), a [`Calibration`](crate::gauge::Calibration) (or a scale
 //! alone, [`Calibration::from_scale`](crate::gauge::Calibration::from_scale)), the conditions of
 //! the part, [`MeasureSettings`] and frames of any source. Out: a [`Measurement`] a frame, whose
-//! JSON is an element of `frames` of the command's document, and a [`Series`] over all of them
+//! JSON is an element of `frames` of the command's document, and a `Series` over all of them
 //! (statistics, turn, warnings); [`Document`] is the whole. A part seen end-on is measured by
-//! [`ring`].
+//! `ring`.
 //!
 //! [`Gauge::measure`](crate::gauge::Gauge::measure) is one frame by itself, [`Stream`] many of one
 //! camera. From below: `settings`, `error`, `warning`, `flags`, `result` (a frame's) → `crests`,

@@ -8,7 +8,7 @@
 //!
 //! Every program moves to its change position first, X alone and then Z, calls the tool only there,
 //! comes down to the part in the air, enters and leaves the stock radially in feed and cuts the
-//! part from end to end. Before it is returned it is run by [`replay`] from many start positions
+//! part from end to end. Before it is returned it is run by `replay` from many start positions
 //! among the solids that stand around the part.
 //!
 //! Verification: the tests run programs of the `linuxcnc` dialect through LinuxCNC's stand-alone
@@ -20,7 +20,7 @@
 //! `settings`, `machine`, `probe_settings` and `stated` hold the machine's data; `route`, `path`
 //! and `skeleton` plan, `dialect` writes the blocks, `turning`, `macro_program` and
 //! `probing_program` are the programs, `surroundings` the solids. A new dialect is a variant of
-//! [`Dialect`] with its words and its match arms in `replay`; a new program is a file beside
+//! `Dialect` with its words and its match arms in `replay`; a new program is a file beside
 //! `turning`.
 
 mod dialect;

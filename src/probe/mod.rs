@@ -5,9 +5,9 @@
 //! ```
 //!
 //! A touch yields the position of the ball's centre that the control stored, not the point of
-//! contact: they differ by the pre-travel ([`pretravel`]), the path of the machine until the signal
+//! contact: they differ by the pre-travel (`pretravel`), the path of the machine until the signal
 //! is processed, and the ball's radius. Effects common to part and master are corrected by the
-//! calibration on masters ([`ProbeCalibration`]); all others are in the uncertainty. Two touches
+//! calibration on masters (`ProbeCalibration`); all others are in the uncertainty. Two touches
 //! make a two-point diameter: from one side with the spindle turned by 180° between them, or from
 //! both sides. Eccentricity and bow cancel in both; effects at rest in the machine (sag,
 //! straightness of the guideway) cancel only with touches from both sides.

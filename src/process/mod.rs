@@ -1,15 +1,15 @@
 //! The turning process: force law, beam deflection, and the pass that turns one shaft into the
 //! next.
 //!
-//! [`TurningProcess`] holds the workpiece. [`TurningProcess::cut`] takes the commanded diameters
+//! [`TurningProcess`] holds the workpiece. `TurningProcess::cut` takes the commanded diameters
 //! b(z) and returns the shaft that remains: the shaft yields by u(z), D(z) = b(z) + 2u(z), and the
 //! force that bends it follows from the actual depth of cut. Measured diameters have no part in it.
 //!
-//! From the tool to the part: `tool` and [`tool_factors`], [`material`], the force laws (`force`,
-//! [`kienzle`], with `force_components`), the beam ([`beam`], `line`, [`fem`], [`stepped`]:
-//! different methods), [`bending`] (the supported shaft under all loads), `disturbance`, `texture`,
+//! From the tool to the part: `tool` and `tool_factors`, `material`, the force laws (`force`,
+//! `kienzle`, with `force_components`), the beam (`beam`, `line`, `fem`, `stepped`:
+//! different methods), `bending` (the supported shaft under all loads), `disturbance`, `texture`,
 //! and `turning`, which joins them in a pass. `settings` is the `[process]` table. A new force law
-//! is a variant of [`ForceLaw`]; a new cause of error a table of `settings` and a term in
+//! is a variant of `ForceLaw`; a new cause of error a table of `settings` and a term in
 //! `turning`.
 
 pub(crate) mod beam;

@@ -230,10 +230,10 @@ impl TurningProcess {
         Ok(self.shaft(plan))
     }
 
-    /// As [`Self::cut`], without generating the surface: [`Self::diameter_mm`] returns the result.
+    /// As `Self::cut`, without generating the surface: `Self::diameter_mm` returns the result.
     ///
     /// # Errors
-    /// As [`Self::cut`].
+    /// As `Self::cut`.
     pub fn cut_profile(&mut self, plan: &PassPlan) -> Result<&CutSummary, ProcessError> {
         let Passed { nodes, summary } = self.passed(plan)?.0;
         self.diameter_mm = nodes.iter().map(|n| n.after).collect();

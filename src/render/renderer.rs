@@ -64,7 +64,7 @@ impl Renderer {
     /// otherwise the CPU twin; software adapters are used only where Vulkan or GL is requested.
     ///
     /// A device that fails later does not end the run: it continues on the CPU twin, which is
-    /// reported once and in [`Self::adapter_name`]. To test that, `SHADOWGAUGE_LOSE_DEVICE_AFTER=N`
+    /// reported once and in `Self::adapter_name`. To test that, `SHADOWGAUGE_LOSE_DEVICE_AFTER=N`
     /// destroys the device after N frames. Frames larger than the adapter's buffers are rendered by
     /// the twin, which is reported once (`SHADOWGAUGE_LARGEST_BUFFER=BYTES` to test it). Every
     /// adapter supports all pixel formats: images are plain buffers of packed words.

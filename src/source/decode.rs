@@ -18,7 +18,7 @@ pub struct Wanted {
     pub bit_depth: Option<u8>,
     /// Channel of a colour image; without it all three must be equal.
     pub channel: Option<Channel>,
-    /// Where the frame begins, one of [`pages`]; `None` is the first.
+    /// Where the frame begins, one of `pages`; `None` is the first.
     pub place: Option<u64>,
 }
 

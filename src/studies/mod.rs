@@ -2,8 +2,8 @@
 //! reproductions of papers.
 //!
 //! In: a config of the study, a seed, a renderer where frames are drawn. Out: rows as serde types;
-//! the command of the same name prints them and writes tables. [`calibration`] computes a
-//! calibration from recorded or rendered frames, also for other commands; [`reproduction`] holds
+//! the command of the same name prints them and writes tables. `calibration` computes a
+//! calibration from recorded or rendered frames, also for other commands; `reproduction` holds
 //! rows and verdicts of a paper's figures. A new study is a file or folder here with the
 //! computation, and a command in `cli/study` with its output.
 

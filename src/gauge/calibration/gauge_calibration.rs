@@ -39,7 +39,7 @@ pub struct Calibration {
     pub offset_mm: f64,
     /// Covariance of (s, o): var(s), cov, var(o), in mm²/px², mm²/px, mm².
     pub covariance: [f64; 3],
-    /// Edge-spread function that was fitted to the masters' edges ([`EsfModel::name`]): the offset
+    /// Edge-spread function that was fitted to the masters' edges (`EsfModel::name`): the offset
     /// holds for it alone. `None` where no master was seen, and in files of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge_model: Option<String>,

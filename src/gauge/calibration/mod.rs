@@ -2,7 +2,7 @@
 //!
 //! In: edges of certified masters, the conditions they were recorded under, limits of what the lens
 //! may be. Out: a [`Calibration`] (scale and edge offset) with
-//! [`SetupCalibration`] (distortion, keystone and telecentricity by least squares), every source of
+//! `SetupCalibration` (distortion, keystone and telecentricity by least squares), every source of
 //! uncertainty kept apart, as a file of its own version.
 //!
 //! `observation` → `masters` → `adjustment` over the parameters of `imaging_model`; `conditions`,

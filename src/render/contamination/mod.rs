@@ -3,8 +3,8 @@
 //! There are three kinds by their motion. On the protective window (droplets, specks, scratches):
 //! fixed in the image, the same in every frame. In the air (mist, droplets, chips): drawn anew for
 //! every frame. On the shaft (films): fixed to the body, they turn with it and raise the silhouette
-//! ([`AdheringFilms`]). The first two are a transmission 0..1.. that multiplies the light of every
-//! pixel ([`TransmissionMap`]); the [`mask`] of every pixel states which kinds affect it.
+//! (`AdheringFilms`). The first two are a transmission 0..1.. that multiplies the light of every
+//! pixel (`TransmissionMap`); the `mask` of every pixel states which kinds affect it.
 //!
 //! Telecentric and geometric: an opaque disc of radius a at the distance y from the plane of focus
 //! is convolved with the disc of confusion of radius b = |y|·NA, so that its shade becomes wider
@@ -14,7 +14,7 @@
 //! the edge.
 //!
 //! In: the `[contamination]` table (`settings`) and the field's geometry. Out:
-//! [`ContaminationModel`], which returns the packed factors of a frame and the films near a field.
+//! `ContaminationModel`, which returns the packed factors of a frame and the films near a field.
 //! `field` draws, `shading` multiplies shades onto a band of `tiles`, `bands` packs them, `map`
 //! holds them unpacked, with the mask of each pixel. A new kind is a table in `settings`, its draw
 //! in `field` and its shade in `shading`.

@@ -8,8 +8,8 @@
 //! T = (C_T/(v·f^y·a_p^x))^(1/m)          Taylor's tool life
 //! ```
 //!
-//! [`genetic`] is the paper's method, [`exact`] a branch and bound that bounds the distance of any
-//! point from the optimum, [`front`] the paper's next step: time against size error.
+//! `genetic` is the paper's method, `exact` a branch and bound that bounds the distance of any
+//! point from the optimum, `front` the paper's next step: time against size error.
 
 mod config;
 pub(crate) mod exact;

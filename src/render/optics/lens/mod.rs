@@ -1,9 +1,9 @@
 //! The lens and its light beyond the edge spread: positions of image points, and brightness of the
 //! field.
 //!
-//! - [`Distortion`]: radial and tangential, forward and inverse;
+//! - `Distortion`: radial and tangential, forward and inverse;
 //! - [`FieldLight`]: vignetting and gradient of the backlight, a factor for every pixel;
-//! - [`entocentric`]: outlines in perspective, and the envelope over z of a tilted shoulder.
+//! - `entocentric`: outlines in perspective, and the envelope over z of a tilted shoulder.
 
 mod distortion;
 pub(crate) mod entocentric;
