@@ -55,6 +55,8 @@ fn two_hundred_frames_give_the_bytes_of_the_command_line() {
         angle_step_deg: Some(1.8),
         station_mm: Some(0.5),
         turn_limit_um: 90.0,
+        // The shadow grows from frame to frame, and the turn closes with a step.
+        cutoff_upr: 15.0,
         ..MeasureSettings::default()
     };
     let judged = MeasureSettings { tolerance, budget: true, ..MeasureSettings::default() };
@@ -74,6 +76,8 @@ fn two_hundred_frames_give_the_bytes_of_the_command_line() {
                 "0.5",
                 "--turn-limit-um",
                 "90",
+                "--cutoff-upr",
+                "15",
             ],
         ),
     ];
