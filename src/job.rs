@@ -34,6 +34,7 @@ mod stations;
 #[cfg(feature = "render")]
 mod workpiece;
 
+pub use self::{field_of_view::FieldOfView, loop_job::LoopJob};
 pub use crate::conformity::Tolerance;
 #[cfg(feature = "render")]
 pub(crate) use edge::NominalEdge;
@@ -41,7 +42,6 @@ pub(crate) use edge::NominalEdge;
 pub(crate) use edge::sampled_edge;
 #[cfg(feature = "render")]
 pub(crate) use error::from_render;
-pub use loop_job::LoopJob;
 #[cfg(test)]
 pub(crate) use nc_job::NcJob;
 pub use part::Part;

@@ -56,7 +56,7 @@ fn two_hundred_frames_give_the_bytes_of_the_command_line() {
         station_mm: Some(0.5),
         turn_limit_um: 90.0,
         // The shadow grows from frame to frame, and the turn closes with a step.
-        cutoff_upr: 15.0,
+        cutoff_upr: 8.0,
         ..MeasureSettings::default()
     };
     let judged = MeasureSettings { tolerance, budget: true, ..MeasureSettings::default() };
@@ -77,7 +77,7 @@ fn two_hundred_frames_give_the_bytes_of_the_command_line() {
                 "--turn-limit-um",
                 "90",
                 "--cutoff-upr",
-                "15",
+                "8",
             ],
         ),
     ];

@@ -34,12 +34,20 @@ mod turn;
 mod turn_sizes;
 mod warning;
 
-pub use conditions::known_conditions;
+pub use self::{
+    conditions::known_conditions,
+    document::Document,
+    error::MeasureError,
+    flags::Flags,
+    judged::{Deciding, Judged, StationJudgement, StationResult, Verdict},
+    result::{LargestDiameter, Measurement, Place, Refusal},
+    series::Series,
+    settings::MeasureSettings,
+    statistics::Statistics,
+    stream::Stream,
+    turn::{SectionUncertainty, TurnForm},
+    turn_sizes::{JudgedSize, TurnJudged},
+    warning::Warning,
+};
 pub(crate) use conditions::{conditions, edge_model};
-pub use document::Document;
-pub use error::MeasureError;
-pub use judged::Verdict;
 pub(crate) use preparation::prepared;
-pub use result::Measurement;
-pub use settings::MeasureSettings;
-pub use stream::Stream;
