@@ -20,12 +20,15 @@ mod touches;
 
 use std::time::Duration;
 
+pub use self::{
+    error::LoopError,
+    evidence::Evidence,
+    instrument::Calibrated,
+    scan::{FrameReading, Sample},
+};
 use crate::cell::{SeenStation, TrueAxis, TurningCell};
 use crate::conformity::{DecisionRule, part_verdict};
-pub(crate) use error::LoopError;
-pub(crate) use evidence::Evidence;
-pub(crate) use instrument::Calibrated;
-pub(crate) use scan::{FrameReading, Progress, Sample};
+pub(crate) use scan::Progress;
 
 use crate::control::{self, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::gauge::axis_line::AxisLine;

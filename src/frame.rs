@@ -7,7 +7,7 @@
 
 mod encoding;
 
-pub(crate) use encoding::Encoding;
+pub use encoding::Encoding;
 
 use thiserror::Error;
 

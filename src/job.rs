@@ -34,7 +34,13 @@ mod stations;
 #[cfg(feature = "render")]
 mod workpiece;
 
-pub use self::{field_of_view::FieldOfView, loop_job::LoopJob};
+pub use self::field_of_view::FieldOfView;
+pub use self::loop_job::LoopJob;
+pub use self::{
+    nc_job::NcJob,
+    part::Part,
+    scan::{Scan, ScanWhen, StockScan},
+};
 pub use crate::conformity::Tolerance;
 #[cfg(feature = "render")]
 pub(crate) use edge::NominalEdge;
@@ -42,11 +48,5 @@ pub(crate) use edge::NominalEdge;
 pub(crate) use edge::sampled_edge;
 #[cfg(feature = "render")]
 pub(crate) use error::from_render;
-#[cfg(test)]
-pub(crate) use nc_job::NcJob;
-pub use part::Part;
-pub(crate) use scan::ScanWhen;
-#[cfg(test)]
-pub(crate) use scan::{Scan, StockScan};
 #[cfg(feature = "render")]
 pub use simulated::Job;

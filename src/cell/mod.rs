@@ -24,5 +24,4 @@ mod turning_cell;
 pub use simulated::SimulatedCell;
 #[cfg(feature = "render")]
 pub(crate) use simulated::base_form;
-pub use turning_cell::{CellError, TurningCell};
-pub(crate) use turning_cell::{FollowedCut, SeenStation, TrueAxis};
+pub use turning_cell::{CellError, FollowedCut, SeenStation, TrueAxis, TurningCell};

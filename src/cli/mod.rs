@@ -37,7 +37,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use failure::{CommandResult, Outcome};
-pub(crate) use reference::Page;
+pub use reference::Page;
 
 #[derive(Debug, Parser)]
 #[command(name = "shadowgauge", version, about, long_about = None)]

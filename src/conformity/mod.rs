@@ -20,8 +20,11 @@ mod judgement;
 pub(crate) mod part_verdict;
 mod tolerance;
 
-pub(crate) use criterion::SizeCriterion;
+pub use self::{
+    criterion::SizeCriterion,
+    error::{JudgementError, ToleranceError},
+    judgement::{Judgement, Limits},
+    tolerance::Tolerance,
+};
 pub(crate) use decision::{Decision, DecisionRule, Estimate, MANY, PROBABILITY};
-pub(crate) use error::JudgementError;
-pub(crate) use judgement::{Judge, Judgement};
-pub use tolerance::Tolerance;
+pub(crate) use judgement::Judge;

@@ -30,14 +30,14 @@ mod shapes;
 pub(crate) mod stability;
 mod within_pass;
 
+pub use self::{
+    context::{NextPass, Origin, PartAndTool, PartEvent, PartStart, PassContext},
+    controller::Controller,
+    controller_name::ControllerName,
+    error::ControlError,
+    shapes::Shapes,
+};
 pub(crate) use build::{assess, build, describe, transfer};
-pub use context::PassContext;
-pub(crate) use context::{NextPass, Origin, PartAndTool, PartEvent, PartStart};
-pub use controller::Controller;
-pub use controller_name::ControllerName;
-pub(crate) use error::ControlError;
 pub(crate) use pid::Pid;
 pub(crate) use settings::*;
-#[cfg(test)]
-pub(crate) use shapes::Shapes;
 pub(crate) use within_pass::WithinPass;

@@ -28,38 +28,41 @@ pub(crate) mod thresholds;
 pub(crate) mod uncertainty;
 mod width;
 
+pub use self::{
+    calibration::{Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement},
+    diameter::ColumnDiameter,
+    diameter::ColumnDiameters,
+    diameter::axis_line::{AxisLine, AxisStation, TurningOffset},
+    diameter::plausibility::Jump,
+    diameter::sections::{PartForm, SectionForm},
+    edge::edge_stream::EdgeStream,
+    edge::model::edge_table::EdgeTable,
+    edge::model::systematic_residual::SystematicResidual,
+    edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, ShadowsSeen},
+    instrument::Gauge,
+    settings::{
+        Blur, EsfModel, EsfSamples, GaugeSettings, Levels, Noise, PlausibilitySettings, Polarity, Rejection,
+        StationSettings, Which,
+    },
+    uncertainty::budget::{Budget, Contribution, Shape, Share},
+    uncertainty::stated,
+    width::largest_caliper::LargestCaliper,
+};
 pub(crate) use diameter::{axis_line, plausibility};
 #[cfg(test)]
 pub(crate) use form::size;
 pub(crate) use sensor::photon_transfer;
-pub use uncertainty::stated;
 pub(crate) use uncertainty::{budget, monte_carlo};
 
-pub use calibration::{Calibration, MasterCertificate, MasterMeasurement};
-pub(crate) use calibration::{CalibrationError, MasterFigure};
-#[cfg(test)]
-pub(crate) use diameter::ColumnDiameter;
+pub(crate) use diameter::StationAverager;
 #[cfg(feature = "render")]
 pub(crate) use diameter::station_mean::StationColumns;
-pub(crate) use diameter::{ColumnDiameters, StationAverager};
-pub(crate) use edge::edge_stream::EdgeStream;
 pub(crate) use edge::estimation::model_bias::ResidualAccumulator;
 pub(crate) use edge::estimation::slanted_edge::least_travel_px;
-pub(crate) use edge::model::edge_table::EdgeTable;
-pub(crate) use edge::model::systematic_residual::SystematicResidual;
 pub(crate) use edge::parallel::Lanes;
 pub(crate) use edge::settled::SettledStream;
-#[cfg(test)]
-pub(crate) use edges::EdgeState;
-pub use edges::FrameEdges;
-pub(crate) use edges::{Edge, FrameRefused, ShadowsSeen};
-pub use instrument::Gauge;
 pub(crate) use limit::{Limit, replace as replace_limit};
-pub(crate) use settings::{EsfModel, EsfSamples, Rejection, Which};
-pub use settings::{GaugeSettings, Polarity};
-#[cfg(test)]
-pub(crate) use settings::{Levels, StationSettings};
 pub(crate) use width::axis_pose::Pose;
-pub(crate) use width::largest_caliper::{LargestCaliper, largest_caliper, largest_caliper_over};
+pub(crate) use width::largest_caliper::{largest_caliper, largest_caliper_over};
 pub(crate) use width::stretch::crests::crest_pitch_px;
 pub(crate) use width::stretch::largest_value::LEAST_STRETCH;

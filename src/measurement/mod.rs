@@ -34,20 +34,18 @@ mod turn;
 mod turn_sizes;
 mod warning;
 
-pub use self::{
-    conditions::known_conditions,
-    document::Document,
-    error::MeasureError,
-    flags::Flags,
-    judged::{Deciding, Judged, StationJudgement, StationResult, Verdict},
-    result::{LargestDiameter, Measurement, Place, Refusal},
-    series::Series,
-    settings::MeasureSettings,
-    statistics::Statistics,
-    stream::Stream,
-    turn::{SectionUncertainty, TurnForm},
-    turn_sizes::{JudgedSize, TurnJudged},
-    warning::Warning,
-};
+pub use self::conditions::known_conditions;
+pub use self::document::Document;
+pub use self::error::MeasureError;
+pub use self::flags::Flags;
+pub use self::judged::{Deciding, Judged, StationJudgement, StationResult, Verdict};
+pub use self::result::{LargestDiameter, Measurement, Place, Refusal};
+pub use self::series::Series;
+pub use self::settings::MeasureSettings;
+pub use self::statistics::Statistics;
+pub use self::stream::Stream;
+pub use self::turn::{SectionUncertainty, TurnForm};
+pub use self::turn_sizes::{JudgedSize, TurnJudged};
+pub use self::warning::Warning;
 pub(crate) use conditions::{conditions, edge_model};
 pub(crate) use preparation::prepared;

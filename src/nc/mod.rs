@@ -42,23 +42,21 @@ mod stated;
 mod surroundings;
 mod turning;
 
-pub(crate) use dialect::Dialect;
+pub use self::{
+    dialect::Dialect,
+    machine::{
+        Centre, ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation,
+        Tailstock, Travel, WearX,
+    },
+    probe_settings::{NcProbe, ProbeReference},
+    settings::{NcSettings, Remeasure},
+};
 pub(crate) use error::NcError;
 pub(crate) use line::{LineFit, fit_line};
 pub(crate) use machine::Direction;
-#[cfg(test)]
-pub(crate) use machine::{
-    Centre, ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation, Tailstock,
-    Travel, WearX,
-};
 pub(crate) use macro_program::{MacroProgram, MacroValues};
 pub(crate) use path::{Path, dry_run};
-#[cfg(test)]
-pub(crate) use probe_settings::{NcProbe, ProbeReference};
 pub(crate) use probing_program::ProbingProgram;
 pub(crate) use qualification::Qualification;
 pub(crate) use route::Workpiece;
-pub(crate) use settings::NcSettings;
-#[cfg(test)]
-pub(crate) use settings::Remeasure;
 pub(crate) use turning::{TurningProgram, Written};

@@ -22,12 +22,11 @@ mod profile;
 mod settings;
 mod touch;
 
-pub(crate) use calibration::{CalibrationError, MasterTouches, ProbeCalibration, calibrate};
+pub use self::{
+    calibration::{CalibrationError, ProbeCalibration},
+    settings::{ProbeSettings, ProbeTemperature, Sides, Stylus},
+    touch::{Side, Touch, TouchOrder},
+};
+pub(crate) use calibration::{MasterTouches, calibrate};
 pub(crate) use pairs::{orders, pairs};
 pub(crate) use profile::{common_parts, corrected, of_master, profile};
-pub use settings::ProbeSettings;
-#[cfg(test)]
-pub(crate) use settings::{ProbeTemperature, Sides, Stylus};
-#[cfg(test)]
-pub(crate) use touch::Side;
-pub use touch::{Touch, TouchOrder};

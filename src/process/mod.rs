@@ -34,20 +34,18 @@ mod tool;
 pub(crate) mod tool_factors;
 mod turning;
 
+pub use self::{
+    bending::BendingSettings,
+    disturbance::{DisturbanceSettings, GuidewayPoint},
+    force::{FittedRange, ForceLaw, PowerLaw},
+    settings::{BelowMinimumChip, MaterialSettings, ProcessSettings, SteadyRestSettings, SupportSettings},
+    tool::ToolSettings,
+    turning::{BaseForm, ProcessError, Stock, TurningProcess},
+};
 pub(crate) use crate::plan::FeedDirection;
 #[cfg(test)]
-pub(crate) use bending::BendingSettings;
-pub(crate) use disturbance::{DisturbanceSettings, GuidewayPoint};
-#[cfg(test)]
 pub(crate) use force::DepthLaw;
-pub(crate) use force::{FITTED_TO, FittedRange, ForceLaw, PowerLaw};
+pub(crate) use force::FITTED_TO;
 pub(crate) use force_components::Components;
 pub(crate) use section::Section;
-pub use settings::ProcessSettings;
-#[cfg(test)]
-pub(crate) use settings::SteadyRestSettings;
-pub(crate) use settings::{BelowMinimumChip, MaterialSettings, SupportSettings};
-pub(crate) use tool::ToolSettings;
-pub(crate) use turning::ProcessError;
 pub(crate) use turning::followed::{Contributions, FollowedPass};
-pub use turning::{BaseForm, Stock, TurningProcess};

@@ -26,15 +26,20 @@ mod sensor;
 pub mod settings;
 pub(crate) mod silhouette;
 
-pub use error::RenderError;
+pub use self::{
+    error::RenderError,
+    optics::lens,
+    renderer::{BackendChoice, Renderer},
+    scene::{FrameRequest, OpticalSetup, Scene, frame_job},
+};
+#[cfg(test)]
+#[cfg(test)]
+pub(crate) use kernel::reference;
+#[cfg(test)]
+#[cfg(test)]
+pub(crate) use kernel::shadowgraph;
 #[cfg(test)]
 pub(crate) use kernel::{column_edges as columns, noise, params};
 #[cfg(test)]
-#[cfg(test)]
-pub(crate) use kernel::{reference, shadowgraph};
-pub use optics::lens;
-#[cfg(test)]
 pub(crate) use optics::{edge_spread as esf_families, esf_table as esf};
-pub use renderer::{BackendChoice, Renderer};
 pub(crate) use scene::geometric_edges;
-pub use scene::{FrameRequest, OpticalSetup, Scene, frame_job};

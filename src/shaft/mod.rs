@@ -13,11 +13,12 @@
 mod body;
 pub(crate) mod form;
 
-pub(crate) use body::{
-    AxialWave, AxisKnot, Eccentricity, Features, Flat, Helix, HelixPiece, Keyway, Pose, SpindleHarmonic,
-    SpindleMotion, SurfaceTexture,
-};
-pub use body::{Lobe, ProfileKnot, Shaft};
-pub(crate) use form::{
-    Bow, ContourPoint, Deflection, FeedMarks, ShaftForm, TextureForm, TextureSpectrum, Thermal, Thread,
+pub use self::{
+    body::{
+        AxialWave, AxisKnot, Eccentricity, Features, Flat, Helix, HelixPiece, Keyway, Lobe, Pose,
+        ProfileKnot, Shaft, SpindleHarmonic, SpindleMotion, SurfaceTexture,
+    },
+    form::{
+        Bow, ContourPoint, Deflection, FeedMarks, ShaftForm, TextureForm, TextureSpectrum, Thermal, Thread,
+    },
 };

@@ -27,10 +27,12 @@ mod scale;
 mod tiff;
 mod transfer;
 
-pub use decode::{Wanted, decode, decode_wanted};
-#[cfg(test)]
-pub(crate) use error::DecodeError;
-pub use folder::FileFrames;
-pub(crate) use folder::{StoredFrame, list_images, listing, out_of_order};
-pub(crate) use raster::Channel;
-pub(crate) use scale::{FileScale, SAME_SCALE};
+pub use self::{
+    decode::{Wanted, decode, decode_wanted},
+    error::DecodeError,
+    folder::{FileFrames, StoredFrame},
+    raster::Channel,
+    scale::FileScale,
+};
+pub(crate) use folder::{list_images, listing, out_of_order};
+pub(crate) use scale::SAME_SCALE;

@@ -18,7 +18,7 @@ mod messages;
 mod program_controller;
 mod reply;
 
-pub(crate) use error::{Fault, ProgramError};
+pub use error::{Fault, ProgramError};
 pub(crate) use facts::PartFacts;
 #[cfg(test)]
 pub(crate) use messages::PROTOCOL_VERSION;

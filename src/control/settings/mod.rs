@@ -7,12 +7,14 @@ mod pid;
 mod run_to_run;
 mod within_pass;
 
-pub(crate) use guards::{GuardSettings, OnAlarm};
-pub(crate) use lsq::{ApplyTo, Estimator, LsqSettings};
-pub(crate) use model::{ModelSettings, Workpiece};
-pub(crate) use pid::{FirstPass, OffsetForm, PidAlgorithm, PidSettings, Spatial};
-pub(crate) use run_to_run::{DoubleEwmaSettings, EwmaSettings, IlcSettings, PartsSettings};
-pub(crate) use within_pass::WithinPassSettings;
+pub use self::{
+    guards::{GuardSettings, OnAlarm},
+    lsq::{ApplyTo, Estimator, LsqSettings},
+    model::{ModelSettings, Workpiece},
+    pid::{FirstPass, OffsetForm, PidAlgorithm, PidSettings, Spatial},
+    run_to_run::{DoubleEwmaSettings, EwmaSettings, IlcSettings, PartsSettings},
+    within_pass::WithinPassSettings,
+};
 
 use super::controller_name::ControllerName;
 use crate::setting::{SettingError, require};

@@ -28,21 +28,25 @@ mod thermometer;
 pub(crate) mod unstated;
 mod verification;
 
+pub use self::{
+    adjusted::{CovariancePart, Residual},
+    conditions::Conditions,
+    date::Date,
+    error::CalibrationError,
+    gauge_calibration::Calibration,
+    imaging_model::LensModel,
+    masters::{MasterCertificate, MasterFigure, MasterMeasurement},
+    optical_setup::{BenchError, SetupCalibration, Validity},
+    unstated::Unstated,
+    verification::CheckResult,
+};
 #[cfg(test)]
 pub(crate) use adjusted::Adjusted;
-pub(crate) use adjusted::{CovariancePart, Residual};
 pub(crate) use adjustment::{Adjustment, Solver};
-pub use conditions::Conditions;
 pub(crate) use conditions::GivenConditions;
-pub(crate) use date::Date;
-pub(crate) use error::CalibrationError;
-pub use gauge_calibration::Calibration;
-pub(crate) use imaging_model::{ColumnSpread, LensLimits, LensModel, PARAMETERS};
-pub(crate) use masters::{CertificateShare, MasterFigure, MasterPrior, shared_source};
-pub use masters::{MasterCertificate, MasterMeasurement};
+pub(crate) use imaging_model::{ColumnSpread, LensLimits, PARAMETERS};
+pub(crate) use masters::{CertificateShare, MasterPrior, shared_source};
 pub(crate) use observation::{Observation, observe};
-pub(crate) use optical_setup::{BenchError, ReadWidth, SetupCalibration, Validity};
+pub(crate) use optical_setup::ReadWidth;
 pub(crate) use thermometer::Thermometer;
-#[cfg(test)]
-pub(crate) use unstated::Unstated;
-pub(crate) use verification::{CheckPin, CheckResult};
+pub(crate) use verification::CheckPin;

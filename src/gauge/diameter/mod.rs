@@ -24,7 +24,5 @@ pub(crate) mod stations;
 pub(crate) mod turn_scatter;
 pub(crate) mod turning_depth;
 
-#[cfg(test)]
-pub(crate) use column_diameters::ColumnDiameter;
-pub(crate) use column_diameters::ColumnDiameters;
+pub use column_diameters::{ColumnDiameter, ColumnDiameters};
 pub(crate) use stations::StationAverager;

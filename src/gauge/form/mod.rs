@@ -29,30 +29,30 @@ pub(crate) mod size;
 mod taper;
 mod turn;
 
-pub use certificate::Certificate;
-pub use circle::{Circle, CircleFit};
+pub use self::{
+    certificate::Certificate,
+    circle::{Circle, CircleFit},
+    circumscribed_circle::minimum_circumscribed_circle,
+    cylinder::{Cylinder, CylinderFit, circumscribed_cylinder, least_squares_cylinder, silhouette_cylinder},
+    error::FormError,
+    harmonics::{Origin, TurnHarmonics},
+    inscribed_circle::maximum_inscribed_circle,
+    least_squares_circle::{LeastSquaresCircle, least_squares_circle},
+    line::{Line, LineFit, least_squares_line, minimum_zone_line},
+    minimum_zone_circle::minimum_zone_circle,
+    taper::{Taper, taper},
+};
 #[cfg(test)]
 pub(crate) use circumscribed_circle::certify_circumscribed;
-pub use circumscribed_circle::minimum_circumscribed_circle;
-pub use cylinder::{
-    Cylinder, CylinderFit, circumscribed_cylinder, least_squares_cylinder, silhouette_cylinder,
-};
-pub use error::FormError;
-#[cfg(test)]
-pub(crate) use harmonics::Origin;
-pub(crate) use harmonics::{TurnHarmonics, harmonics};
+pub(crate) use harmonics::harmonics;
 #[cfg(test)]
 pub(crate) use inscribed_circle::certify_inscribed;
-pub use inscribed_circle::maximum_inscribed_circle;
 #[cfg(test)]
 pub(crate) use least_squares_circle::certify_least_squares;
-pub use least_squares_circle::{LeastSquaresCircle, least_squares_circle};
 #[cfg(test)]
 pub(crate) use line::certify_minimum_zone_line;
-pub use line::{Line, LineFit, least_squares_line, minimum_zone_line};
 #[cfg(test)]
 pub(crate) use minimum_zone_circle::certify_minimum_zone;
-pub use minimum_zone_circle::minimum_zone_circle;
 #[cfg(test)]
 pub(crate) use profile_filter::gaussian_transmission;
 pub(crate) use profile_filter::{Cutoff, gaussian_closed};
@@ -61,5 +61,4 @@ pub(crate) use run_out::{circular_run_out, total_run_out};
 pub(crate) use silhouette::polar_profile;
 #[cfg(test)]
 pub(crate) use silhouette::{hull_from_support, hull_limit};
-pub use taper::{Taper, taper};
 pub(crate) use turn::Turn;

@@ -26,7 +26,7 @@ mod outline;
 mod result;
 mod settings;
 
-pub(crate) use error::RingError;
+pub use error::RingError;
 pub(crate) use measurement::measure_ring;
 pub(crate) use outline::PointOrigin;
 pub(crate) use result::{EdgeCircle, RingMeasurement};

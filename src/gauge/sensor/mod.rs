@@ -14,6 +14,7 @@ pub(crate) mod flat_field;
 pub(crate) mod photon_transfer;
 pub(crate) mod response;
 
+pub use self::{flat_field::FlatField, response::Response};
 pub(crate) use defect_correction::ShaftRuns;
-pub(crate) use flat_field::{FlatField, FlatFieldError};
-pub(crate) use response::{NoResponse, Response, response};
+pub(crate) use flat_field::FlatFieldError;
+pub(crate) use response::{NoResponse, response};

@@ -31,13 +31,15 @@ mod shading;
 pub(crate) mod shapes;
 mod tiles;
 
+pub use self::{
+    contamination::ContaminationModel,
+    settings::{
+        AirDroplets, Chips, Contamination, Dirt, Films, Mist, Scratches, SizeDistribution, WindowDroplets,
+    },
+};
 #[cfg(test)]
 pub(crate) use adhering_films::{AdheringFilms, Film};
-pub(crate) use contamination::{ContaminationModel, Rise, RisenEdge, mark_rise};
+pub(crate) use contamination::{Rise, RisenEdge, mark_rise};
 pub(crate) use field::{ContaminationField, FieldGeometry};
 pub(crate) use map::TransmissionMap;
-pub(crate) use settings::Scratches;
-#[cfg(test)]
-pub(crate) use settings::SizeDistribution;
-pub use settings::{AirDroplets, Chips, Contamination, Dirt, Films, Mist, WindowDroplets};
 pub(crate) use tiles::TransmissionRequest;

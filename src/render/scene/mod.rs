@@ -22,8 +22,5 @@ pub(crate) mod request;
 pub(crate) mod scene;
 pub(crate) mod true_optics;
 
+pub use self::{frame_job::frame_job, request::FrameRequest, scene::Scene, true_optics::OpticalSetup};
 pub(crate) use exposure::geometric_edges;
-pub use frame_job::frame_job;
-pub use request::FrameRequest;
-pub use scene::Scene;
-pub use true_optics::OpticalSetup;

@@ -23,8 +23,7 @@ mod timed;
 pub(crate) use config::GeneticSettings;
 pub(crate) use config::OptimizeConfig;
 pub(crate) use point::Point;
-pub(crate) use problem::Problem;
-pub(crate) use problem::{Conflict, Constraint, Solution};
+pub(crate) use problem::{Conflict, Constraint, Problem, Solution};
 pub use timed::TimedProblem;
 
 use serde::Serialize;

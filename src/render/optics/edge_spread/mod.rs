@@ -26,11 +26,11 @@ mod shifts;
 mod table;
 mod transmission;
 
+pub use self::{
+    grazing::GrazingReflection, laser::LaserShadow, measured::MeasuredEsf, partial::PartiallyCoherentEdge,
+};
 pub(crate) use focus_stack::FocusStack;
 pub(crate) use gaussian::GaussianBlur;
-pub(crate) use grazing::GrazingReflection;
-pub(crate) use laser::LaserShadow;
-pub(crate) use measured::{MeasuredEdge, MeasuredEsf};
-pub(crate) use partial::PartiallyCoherentEdge;
+pub(crate) use measured::MeasuredEdge;
 pub(crate) use shifts::Shifts;
 pub(crate) use table::EdgeSpread;

@@ -9,5 +9,4 @@ mod distortion;
 pub(crate) mod entocentric;
 mod field_light;
 
-pub(crate) use distortion::Distortion;
-pub use field_light::FieldLight;
+pub use self::{distortion::Distortion, field_light::FieldLight};
