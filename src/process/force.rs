@@ -84,7 +84,7 @@ pub struct PowerLaw {
     /// Range of the data behind the numbers.
     pub fitted: FittedRange,
     /// The tool behind the numbers (the slender-shaft paper's insert): another tool's forces follow
-    /// by the handbook's factors, see [`super::tool_factors`].
+    /// by the handbook's factors, see `tool_factors`.
     pub fitted_tool: ToolSettings,
 }
 
