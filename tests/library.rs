@@ -7,8 +7,9 @@ use std::path::Path;
 use drawn_frames::{COLUMNS, DrawnFrames, ROWS, UM_PER_PX, counts, width_px};
 use shadowgauge::frame::{FrameMeta, FrameSource, FrameView, PixelFormat, Pixels};
 use shadowgauge::gauge::calibration::Conditions;
+use shadowgauge::gauge::ring::RingSettings;
 use shadowgauge::gauge::{Calibration, Gauge, GaugeSettings};
-use shadowgauge::measurement::{Document, MeasureError, MeasureSettings, Measurement, Stream, Verdict};
+use shadowgauge::measurement::{Document, MeasureError, MeasureSettings, Measurement, Stream, Verdict, ring};
 use shadowgauge::profile::Reason;
 
 #[path = "support/drawn_frames.rs"]
@@ -116,6 +117,29 @@ fn one_frame_is_measured_by_itself() {
     let view = FrameView::new(Pixels::U8(&empty), PixelFormat::Mono8, ROWS, COLUMNS, COLUMNS).unwrap();
     let error = gauge().measure(&view, &calibration, &conditions).unwrap_err();
     assert!(matches!(&error, MeasureError::Refused { .. }) && !error.is_of_settings(), "{error}");
+}
+
+/// A disc seen end-on, by the public names alone.
+#[test]
+fn a_disc_is_measured_by_itself() {
+    const SIZE: usize = 128;
+    let diameter_px = 80.6;
+    let grey = |i: usize| {
+        let off = |k: usize, middle: f64| k as f64 - middle;
+        let outside_px = off(i / SIZE, 63.7).hypot(off(i % SIZE, 63.2)) - 0.5 * diameter_px;
+        (18.0 + 196.0 / (1.0 + (-outside_px / 0.56).exp())).round() as u8
+    };
+    let pixels: Vec<u8> = (0..SIZE * SIZE).map(grey).collect();
+    let view = FrameView::new(Pixels::U8(&pixels), PixelFormat::Mono8, SIZE, SIZE, SIZE).unwrap();
+    let calibration = Calibration::from_scale(UM_PER_PX);
+    let of = Some((&calibration, &Conditions::default()));
+    let ring = ring::measure(&view, &RingSettings::default(), of).unwrap();
+    // A logistic edge leaves a Gaussian model within a tenth of a pixel.
+    assert!((ring.outer.diameter_px - diameter_px).abs() < 0.2, "{:?}", ring.outer.diameter_px);
+    let mm = ring.outer.mm.unwrap();
+    assert!(
+        (mm.diameter_mm - 1e-3 * UM_PER_PX * ring.outer.diameter_px).abs() < 1e-9 && ring.inner.is_none()
+    );
 }
 
 /// A frame without a part, and one that its source could not deliver, are gaps of the series.

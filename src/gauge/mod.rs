@@ -21,7 +21,7 @@ mod edges;
 pub mod form;
 mod instrument;
 pub(crate) mod limit;
-pub(crate) mod ring;
+pub mod ring;
 pub(crate) mod sensor;
 mod settings;
 pub(crate) mod thresholds;

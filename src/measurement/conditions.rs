@@ -45,7 +45,7 @@ impl Gauge {
     ///
     /// # Errors
     /// A setting out of its range; an edge-spread function that is not the masters'.
-    pub(crate) fn calibrated(
+    pub fn calibrated(
         settings: GaugeSettings,
         calibration: Option<&Calibration>,
     ) -> Result<Self, MeasureError> {

@@ -24,7 +24,7 @@ mod judged;
 mod one_frame;
 mod preparation;
 mod result;
-pub(crate) mod ring;
+pub mod ring;
 mod series;
 mod settings;
 mod stated;

@@ -12,7 +12,7 @@ use crate::gauge::ring::{RingMeasurement, RingSettings, measure_ring};
 /// `shadowgauge measure --shape ring --json`: the flat keys of [`RingMeasurement::to_json`], or an
 /// `error`.
 #[derive(Debug)]
-pub(crate) struct NamedRing {
+pub struct NamedRing {
     /// Name of the frame: a file's without its ending.
     pub frame: String,
     /// The ring.
@@ -21,7 +21,7 @@ pub(crate) struct NamedRing {
 
 impl NamedRing {
     /// Measures a frame; with a calibration also in mm.
-    pub(crate) fn measure(
+    pub fn measure(
         frame: String,
         view: &FrameView<'_>,
         settings: &RingSettings,
@@ -47,7 +47,7 @@ impl Serialize for NamedRing {
 ///
 /// # Errors
 /// A frame without a ring; a calibration that holds for none.
-pub(crate) fn measure(
+pub fn measure(
     view: &FrameView<'_>,
     settings: &RingSettings,
     calibration: Option<(&Calibration, &Conditions)>,

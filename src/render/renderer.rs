@@ -33,15 +33,9 @@ pub struct Renderer {
     engine: Engine,
     backend: String,
     adapter: String,
-    lost: OnceLock<Loss>,
+    lost: OnceLock<String>,
     refused: OnceLock<()>,
     strict: bool,
-}
-
-/// State of the device during a run.
-#[derive(Debug)]
-struct Loss {
-    adapter: String,
 }
 
 /// Fault injection: number of frames after which the device is lost.
@@ -129,7 +123,7 @@ impl Renderer {
 
     /// The adapter's name, or `CPU twin`; both where the device was lost during the run.
     pub(crate) fn adapter_name(&self) -> &str {
-        self.lost.get().map_or(&self.adapter, |loss| &loss.adapter)
+        self.lost.get().unwrap_or(&self.adapter)
     }
 
     /// Runs the job on the device, where there is one that is not lost; `false` where the twin must
@@ -157,7 +151,7 @@ impl Renderer {
                     tracing::warn!("{e}; the run goes on with the CPU twin");
                 }
                 let adapter = format!("{}, lost on the way, then the CPU twin", self.adapter);
-                let _ = self.lost.set(Loss { adapter });
+                let _ = self.lost.set(adapter);
                 Ok(false)
             }
         }

@@ -106,7 +106,7 @@ impl GivenConditions {
     /// These conditions, with `known` where they give nothing. A temperature that is stated without
     /// limits is a reading of an unstated thermometer, unless `known` states its limits.
     #[must_use]
-    pub fn over(&self, known: &Conditions) -> Conditions {
+    pub(crate) fn over(&self, known: &Conditions) -> Conditions {
         let mut c = Conditions {
             temperature_c: self.temperature_c.unwrap_or(known.temperature_c),
             limit_temperature_k: self.limit_temperature_k.unwrap_or(known.limit_temperature_k),
@@ -158,7 +158,7 @@ impl Conditions {
     /// Unstated conditions taken as exact: for frames that were rendered, whose temperature and
     /// finish are known.
     #[must_use]
-    pub fn known(&self) -> Self {
+    pub(crate) fn known(&self) -> Self {
         let keep = |limit: f64, unstated: bool| if unstated { 0.0 } else { limit };
         let Unstated { temperature, expansion, edge } = self.unstated;
         Self {
@@ -203,32 +203,32 @@ impl Conditions {
 
     /// Standard uncertainty of D₂₀ by the part's temperature, mm. Both factors of α(T − 20) are
     /// uncertain: near 20 °C the product of their errors counts too (GUM 5.1.2, note).
-    pub fn u_temperature_mm(&self, diameter_mm: f64) -> f64 {
+    pub(crate) fn u_temperature_mm(&self, diameter_mm: f64) -> f64 {
         let u = self.limit_temperature_k / 3.0_f64.sqrt();
         let product = 1e-6 * self.limit_expansion_um_per_m_k / 3.0_f64.sqrt() * u;
         diameter_mm * (1e-6 * self.expansion_um_per_m_k * u).hypot(product)
     }
 
     /// Standard uncertainty of D₂₀ by the part's coefficient of expansion, mm.
-    pub fn u_expansion_mm(&self, diameter_mm: f64) -> f64 {
+    pub(crate) fn u_expansion_mm(&self, diameter_mm: f64) -> f64 {
         diameter_mm * 1e-6 * self.limit_expansion_um_per_m_k / 3.0_f64.sqrt()
             * (self.temperature_c - REFERENCE_C).abs()
     }
 
     /// Standard uncertainty by the axis' place before the camera, mm: t·y with t known to `u_t`,
     /// 1/mm.
-    pub fn u_focus_mm(&self, diameter_mm: f64, t_per_mm: f64, u_t_per_mm: f64) -> f64 {
+    pub(crate) fn u_focus_mm(&self, diameter_mm: f64, t_per_mm: f64, u_t_per_mm: f64) -> f64 {
         diameter_mm * t_per_mm.hypot(u_t_per_mm) * self.limit_axis_y_mm / 3.0_f64.sqrt()
     }
 
     /// Standard uncertainty by edges unlike the masters', mm of diameter: both edges are of one
     /// finish.
-    pub fn u_edges_mm(&self) -> f64 {
+    pub(crate) fn u_edges_mm(&self) -> f64 {
         2e-3 * self.limit_edge_um / 3.0_f64.sqrt()
     }
 
     /// Standard uncertainty by the scale's drift, mm.
-    pub fn u_drift_mm(&self, diameter_mm: f64) -> f64 {
+    pub(crate) fn u_drift_mm(&self, diameter_mm: f64) -> f64 {
         diameter_mm * 1e-6 * self.limit_drift_ppm / 3.0_f64.sqrt()
     }
 }

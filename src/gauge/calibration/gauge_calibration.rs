@@ -142,7 +142,7 @@ impl Calibration {
 
     /// The edge-spread function that was fitted to the masters' edges; `None` where the file does
     /// not contain it in full.
-    pub(crate) fn edge_model(&self) -> Option<EsfModel> {
+    pub fn edge_model(&self) -> Option<EsfModel> {
         match (self.edge_model.as_deref(), &self.edge_table) {
             (Some("gaussian"), _) => Some(EsfModel::Gaussian {}),
             (Some("learnt"), _) => Some(EsfModel::Learnt {}),
@@ -307,7 +307,7 @@ impl Calibration {
     ///
     /// # Errors
     /// Where the ids differ.
-    pub(crate) fn check_optics(&self, optics_id: &str) -> Result<(), CalibrationError> {
+    pub fn check_optics(&self, optics_id: &str) -> Result<(), CalibrationError> {
         if self.optics_id == optics_id {
             Ok(())
         } else {
@@ -347,7 +347,7 @@ impl Calibration {
     }
 
     /// Conditions of use that the calibration itself assumes; exact ones where it states none.
-    pub(crate) fn conditions(&self) -> Conditions {
+    pub fn conditions(&self) -> Conditions {
         match (&self.setup, &self.conditions) {
             (Some(setup), _) => setup.conditions,
             (None, Some(known)) => **known,

@@ -242,7 +242,7 @@ impl Side<'_> {
 impl RingMeasurement {
     /// Flat keys for machine reading: `outer_diameter_px`, `u_outer_diameter_mm`,
     /// `roundness_inner_px`, `concentricity_px`, …; quantities not measured are absent.
-    pub(crate) fn to_json(&self) -> serde_json::Value {
+    pub fn to_json(&self) -> serde_json::Value {
         let mut map = serde_json::Map::new();
         let mut put = |key: String, value: f64| map.insert(key, value.into());
         for (name, edge) in [("outer", Some(&self.outer)), ("inner", self.inner.as_ref())] {

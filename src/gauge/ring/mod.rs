@@ -26,10 +26,10 @@ mod outline;
 mod result;
 mod settings;
 
-pub use error::RingError;
+pub use self::{
+    error::RingError,
+    outline::{Outline, OutlinePoint, PointOrigin},
+    result::{Concentricity, EdgeCircle, EdgeMillimetres, RingMeasurement},
+    settings::{RingScale, RingSettings},
+};
 pub(crate) use measurement::measure_ring;
-pub(crate) use outline::PointOrigin;
-pub(crate) use result::{EdgeCircle, RingMeasurement};
-#[cfg(test)]
-pub(crate) use settings::RingScale;
-pub(crate) use settings::RingSettings;

@@ -10,7 +10,7 @@ use super::fit::EdgeFit;
 
 /// How a point of an outline was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PointOrigin {
+pub enum PointOrigin {
     /// An edge was fitted and is trusted.
     Fitted,
     /// Refused as burr or contamination: where the grey values cross the middle of the levels.
@@ -22,7 +22,7 @@ pub(crate) enum PointOrigin {
 /// Points of an edge around its circle, one a caliper, at angles (k + ½)·2π/n from the column axis
 /// towards the rows.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Outline {
+pub struct Outline {
     /// Centre that the angles and radii count from: x the column, y the row, px.
     pub centre_px: [f64; 2],
     /// The points, one a caliper.
@@ -33,7 +33,7 @@ pub(crate) struct Outline {
 
 /// A point of an outline.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct OutlinePoint {
+pub struct OutlinePoint {
     /// Radius with the curvature bias corrected, px.
     pub radius_px: f64,
     /// How it was found.

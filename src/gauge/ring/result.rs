@@ -4,7 +4,7 @@ use super::outline::Outline;
 
 /// One edge of a ring, in pixels unless named otherwise.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub(crate) struct EdgeCircle {
+pub struct EdgeCircle {
     /// Centre: x the column, y the row, px.
     pub centre_px: [f64; 2],
     /// Least-squares diameter of the 50 % edge, curvature bias corrected, px.
@@ -44,7 +44,7 @@ pub(crate) struct EdgeCircle {
 
 /// Coaxiality of bore and outline.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub(crate) struct Concentricity {
+pub struct Concentricity {
     /// Diameter of the zone around the outline's centre that holds the bore's centre (ISO 1101):
     /// twice their distance, px.
     pub px: f64,
@@ -56,7 +56,7 @@ pub(crate) struct Concentricity {
 
 /// A ring or disc seen end-on.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub(crate) struct RingMeasurement {
+pub struct RingMeasurement {
     /// Outline.
     pub outer: EdgeCircle,
     /// Bore; `None` for a disc.
@@ -67,7 +67,7 @@ pub(crate) struct RingMeasurement {
 
 /// An edge in millimetres, edge offset applied.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub(crate) struct EdgeMillimetres {
+pub struct EdgeMillimetres {
     /// Diameter, mm.
     pub diameter_mm: f64,
     /// Its standard uncertainty: random part, scale and edge offset together, mm.

@@ -8,7 +8,7 @@ use crate::setting::{SettingError, within};
 /// Settings of `measure --shape ring`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct RingSettings {
+pub struct RingSettings {
     /// Whether the part is brighter than its surroundings.
     pub bright_on_dark: bool,
     /// Least outer diameter of a part, px. At least 16.
@@ -52,7 +52,7 @@ impl Default for RingSettings {
 /// From pixels to millimetres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct RingScale {
+pub struct RingScale {
     /// Scale, µm per px. Above 0.
     pub um_per_px: f64,
     /// Its standard uncertainty, µm per px.

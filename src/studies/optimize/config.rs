@@ -91,7 +91,7 @@ pub(crate) struct Quality {
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct ToolLife {
     /// C_T, m/min at T = 1 min, f = 1 mm/r, a_p = 1 mm.
-    pub constant_m_per_min: f64,
+    pub(crate) constant_m_per_min: f64,
     /// y.
     pub feed_exponent: f64,
     /// x.

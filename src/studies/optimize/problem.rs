@@ -48,7 +48,7 @@ pub(crate) struct Solution {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Conflict {
     /// The limits that exclude each other (with the bounds).
-    pub constraints: Vec<Constraint>,
+    pub(crate) constraints: Vec<Constraint>,
     /// Explanation in words, with the nearest reachable values.
     pub explanation: String,
     /// The point that comes nearest.
