@@ -45,6 +45,9 @@ pub enum Reason {
 }
 
 impl Reason {
+    /// The last one in their order.
+    pub(crate) const LAST: Self = Self::NotScanned;
+
     /// The word used in files, snake_case.
     pub fn as_str(self) -> &'static str {
         match self {

@@ -1,5 +1,6 @@
 //! A stream does not allocate after its warm-up: not for a frame that it follows, nor when it
-//! searches the part anew, nor for contamination; neither where it measures the largest diameter.
+//! searches the part anew, nor for contamination; neither where it measures the largest diameter,
+//! nor where it gives millimetres, stations, averages and judgements by a calibration.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/gauge_synth.rs"]
@@ -10,7 +11,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use gauge_synth::{Synth, drifting};
 use shadowgauge::frame::Frame;
-use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings};
+use shadowgauge::gauge::{
+    Averaging, Calibration, FrameEdges, Gauge, GaugeSettings, MasterCertificate, MasterMeasurement,
+};
 use shadowgauge::measurement::{MeasureSettings, Stream};
 
 static REQUESTS: AtomicUsize = AtomicUsize::new(0);
@@ -79,9 +82,50 @@ fn requests_of_measurements(frames: &[Frame], count: usize) -> (usize, usize) {
     (REQUESTS.load(Ordering::Relaxed) - before, gaps)
 }
 
+/// A calibration by two pins, 5 µm a pixel.
+fn by_two_pins(gauge: &Gauge) -> Calibration {
+    let pin = |width_px: f64| {
+        let synth = Synth { columns: 1024, ..Synth::with_snr(1.0, 80.0, true) };
+        let edges = (0..4).map(|k| {
+            let top = |c: usize| drifting(c).0 + 0.25 * k as f64;
+            gauge.edges(&synth.frame(|c| (top(c), top(c) + width_px), Some(100 + k)).view()).unwrap()
+        });
+        let diameter_mm = 5e-3 * width_px;
+        let certificate = MasterCertificate { diameter_mm, expanded_u_mm: 2e-4, coverage_factor: 2.0 };
+        MasterMeasurement { certificate, frames: edges.collect() }
+    };
+    Calibration::fit(&[pin(50.0), pin(72.0)]).unwrap()
+}
+
+/// The same with everything that a calibrated series gives of a frame but a text: millimetres with
+/// their uncertainty, stations, average, judgement.
+fn requests_of_diameters(calibration: &Calibration, frames: &[Frame], count: usize) -> usize {
+    let gauge = Gauge::new(GaugeSettings::default()).unwrap();
+    let (columns, rows) = (frames[0].view().columns(), frames[0].view().rows());
+    assert!(columns == 1024 && rows > 100);
+    let settings = MeasureSettings {
+        tolerance: Some("0.33 +0.1/-0.1".parse().unwrap()),
+        station_mm: Some(0.5),
+        average: Averaging::Median { readings: 5 },
+        ..MeasureSettings::default()
+    };
+    let mut stream = Stream::calibrated(&gauge, calibration, settings).unwrap();
+    let mut before = 0;
+    for (index, frame) in frames.iter().cycle().take(30 + count).enumerate() {
+        if index == 30 {
+            before = REQUESTS.load(Ordering::Relaxed);
+        }
+        let measured = stream.push(&frame.meta, &frame.view()).unwrap();
+        assert!(measured.diameter.is_some() && measured.average.is_some() && measured.judged.is_some());
+        assert!(measured.stations.as_ref().is_some_and(|stations| stations.len() > 5));
+    }
+    REQUESTS.load(Ordering::Relaxed) - before
+}
+
 #[test]
 fn a_warm_stream_allocates_nothing() {
     let frames = frames();
+    let calibration = by_two_pins(&Gauge::new(GaugeSettings::default()).unwrap());
     // Beyond the frames after which the part is searched anew.
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -91,6 +135,10 @@ fn a_warm_stream_allocates_nothing() {
         let (requests, gaps) = pool.install(|| requests_of_measurements(&frames, 60));
         assert!(gaps > 200, "the matter is refused: {gaps} columns");
         assert_eq!(requests, 0, "measurements, {threads} threads");
+        for calibration in [&calibration, &Calibration::from_scale(5.0)] {
+            let requests = pool.install(|| requests_of_diameters(calibration, &frames, 60));
+            assert_eq!(requests, 0, "diameters, {threads} threads");
+        }
     }
     // The counter works: a vector is counted.
     let before = REQUESTS.load(Ordering::Relaxed);

@@ -166,14 +166,12 @@ impl<'c> Sums<'c> {
         self.averager.add(meta, &columns);
         self.turns.add(meta, &columns);
         self.axis.add(meta, &columns);
-        self.readings.extend(columns.record(meta, RECORD_STEP_MM).into_iter().map(|(z_mm, reading)| {
-            FrameReading {
-                frame_id: meta.frame_id,
-                t_ns: meta.t_ns,
-                angle_deg: meta.angle_deg,
-                z_mm,
-                reading,
-            }
+        self.readings.extend(columns.record(meta, RECORD_STEP_MM).map(|(z_mm, reading)| FrameReading {
+            frame_id: meta.frame_id,
+            t_ns: meta.t_ns,
+            angle_deg: meta.angle_deg,
+            z_mm,
+            reading,
         }));
     }
 }

@@ -34,6 +34,8 @@ pub use self::{
     diameter::ColumnDiameters,
     diameter::axis_line::{AxisLine, AxisStation, TurningOffset},
     diameter::plausibility::Jump,
+    diameter::reading_scatter::ScatterTest,
+    diameter::reading_series::{Averaging, Capability},
     diameter::sections::{PartForm, SectionForm},
     edge::edge_stream::EdgeStream,
     edge::model::edge_table::EdgeTable,

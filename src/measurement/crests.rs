@@ -13,23 +13,25 @@ const FEW: f64 = 0.5;
 pub(super) struct CrestStream {
     settings: GaugeSettings,
     stream: Option<EdgeStream>,
+    edges: FrameEdges,
 }
 
 impl CrestStream {
     /// As `settings`, without rejection.
     pub(super) fn new(settings: &GaugeSettings) -> Self {
-        Self { settings: settings.clone().for_crests(), stream: None }
+        Self { settings: settings.clone().for_crests(), stream: None, edges: FrameEdges::default() }
     }
 
-    /// The frame's edges and the pitch of its crests, px, where few columns of the first
-    /// measurement, `first`, have edges and the outline is periodic.
+    /// Exchanges the frame's edges for those of its crests, and gives their pitch, px, where few
+    /// columns of the first measurement have edges and the outline is periodic.
     pub(super) fn measure(
         &mut self,
-        first: Result<&FrameEdges, &FrameRefused>,
+        first: Result<(), &FrameRefused>,
+        edges: &mut FrameEdges,
         view: &FrameView<'_>,
-    ) -> Option<(FrameEdges, f64)> {
+    ) -> Option<f64> {
         let poor = match first {
-            Ok(edges) => (edges.valid() as f64) < FEW * edges.columns() as f64 && is_crested(edges),
+            Ok(()) => (edges.valid() as f64) < FEW * edges.columns() as f64 && is_crested(edges),
             Err(refused) => matches!(
                 refused.reason,
                 Reason::NoEdge | Reason::Outlier | Reason::Steep | Reason::Residual | Reason::Contaminated
@@ -41,10 +43,10 @@ impl CrestStream {
         if self.stream.is_none() {
             self.stream = Gauge::new(self.settings.clone()).ok().map(|gauge| gauge.stream());
         }
-        let mut edges = FrameEdges::default();
-        self.stream.as_mut()?.measure(view, &mut edges).ok()?;
-        let pitch_px = crest_pitch_px(&edges)?;
-        Some((edges, pitch_px))
+        self.stream.as_mut()?.measure(view, &mut self.edges).ok()?;
+        let pitch_px = crest_pitch_px(&self.edges)?;
+        std::mem::swap(edges, &mut self.edges);
+        Some(pitch_px)
     }
 }
 

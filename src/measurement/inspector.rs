@@ -10,7 +10,7 @@ use super::statistics::FrameMeans;
 use super::warning::Warning;
 use crate::conformity::{Judge, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
-use crate::gauge::budget::WidthReading;
+use crate::gauge::budget::{Budget, Texts, WidthReading};
 use crate::gauge::calibration::Conditions;
 use crate::gauge::diameter::reading_series::Average;
 use crate::gauge::form::Cutoff;
@@ -58,6 +58,16 @@ pub(super) struct Inspector {
     pub(super) worst: Judgement,
     pub(super) turn: FollowedTurn,
     frames: usize,
+    buffers: Buffers,
+}
+
+/// Memory of a frame's results that the next frame's are written to.
+#[derive(Default)]
+struct Buffers {
+    diameters: ColumnDiameters,
+    budget: Budget,
+    stations: Vec<StationResult>,
+    candidates: Vec<Candidate>,
 }
 
 /// Sizes of a whole frame that are judged beside its places.
@@ -108,8 +118,19 @@ impl Inspector {
                 jumps: Vec::new(),
             },
             frames: 0,
+            buffers: Buffers::default(),
             settings,
         })
+    }
+
+    /// Takes back the memory of a frame's results.
+    pub(super) fn take_back(&mut self, last: &mut Measurement) {
+        if let Some(stations) = last.stations.take() {
+            self.buffers.stations = stations;
+        }
+        if let Some(budget) = last.budget.take() {
+            self.buffers.budget = budget;
+        }
     }
 
     /// A frame without edges.
@@ -137,7 +158,8 @@ impl Inspector {
             meta.angle_deg = step * index as f64;
         }
         self.warn_of_blur(edges, out);
-        let mut diameters = self.calibration.diameters_under(edges, &self.conditions);
+        let mut diameters = std::mem::take(&mut self.buffers.diameters);
+        self.calibration.diameters_into(edges, &self.conditions, &mut diameters);
         if self.settings.turn {
             self.compare_with_turns(&meta, &mut diameters, out);
         }
@@ -146,16 +168,20 @@ impl Inspector {
         out.mean.into_iter().for_each(|d| self.means.push(d));
         let averaged = self.average.push(mean);
         out.average = averaged.value().filter(|_| self.settings.averages());
-        out.stations = self.settings.station_mm.map(|length| self.stations(&meta, &diameters, length));
+        self.add_stations(&meta, &diameters, out);
         if self.judges_frames() {
             let largest = reading.map(|r| diameters.z_mm(&meta, 0) + r.column_px * diameters.pitch_mm);
             let alone = out.largest.is_some_and(|l| l.end_on || l.tangents);
             let sizes = FrameSizes { mean: averaged, largest: largest.zip(out.diameter), alone };
-            let values = self.to_be_judged(&meta, &diameters, sizes);
+            let mut values = std::mem::take(&mut self.buffers.candidates);
+            self.take_judged(&meta, &diameters, sizes, &mut values);
             self.judge_frame(&values, out);
+            self.buffers.candidates = values;
         }
         if self.settings.turn {
             self.turn.frames.push((meta, diameters));
+        } else {
+            self.buffers.diameters = diameters;
         }
         Ok(())
     }
@@ -170,14 +196,20 @@ impl Inspector {
         let Some(reading) = WidthReading::of_largest(edges, &self.calibration, least) else {
             return Ok(None);
         };
-        let budget = stated_budget(&reading, &self.calibration, &self.conditions);
+        let mut budget = std::mem::take(&mut self.buffers.budget);
+        let texts = if self.settings.budget { Texts::Written } else { Texts::LeftOut };
+        stated_budget(&reading, &self.calibration, &self.conditions, texts, &mut budget);
         if !(budget.diameter_mm.is_finite() && budget.u_mm().is_finite()) {
             out.warnings.push(Warning::NoNumber);
             self.give_no_diameter(Reason::Implausible, edges, out);
             return Err(MeasureError::NoNumber { frame: out.frame.clone() });
         }
         out.diameter = Some(LargestDiameter::of(&budget, self.settings.coverage_factor));
-        out.budget = Some(budget).filter(|_| self.settings.budget);
+        if self.settings.budget {
+            out.budget = Some(budget);
+        } else {
+            self.buffers.budget = budget;
+        }
         Ok(Some(reading))
     }
 
@@ -235,8 +267,9 @@ impl Inspector {
         out.jumps = jumps;
     }
 
-    /// The stations of a frame, each with its own judgement.
-    fn stations(&self, meta: &FrameMeta, diameters: &ColumnDiameters, length_mm: f64) -> Vec<StationResult> {
+    /// Adds the stations of a frame, each with its own judgement.
+    fn add_stations(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters, out: &mut Measurement) {
+        let Some(length_mm) = self.settings.station_mm else { return };
         let judge = self.judge.filter(|_| self.judges_frames());
         let judged = |reading: &Reading| {
             judge.map(|(judge, _)| StationJudgement {
@@ -244,26 +277,36 @@ impl Inspector {
                 guard_mm: reading.value().and_then(|d| judge.guard_mm(&d, MANY)),
             })
         };
-        let stations = diameters.record(meta, length_mm).into_iter();
-        stations.map(|(z_mm, reading)| StationResult { z_mm, reading, judged: judged(&reading) }).collect()
+        let mut stations = std::mem::take(&mut self.buffers.stations);
+        stations.clear();
+        let record = diameters.record(meta, length_mm);
+        stations.extend(record.map(|(z_mm, reading)| StationResult {
+            z_mm,
+            reading,
+            judged: judged(&reading),
+        }));
+        out.stations = Some(stations);
     }
 
-    /// All values of a frame that must lie within the limits. A disc's chords are no sizes; that of
-    /// crests opposite roots is the distance of tangents.
-    fn to_be_judged(
+    /// Takes all values of a frame that must lie within the limits. A disc's chords are no sizes;
+    /// that of crests opposite roots is the distance of tangents.
+    fn take_judged(
         &self,
         meta: &FrameMeta,
         diameters: &ColumnDiameters,
         sizes: FrameSizes,
-    ) -> Vec<Candidate> {
+        values: &mut Vec<Candidate>,
+    ) {
+        values.clear();
         let largest = sizes.largest.map(|(z_mm, d)| Candidate {
             what: "largest",
             z_mm,
             reading: Reading::Value(d.diameter),
             freedom: d.freedom,
         });
+        values.extend(largest);
         if largest.is_some() && sizes.alone {
-            return Vec::from_iter(largest);
+            return;
         }
         let (what, length) = match self.settings.station_mm {
             Some(length) => ("station", length),
@@ -271,10 +314,9 @@ impl Inspector {
         };
         // Their u comes from the noise of very many pixels, and from the calibration.
         let of = |what, z_mm, reading| Candidate { what, z_mm, reading, freedom: MANY };
-        let places =
-            diameters.record(meta, length).into_iter().map(|(z_mm, reading)| of(what, z_mm, reading));
+        values.extend(diameters.record(meta, length).map(|(z_mm, reading)| of(what, z_mm, reading)));
         let mean_word = if self.settings.averages() { "average" } else { "mean" };
-        largest.into_iter().chain(places).chain([of(mean_word, meta.z_mm, sizes.mean)]).collect()
+        values.push(of(mean_word, meta.z_mm, sizes.mean));
     }
 
     /// Judges a frame by its worst value, of equal ones that closest to a limit.

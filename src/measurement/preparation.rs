@@ -42,12 +42,20 @@ pub(super) fn laid<'a>(view: &FrameView<'a>, vertical: bool) -> FrameView<'a> {
     if vertical { view.transposed() } else { *view }
 }
 
-/// A frame of its own with the pixels of a view, to be corrected.
-pub(super) fn copied(meta: &FrameMeta, view: &FrameView<'_>) -> Result<Frame, FrameError> {
-    let buffer = match view.pixels() {
-        Pixels::U8(pixels) => Buffer::U8(rows_of(view, pixels)),
-        Pixels::U16(pixels) => Buffer::U16(rows_of(view, pixels)),
-        Pixels::F32(pixels) => Buffer::F32(rows_of(view, pixels)),
+/// A frame of its own with the pixels of a view, to be corrected, in the memory of an earlier one
+/// where that is of the same type.
+pub(super) fn copied(
+    meta: &FrameMeta,
+    view: &FrameView<'_>,
+    earlier: Option<Buffer>,
+) -> Result<Frame, FrameError> {
+    let buffer = match (view.pixels(), earlier) {
+        (Pixels::U8(pixels), Some(Buffer::U8(kept))) => Buffer::U8(rows_of(view, pixels, kept)),
+        (Pixels::U16(pixels), Some(Buffer::U16(kept))) => Buffer::U16(rows_of(view, pixels, kept)),
+        (Pixels::F32(pixels), Some(Buffer::F32(kept))) => Buffer::F32(rows_of(view, pixels, kept)),
+        (Pixels::U8(pixels), _) => Buffer::U8(rows_of(view, pixels, Vec::new())),
+        (Pixels::U16(pixels), _) => Buffer::U16(rows_of(view, pixels, Vec::new())),
+        (Pixels::F32(pixels), _) => Buffer::F32(rows_of(view, pixels, Vec::new())),
     };
     let frame = Frame::new(buffer, view.format(), view.rows(), view.columns(), meta.clone())?;
     Ok(match view.full_scale() {
@@ -56,8 +64,10 @@ pub(super) fn copied(meta: &FrameMeta, view: &FrameView<'_>) -> Result<Frame, Fr
     })
 }
 
-fn rows_of<T: Copy>(view: &FrameView<'_>, pixels: &[T]) -> Vec<T> {
+fn rows_of<T: Copy>(view: &FrameView<'_>, pixels: &[T], mut into: Vec<T>) -> Vec<T> {
+    into.clear();
     let row =
         |r: usize| (0..view.columns()).map(move |c| pixels[r * view.row_stride() + c * view.column_stride()]);
-    (0..view.rows()).flat_map(row).collect()
+    into.extend((0..view.rows()).flat_map(row));
+    into
 }

@@ -1,24 +1,27 @@
 //! The budget of a diameter by a scale alone: rows for what is not stated.
 
 use crate::gauge::Calibration;
-use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
+use crate::gauge::budget::{Budget, Contribution, Shape, Share, Texts, WidthReading};
 use crate::gauge::calibration::Conditions;
 
-/// The budget of a reading, with a row for scale and edge offset without an uncertainty.
-pub(crate) fn stated_budget(
+/// Writes the budget of a reading, with a row for scale and edge offset without an uncertainty, in
+/// the memory of an earlier one.
+pub(super) fn stated_budget(
     reading: &WidthReading,
     calibration: &Calibration,
     conditions: &Conditions,
-) -> Budget {
-    let mut budget = reading.budget(calibration, conditions);
+    texts: Texts,
+    budget: &mut Budget,
+) {
+    reading.budget_into(calibration, conditions, texts, budget);
     if is_uncalibrated(calibration) {
         // Without masters the part's edges and temperature have no reference: U is the image's
         // alone.
         let temperature = (conditions.limit_temperature_k == 0.0).then_some("temperature of the part");
         budget.contributions.extend(temperature.into_iter().chain(["scale and edge offset"]).map(|source| {
             Contribution {
-                source: source.to_owned(),
-                input: "not stated".to_owned(),
+                source: texts.of(format_args!("{source}")),
+                input: texts.of(format_args!("not stated")),
                 shape: Shape::Normal,
                 share: Share::Common,
                 freedom: None,
@@ -26,7 +29,6 @@ pub(crate) fn stated_budget(
             }
         }));
     }
-    budget
 }
 
 /// Whether the calibration is a scale only: no masters, no uncertainty.

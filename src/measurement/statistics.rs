@@ -3,8 +3,9 @@
 use serde::{Serialize, Serializer};
 
 use super::by_key::by_key;
-use crate::gauge::diameter::reading_scatter::{ScatterTest, SeriesMean};
-use crate::gauge::diameter::reading_series::{Capability, RunningStatistics};
+use crate::gauge::diameter::reading_scatter::ScatterTest;
+use crate::gauge::diameter::reading_series::Capability;
+use crate::gauge::diameter::running_series::RunningSeries;
 use crate::gauge::stated::stated;
 use crate::profile::Diameter;
 
@@ -85,37 +86,27 @@ impl Serialize for Statistics {
 /// Mean diameters of the frames in their order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FrameMeans {
-    series: Vec<Diameter>,
-    running: RunningStatistics,
-    /// Random variances of the means, mm².
-    noise: RunningStatistics,
+    series: RunningSeries,
 }
 
 impl FrameMeans {
     pub(super) fn push(&mut self, mean: Diameter) {
-        self.running.push(mean.d_mm);
-        self.noise.push(mean.u_random_mm.powi(2));
         self.series.push(mean);
-    }
-
-    /// χ² of the means against their own random uncertainties.
-    fn scatter(&self) -> Option<ScatterTest> {
-        let readings: Vec<(f64, f64)> = self.series.iter().map(|d| (d.d_mm, d.u_random_mm)).collect();
-        ScatterTest::of(&readings)
     }
 
     /// The statistics; `None` without a frame. `limits_mm` are those of a tolerance, `parts`
     /// whether every frame is another part.
     pub(super) fn statistics(&self, limits_mm: Option<(f64, f64)>, parts: bool) -> Option<Statistics> {
-        let of = SeriesMean::of(&self.series)?;
-        let (min_mm, max_mm) = self.running.extremes()?;
+        let of = self.series.mean()?;
+        let (min_mm, max_mm) = self.series.values().extremes()?;
+        let count = self.series.values().count() as usize;
         Some(Statistics {
-            count: self.series.len(),
+            count,
             mean: of.mean,
             // A single value has no scatter.
-            sd_mm: (self.series.len() > 1).then_some(of.sd_mm),
+            sd_mm: (count > 1).then_some(of.sd_mm),
             effective_count: of.effective_number,
-            scatter: self.scatter(),
+            scatter: self.series.scatter(),
             min_mm,
             max_mm,
             capability: limits_mm.map(|limits| self.capability(limits, parts)),
@@ -134,21 +125,21 @@ impl FrameMeans {
         if !parts {
             return Err("one part has none; --parts takes every frame as another part".to_owned());
         }
-        let s = &self.running;
-        s.exceeds_noise(self.noise.mean(), SCATTER_RISK).map_err(|e| e.to_string())?;
+        let s = self.series.values();
+        s.exceeds_noise(self.series.noise_mm2(), SCATTER_RISK).map_err(|e| e.to_string())?;
         let both = s.cp(lower, upper, CONFIDENCE).and_then(|cp| Ok((cp, s.cpk(lower, upper, CONFIDENCE)?)));
         both.map_err(|e| e.to_string())
     }
 
     /// A warning where the frames scatter beyond their u.
     pub(super) fn word(&self) -> Option<String> {
-        let test = self.scatter().filter(|test| test.beyond_u)?;
-        let sd_um = 1e3 * SeriesMean::of(&self.series)?.sd_mm;
+        let test = self.series.scatter().filter(|test| test.beyond_u)?;
+        let sd_um = 1e3 * self.series.mean()?.sd_mm;
         Some(format!(
             "the mean diameters of {} frames scatter by {} um (standard deviation), {:.1} times what their u explains (chi2 {:.4} at {} degrees of \
              freedom, limit {:.4} at a false alarm of {} %): form, motion, drift or dirt between the frames; u of their mean \
              is taken from the scatter",
-            self.series.len(),
+            self.series.values().count(),
             stated(sd_um, sd_um)[0],
             test.ratio(),
             test.chi2,

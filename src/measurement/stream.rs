@@ -11,7 +11,7 @@ use super::series::Series;
 use super::settings::MeasureSettings;
 use super::stated::is_uncalibrated;
 use super::warning::Warning;
-use crate::frame::{Frame, FrameMeta, FrameView};
+use crate::frame::{Buffer, Frame, FrameMeta, FrameView};
 use crate::gauge::calibration::Conditions;
 use crate::gauge::{
     Calibration, EdgeStream, EsfModel, FrameEdges, Gauge, Rejection, Which, largest_caliper_over,
@@ -45,6 +45,8 @@ pub struct Stream {
     edges: FrameEdges,
     measurement: Measurement,
     unlearnt: usize,
+    /// Memory of the last corrected frame.
+    corrected: Option<Buffer>,
 }
 
 impl Stream {
@@ -101,6 +103,7 @@ impl Stream {
             edges: FrameEdges::default(),
             measurement: Measurement::default(),
             unlearnt: 0,
+            corrected: None,
             settings,
         }
     }
@@ -128,10 +131,14 @@ impl Stream {
         let calibration = self.inspector.as_ref().map(|i| &i.calibration);
         let setup = calibration.and_then(|c| c.setup.as_ref());
         if setup.is_some_and(|setup| setup.flat_field.is_some())
-            && let Ok(frame) = copied(meta, view)
+            && let Ok(frame) = copied(meta, view, self.corrected.take())
         {
             return match self.prepared(name, frame) {
-                Ok(frame) => self.push_prepared(name, meta, &frame.view()),
+                Ok(frame) => {
+                    let pushed = self.push_prepared(name, meta, &frame.view()).map(|_| ());
+                    self.corrected = Some(frame.into_buffer());
+                    pushed.map(|()| &self.measurement)
+                }
                 Err(error) => self.refuse_unread(name, error),
             };
         }
@@ -162,7 +169,7 @@ impl Stream {
         view: &FrameView<'_>,
     ) -> Result<&Measurement, MeasureError> {
         let view = laid(view, self.settings.vertical);
-        self.measurement.begin(name, meta.frame_id, view.columns());
+        self.begin(name, meta.frame_id, view.columns());
         if let Err(error) = self.measure_edges(name, meta, &view) {
             return self.refuse(error);
         }
@@ -183,7 +190,7 @@ impl Stream {
     /// A frame that its source could not deliver: a gap of the series; `why` is the source's
     /// reason.
     pub fn push_unreadable(&mut self, name: &str, why: String) -> &Measurement {
-        self.measurement.begin(name, 0, 0);
+        self.begin(name, 0, 0);
         self.take_refusal(Reason::Unreadable, why);
         &self.measurement
     }
@@ -217,6 +224,14 @@ impl Stream {
         self.inspector.map_or_else(|| Ok(Series::default()), Series::of)
     }
 
+    /// Starts another frame, in the memory of the last one's results.
+    fn begin(&mut self, name: &str, frame_id: u64, columns: usize) {
+        if let Some(inspector) = &mut self.inspector {
+            inspector.take_back(&mut self.measurement);
+        }
+        self.measurement.begin(name, frame_id, columns);
+    }
+
     /// Edges of a frame whose shaft lies level.
     fn measure_edges(
         &mut self,
@@ -230,13 +245,11 @@ impl Stream {
             checked.map_err(|source| MeasureError::OtherEncoding { frame: frame(), source })?;
         }
         let first = self.edge_stream.measure(view, &mut self.edges);
-        let as_crests =
-            self.crests.as_mut().and_then(|c| c.measure(first.as_ref().map(|()| &self.edges), view));
-        match (as_crests, first) {
-            (Some((edges, pitch_px)), _) => {
-                (self.edges, self.measurement.crest_pitch_px) = (edges, Some(pitch_px));
-            }
-            (None, first) => first.map_err(|source| MeasureError::Refused { frame: frame(), source })?,
+        let looked_for = first.as_ref().copied();
+        let crests = self.crests.as_mut().and_then(|c| c.measure(looked_for, &mut self.edges, view));
+        self.measurement.crest_pitch_px = crests;
+        if let (None, Err(source)) = (crests, first) {
+            return Err(MeasureError::Refused { frame: frame(), source });
         }
         self.edges.place_windows(0.0, f64::from(self.settings.rows_between));
         self.check_focus(name)
@@ -277,7 +290,7 @@ impl Stream {
 
     /// A frame of another size than the calibration's: nothing of it is read.
     fn refuse_unread(&mut self, name: &str, error: MeasureError) -> Result<&Measurement, MeasureError> {
-        self.measurement.begin(name, 0, 0);
+        self.begin(name, 0, 0);
         self.refuse(error)
     }
 

@@ -269,7 +269,7 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, paths: Vec<PathBuf>)
             })
         })?;
     }
-    let bench = args.bench.map(|count| bench(args, &instrument.gauge, &all, count));
+    let bench = args.bench.map(|count| bench(args, instrument, &all, count)).transpose()?;
     report_uncalibrated(&stream);
     report_frames(each());
     let series = stream.finish().map_err(failure)?;
@@ -289,10 +289,26 @@ fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {
 }
 
 /// The time to measure the frames from memory.
-fn bench(args: &MeasureArgs, gauge: &Gauge, all: &[Measured], count: u32) -> Value {
+fn bench(
+    args: &MeasureArgs,
+    instrument: &Instrument,
+    all: &[Measured],
+    count: u32,
+) -> Result<Value, Failure> {
     let views: Vec<FrameView<'_>> =
         all.iter().filter_map(|m| m.frame.as_ref()).map(|frame| view(args, frame)).collect();
-    timing::benchmark(gauge, &views, count)
+    // The views are laid level already, and frames by the thousand are no turn.
+    let tolerance = instrument.settings.tolerance.filter(|t| !t.criterion.needs_turn());
+    let settings = MeasureSettings { vertical: false, turn: false, tolerance, ..instrument.settings.clone() };
+    let level = |c: &Calibration| if args.vertical { c.transposed() } else { c.clone() };
+    let calibration = instrument.calibration.as_ref().map(level);
+    let level = Instrument {
+        gauge: instrument.gauge.clone(),
+        calibration,
+        conditions: instrument.conditions,
+        settings,
+    };
+    Ok(timing::benchmark(&instrument.gauge, level.stream()?, &views, count))
 }
 
 /// Tables of the frames, their budgets and the results over all of them.

@@ -1,21 +1,24 @@
-//! `measure --bench`: the time to measure a frame from memory; with several threads also their
-//! speed-up, beside that of independent streams on the same machine.
+//! `measure --bench`: the time to find the edges of a frame from memory, and what all results of a
+//! series take beside it; with several threads also their speed-up, beside that of independent
+//! streams on the same machine.
 
 use std::num::NonZeroUsize;
 use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use crate::frame::FrameView;
+use crate::frame::{FrameMeta, FrameView};
 use crate::gauge::{EdgeStream, FrameEdges, FrameRefused, Gauge, Lanes};
+use crate::measurement::Stream;
 use crate::numerics::robust::median_of;
 
 /// Number of rounds, in which the ways of using the threads alternate.
 const ROUNDS: usize = 15;
 const FRAMES: usize = 256;
 
-/// Times `count` frames in one new stream, on the threads of the calling pool.
-pub(super) fn benchmark(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> Value {
+/// Times `count` frames in one new stream of edges, on the threads of the calling pool; `whole` is a
+/// stream of the same gauge that gives all results of the command.
+pub(super) fn benchmark(gauge: &Gauge, whole: Stream, frames: &[FrameView<'_>], count: u32) -> Value {
     let mut stream = gauge.stream();
     let mut edges = FrameEdges::default();
     let (mut times, mut found) = (Vec::with_capacity(count as usize), 0);
@@ -38,6 +41,7 @@ pub(super) fn benchmark(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> 
         "first_frame_ms": first,
         "edges": found,
         "threads": threads,
+        "results_over_edges": results_over_edges(gauge, whole, frames),
     });
     if threads > 1
         && !frames.is_empty()
@@ -49,6 +53,25 @@ pub(super) fn benchmark(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> 
         out.insert("speedup_of_independent_streams".to_owned(), json!(gains.of_independent_streams));
     }
     out
+}
+
+/// Time of a frame with all its results over that of its edges alone: the median of rounds in which
+/// the two alternate. `None` without a frame.
+fn results_over_edges(gauge: &Gauge, mut whole: Stream, frames: &[FrameView<'_>]) -> Option<f64> {
+    let (mut worker, meta) = (Worker::new(gauge), FrameMeta::default());
+    let mut ratios = Vec::with_capacity(ROUNDS);
+    // Upright parts are views laid level already, as the stream of edges is given them.
+    for _ in 0..if frames.is_empty() { 0 } else { ROUNDS } {
+        let start = Instant::now();
+        worker.run(frames);
+        let edges_s = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        for frame in frames.iter().cycle().take(FRAMES) {
+            let _ = whole.push_prepared("", &meta, frame);
+        }
+        ratios.push(start.elapsed().as_secs_f64() / edges_s);
+    }
+    (!ratios.is_empty()).then(|| median_of(ratios))
 }
 
 /// Speed-up of several threads over one, medians over rounds.

@@ -15,6 +15,7 @@ use crate::gauge::edges::{Edge, FrameEdges};
 use crate::gauge::width::axis_slope::AxisSlope;
 use crate::gauge::width::blur_sensitivity::{trend_factor, u_blur_px};
 use crate::gauge::width::curvature_bias::curvature_bias;
+use crate::gauge::width::reused::Reused;
 use crate::profile::{Diameter, Reading, Reason};
 
 /// Diameters of a frame's columns.
@@ -65,16 +66,13 @@ impl ColumnDiameters {
 
     /// Means over intervals of about `step_mm` along z, for the record: (z of the interval's
     /// middle, reading). An interval without a good column is a gap with its most frequent reason.
-    pub(crate) fn record(&self, meta: &FrameMeta, step_mm: f64) -> Vec<(f64, Reading)> {
+    pub(crate) fn record(&self, meta: &FrameMeta, step_mm: f64) -> impl Iterator<Item = (f64, Reading)> {
         let size = ((step_mm / self.pitch_mm).round() as usize).clamp(1, self.columns.len().max(1));
-        (0..self.columns.len())
-            .step_by(size)
-            .map(|from| {
-                let to = (from + size).min(self.columns.len());
-                let z_mm = 0.5 * (self.z_mm(meta, from) + self.z_mm(meta, to - 1));
-                (z_mm, self.mean(from..to))
-            })
-            .collect()
+        (0..self.columns.len()).step_by(size).map(move |from| {
+            let to = (from + size).min(self.columns.len());
+            let z_mm = 0.5 * (self.z_mm(meta, from) + self.z_mm(meta, to - 1));
+            (z_mm, self.mean(from..to))
+        })
     }
 
     /// Mean over columns; the shared part of the uncertainty does not shrink, which is right for
@@ -108,13 +106,15 @@ impl ColumnDiameters {
     }
 
     fn frequent_reason(&self, columns: std::ops::Range<usize>) -> Reason {
-        let mut counts = std::collections::BTreeMap::<Reason, usize>::new();
+        let mut counts = [(0, Reason::NoEdge); Reason::LAST as usize + 1];
         for column in self.within(columns) {
             if let Reading::Gap(reason) = column.reading {
-                *counts.entry(reason).or_default() += 1;
+                let (count, _) = counts[reason as usize];
+                counts[reason as usize] = (count + 1, reason);
             }
         }
-        counts.into_iter().max_by_key(|(_, n)| *n).map_or(Reason::NoEdge, |(reason, _)| reason)
+        // Of equally frequent ones the last in the order of the reasons.
+        counts.into_iter().max().map_or(Reason::NoEdge, |(_, reason)| reason)
     }
 }
 
@@ -127,6 +127,16 @@ impl Calibration {
     /// As [`Self::diameters`], at 20 °C from a part under these conditions.
     pub(crate) fn diameters_under(&self, edges: &FrameEdges, conditions: &Conditions) -> ColumnDiameters {
         column_diameters(self, edges, conditions)
+    }
+
+    /// As [`Self::diameters_under`], in the memory of an earlier frame's.
+    pub(crate) fn diameters_into(
+        &self,
+        edges: &FrameEdges,
+        conditions: &Conditions,
+        out: &mut ColumnDiameters,
+    ) {
+        fill(out, self, edges, conditions);
     }
 }
 
@@ -218,8 +228,14 @@ pub(crate) fn column_diameters(
     edges: &FrameEdges,
     conditions: &Conditions,
 ) -> ColumnDiameters {
+    let mut out = ColumnDiameters::default();
+    fill(&mut out, calibration, edges, conditions);
+    out
+}
+
+fn fill(out: &mut ColumnDiameters, calibration: &Calibration, edges: &FrameEdges, conditions: &Conditions) {
     let reader = Reader::new(calibration, conditions, AxisSlope::of(edges));
-    let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
+    let both: Reused<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
     // All columns share the frame's blur; a stream takes it from every frame anew, so that frames
     // average it.
     let (u_blur_px, _) = u_blur_px(edges, &both);
@@ -229,11 +245,9 @@ pub(crate) fn column_diameters(
         curvature_bias(&edges.top, edges.figures.sigma_px[0]),
         curvature_bias(&edges.bottom, edges.figures.sigma_px[1]),
     ];
-    let mut out = ColumnDiameters {
-        shared_length: f64::from(edges.shared_length[0].min(edges.shared_length[1])),
-        pitch_mm: calibration.scale_mm_per_px,
-        ..ColumnDiameters::default()
-    };
+    out.shared_length = f64::from(edges.shared_length[0].min(edges.shared_length[1]));
+    out.pitch_mm = calibration.scale_mm_per_px;
+    out.columns.clear();
     for (column, (top, bottom)) in edges.top.iter().zip(&edges.bottom).enumerate() {
         if let Some(reason) = gap(top, bottom) {
             out.columns.push(ColumnDiameter::gap(reason));
@@ -264,7 +278,6 @@ pub(crate) fn column_diameters(
             u_middle_common_mm: 0.5 * scale * repeated.sqrt().hypot(u_blur_px),
         });
     }
-    out
 }
 
 fn gap(top: &Edge, bottom: &Edge) -> Option<Reason> {

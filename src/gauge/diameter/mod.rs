@@ -17,6 +17,7 @@ pub(crate) mod column_diameters;
 pub(crate) mod plausibility;
 pub(crate) mod reading_scatter;
 pub(crate) mod reading_series;
+pub(crate) mod running_series;
 pub(crate) mod sections;
 pub(crate) mod station_mean;
 mod station_row;

@@ -15,6 +15,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::gauge::limit::limits;
+use crate::gauge::width::reused::Reused;
 use crate::profile::Diameter;
 
 limits! {
@@ -47,6 +48,7 @@ pub struct ScatterTest {
 impl ScatterTest {
     /// Of (value, random standard uncertainty) about their weighted mean; `None` for fewer than
     /// two, or for a u that is not above 0.
+    #[cfg(test)]
     pub(crate) fn of(readings: &[(f64, f64)]) -> Option<Self> {
         if readings.len() < 2 || !readings.iter().all(|(_, u)| *u > 0.0) {
             return None;
@@ -117,7 +119,7 @@ impl SeriesMean {
         let u_common_mm = series.iter().map(|d| d.u_common_mm).sum::<f64>() / n;
         let square: f64 = departures().map(|d| d * d).sum();
         let sd_mm = (square / (n - 1.0).max(1.0)).sqrt();
-        let effective_number = effective_number(&departures().collect::<Vec<f64>>());
+        let effective_number = effective_number(&departures().collect::<Reused<f64>>());
         let scattered = (square / n / (effective_number - 1.0).max(1.0)).sqrt();
         Some(Self {
             mean: Diameter { d_mm, u_random_mm: stated.max(scattered), u_common_mm },

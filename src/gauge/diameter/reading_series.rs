@@ -10,6 +10,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use thiserror::Error;
 
 use super::reading_scatter::{SeriesLimits, SeriesMean};
+use crate::gauge::width::reused::Reused;
 use crate::numerics::robust::central_median;
 use crate::profile::{Diameter, Reading};
 
@@ -133,7 +134,7 @@ fn mean(window: &[Diameter], newest: Diameter) -> Diameter {
 }
 
 fn median(window: &[Diameter], newest: Diameter) -> Diameter {
-    let mut values: Vec<f64> = window.iter().map(|d| d.d_mm).collect();
+    let mut values: Reused<f64> = window.iter().map(|d| d.d_mm).collect();
     let d_mm = central_median(&mut values).unwrap_or(newest.d_mm);
     let mean = mean(window, newest);
     let u_random_mm = mean.u_random_mm * median_penalty(values.len());
@@ -252,7 +253,6 @@ impl RunningStatistics {
     }
 
     /// Values so far.
-    #[cfg(test)]
     pub(crate) fn count(&self) -> u64 {
         self.count
     }

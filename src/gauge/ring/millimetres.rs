@@ -19,7 +19,7 @@ use super::settings::RingScale;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::calibration::{Conditions, LensModel, PARAMETERS};
 use crate::gauge::limit::limits;
-use crate::gauge::uncertainty::budget::{Budget, add_conditions, common};
+use crate::gauge::uncertainty::budget::{Budget, Texts, add_conditions, common};
 
 limits! {
     /// How a ring's diameter is derived by the lens.
@@ -125,14 +125,14 @@ impl Mapping<'_> {
     fn u_common_mm(&self, outline: &Outline, d: f64, at_t: f64) -> Result<f64, FormError> {
         let side = if outline.outer { 1.0 } else { -1.0 };
         let mut budget = Budget { diameter_mm: at_t, contributions: Vec::new() };
-        add_conditions(&mut budget, self.calibration, self.conditions, at_t);
+        add_conditions(&mut budget, self.calibration, self.conditions, at_t, Texts::LeftOut);
         let Some(setup) = &self.calibration.setup else {
             let [vs, c, vo] = self.calibration.covariance;
             let variance = (d * d * vs + 2.0 * side * d * c + vo).max(0.0);
             return Ok(budget.u_common_mm().hypot(variance.sqrt()));
         };
         let by = self.by_parameters(&setup.lens, outline, d, side)?;
-        setup.parts.iter().for_each(|part| budget.push(common(part, &by)));
+        setup.parts.iter().for_each(|part| budget.push(common(part, &by, Texts::LeftOut)));
         Ok(budget.u_common_mm())
     }
 

@@ -1,7 +1,7 @@
 //! The uncertainty budget of a diameter (GUM clause 8 and annex H): one row a source, random and
 //! common apart.
 
-use std::fmt::Write as _;
+use std::fmt::{Arguments, Write as _};
 use std::ops::Range;
 
 use serde::Serialize;
@@ -83,6 +83,23 @@ pub struct Budget {
     pub diameter_mm: f64,
     /// Its rows.
     pub contributions: Vec<Contribution>,
+}
+
+/// Whether the rows of a budget have their texts; their sums alone need none, and writing them
+/// takes memory for every frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Texts {
+    /// Source and input of every row.
+    Written,
+    /// Empty.
+    LeftOut,
+}
+
+impl Texts {
+    /// A text, or an empty one.
+    pub(crate) fn of(self, text: Arguments<'_>) -> String {
+        if self == Self::Written { text.to_string() } else { String::new() }
+    }
 }
 
 /// Probability of the intervals where no coverage factor is given: that of k = 2 for a normal
@@ -248,6 +265,20 @@ impl WidthReading {
 
     /// The diameter at 20 °C and its budget.
     pub(crate) fn budget(&self, calibration: &Calibration, conditions: &Conditions) -> Budget {
+        let mut budget = Budget::default();
+        self.budget_into(calibration, conditions, Texts::Written, &mut budget);
+        budget
+    }
+
+    /// As [`Self::budget`], in the memory of an earlier one.
+    pub(crate) fn budget_into(
+        &self,
+        calibration: &Calibration,
+        conditions: &Conditions,
+        texts: Texts,
+        budget: &mut Budget,
+    ) {
+        budget.contributions.clear();
         let scale = calibration.scale_mm_per_px;
         let (width_px, by) = match &calibration.setup {
             Some(setup) => {
@@ -260,33 +291,35 @@ impl WidthReading {
             None => ((self.rows_px.1 - self.rows_px.0) * self.chord, None),
         };
         let at_t = calibration.diameter_mm(width_px);
-        let mut budget = Budget { diameter_mm: at_t * conditions.to_reference(), contributions: Vec::new() };
-        self.add_edges(&mut budget, scale * self.chord, calibration.setup.as_ref().map(|b| &b.lens));
-        budget.push(self.place(calibration));
+        budget.diameter_mm = at_t * conditions.to_reference();
+        self.add_edges(budget, scale * self.chord, calibration.setup.as_ref().map(|b| &b.lens), texts);
+        budget.push(self.place(calibration, texts));
         match (&calibration.setup, by) {
             (Some(setup), Some(by)) => {
                 for part in &setup.parts {
-                    budget.push(common(part, &by));
+                    budget.push(common(part, &by, texts));
                 }
             }
-            _ => add_scale_and_offset(&mut budget, calibration, width_px),
+            _ => add_scale_and_offset(budget, calibration, width_px, texts),
         }
-        add_conditions(&mut budget, calibration, conditions, at_t);
-        budget
+        add_conditions(budget, calibration, conditions, at_t, texts);
     }
 
     /// The row of edges with ambiguous position, because their edge-spread function was estimated
     /// from the frame and the masters' was not, or the other way round.
-    fn place(&self, calibration: &Calibration) -> Contribution {
+    fn place(&self, calibration: &Calibration, texts: Texts) -> Contribution {
         let limit = self.figures.position_ambiguity_px[0] + self.figures.position_ambiguity_px[1];
         let (source, input) = if calibration.is_learnt() {
             let limit = self.figures.unlearnt_position_px();
-            ("place of edges not learnt, as the masters' were", format!("± {limit:.3} px of width"))
+            (
+                "place of edges not learnt, as the masters' were",
+                texts.of(format_args!("± {limit:.3} px of width")),
+            )
         } else {
-            ("place of learnt edges, no masters", format!("0 to {limit:.3} px of width less"))
+            ("place of learnt edges, no masters", texts.of(format_args!("0 to {limit:.3} px of width less")))
         };
         Contribution {
-            source: source.to_owned(),
+            source: texts.of(format_args!("{source}")),
             input,
             shape: Shape::Rectangular,
             share: Share::Common,
@@ -295,14 +328,14 @@ impl WidthReading {
         }
     }
 
-    fn add_edges(&self, budget: &mut Budget, mm_per_px: f64, lens: Option<&LensModel>) {
+    fn add_edges(&self, budget: &mut Budget, mm_per_px: f64, lens: Option<&LensModel>, texts: Texts) {
         let u = &self.u;
         let (u_form_px, form_freedom) = self.form.u_px(lens, u.noise_px);
         let share = u.quantisation_share.clamp(0.0, 1.0);
-        let width = |u_px: f64| format!("{u_px:.5} px of width");
+        let width = |u_px: f64| texts.of(format_args!("{u_px:.5} px of width"));
         let mut random = |source: &str, input: String, u_px: f64, freedom: Option<f64>| {
             budget.push(Contribution {
-                source: source.to_owned(),
+                source: texts.of(format_args!("{source}")),
                 input,
                 shape: Shape::Normal,
                 share: Share::Random,
@@ -316,16 +349,17 @@ impl WidthReading {
         random("levels of light and shadow", width(u.levels_px), u.levels_px, None);
         random("form, texture and sampling", width(u_form_px), u_form_px, Some(form_freedom));
         // All columns share the frame's blur; a stream estimates it from every frame anew.
-        random("blur", format!("{:.5} px of blur", u.sigma_px), u.blur_px, None);
+        let blur = texts.of(format_args!("{:.5} px of blur", u.sigma_px));
+        random("blur", blur, u.blur_px, None);
         // The same light falls on every frame: it does not average.
-        let misfit = format!("{:.5} px beyond the masters'", u.misfit_px);
+        let misfit = texts.of(format_args!("{:.5} px beyond the masters'", u.misfit_px));
         for (source, input, u_px) in [
             ("misfit of the edge model", misfit, u.misfit_px),
             ("light beyond the end of the grey scale", width(u.clipped_px), u.clipped_px),
             ("quantisation that repeats", width(u.rounding_px), u.rounding_px),
         ] {
             budget.push(Contribution {
-                source: source.to_owned(),
+                source: texts.of(format_args!("{source}")),
                 input,
                 shape: Shape::Normal,
                 share: Share::Common,
@@ -349,11 +383,11 @@ pub(crate) fn is_rectangular(source: &str) -> bool {
 }
 
 /// The row of one source of the calibration, by the diameter's derivatives.
-pub(crate) fn common(part: &CovariancePart, by: &[f64; 6]) -> Contribution {
+pub(crate) fn common(part: &CovariancePart, by: &[f64; 6], texts: Texts) -> Contribution {
     let rectangular = is_rectangular(&part.source);
     Contribution {
-        source: part.source.clone(),
-        input: "calibration".to_owned(),
+        source: texts.of(format_args!("{}", part.source)),
+        input: texts.of(format_args!("calibration")),
         shape: if rectangular { Shape::Rectangular } else { Shape::Normal },
         share: Share::Common,
         freedom: None,
@@ -362,10 +396,10 @@ pub(crate) fn common(part: &CovariancePart, by: &[f64; 6]) -> Contribution {
 }
 
 /// Without an optical setup only scale and offset are known, with their covariance.
-fn add_scale_and_offset(budget: &mut Budget, calibration: &Calibration, width_px: f64) {
-    let row = |source: &str, input: String, u_mm: f64| Contribution {
-        source: source.to_owned(),
-        input,
+fn add_scale_and_offset(budget: &mut Budget, calibration: &Calibration, width_px: f64, texts: Texts) {
+    let row = |source: Arguments<'_>, input: Arguments<'_>, u_mm: f64| Contribution {
+        source: texts.of(source),
+        input: texts.of(input),
         shape: Shape::Normal,
         share: Share::Common,
         freedom: None,
@@ -376,17 +410,22 @@ fn add_scale_and_offset(budget: &mut Budget, calibration: &Calibration, width_px
         // Two masters: the line runs through both, so each one's share is its lever.
         let (one, two) = (a.width_px, b.width_px);
         for (master, lever) in [(a, (width_px - two) / (one - two)), (b, (width_px - one) / (two - one))] {
-            let name = format!("{} mm", master.certificate.diameter_mm);
-            let u = master.certificate.u_mm();
-            let input = format!("U/k = {:.3} um", 1e3 * u);
-            budget.push(row(&format!("certificate of the master of {name}"), input, lever.abs() * u));
+            let (d_mm, u) = (master.certificate.diameter_mm, master.certificate.u_mm());
+            budget.push(row(
+                format_args!("certificate of the master of {d_mm} mm"),
+                format_args!("U/k = {:.3} um", 1e3 * u),
+                lever.abs() * u,
+            ));
             let u = calibration.scale_mm_per_px * master.u_width_px;
-            let input = format!("{:.5} px", master.u_width_px);
-            budget.push(row(&format!("edges of the master of {name}"), input, lever.abs() * u));
+            budget.push(row(
+                format_args!("edges of the master of {d_mm} mm"),
+                format_args!("{:.5} px", master.u_width_px),
+                lever.abs() * u,
+            ));
         }
         return;
     }
-    budget.push(row("scale and edge offset", "calibration".to_owned(), together));
+    budget.push(row(format_args!("scale and edge offset"), format_args!("calibration"), together));
 }
 
 /// The rows of the conditions of use; `at_t` is the diameter at the part's temperature, mm.
@@ -395,9 +434,10 @@ pub(crate) fn add_conditions(
     calibration: &Calibration,
     conditions: &Conditions,
     at_t: f64,
+    texts: Texts,
 ) {
-    for Row { source, input, factor, u_mm } in budget_conditions::rows(calibration, conditions, at_t) {
-        let source = source.to_owned();
+    for Row { source, input, factor, u_mm } in budget_conditions::rows(calibration, conditions, at_t, texts) {
+        let source = texts.of(format_args!("{source}"));
         let shape = factor.map_or(Shape::Rectangular, |known| Shape::Product { known });
         budget.push(Contribution { source, input, shape, share: Share::Common, freedom: None, u_mm });
     }

@@ -1,6 +1,7 @@
 //! Rows of the conditions of use in a budget: temperature, expansion, place, finish and drift of a
 //! part.
 
+use super::budget::Texts;
 use crate::gauge::calibration::Conditions;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 
@@ -27,7 +28,7 @@ pub(crate) struct Row {
 }
 
 /// The rows of the conditions of use; `at_t` is the diameter at the part's temperature, mm.
-pub(crate) fn rows(calibration: &Calibration, conditions: &Conditions, at_t: f64) -> [Row; 5] {
+pub(crate) fn rows(calibration: &Calibration, conditions: &Conditions, at_t: f64, texts: Texts) -> [Row; 5] {
     let (t, u_t) = calibration
         .setup
         .as_ref()
@@ -37,41 +38,41 @@ pub(crate) fn rows(calibration: &Calibration, conditions: &Conditions, at_t: f64
     let rows = [
         (
             OF_CONDITIONS[0],
-            format!(
+            texts.of(format_args!(
                 "{} ± {} °C{}",
                 conditions.temperature_c,
                 conditions.limit_temperature_k,
                 said(unstated.temperature)
-            ),
+            )),
             None,
             conditions.u_temperature_mm(at_t),
         ),
         (
             OF_CONDITIONS[1],
-            format!(
+            texts.of(format_args!(
                 "{} ± {} um/(m K){}",
                 conditions.expansion_um_per_m_k,
                 conditions.limit_expansion_um_per_m_k,
                 said(unstated.expansion)
-            ),
+            )),
             None,
             conditions.u_expansion_mm(at_t),
         ),
         (
             OF_CONDITIONS[2],
-            format!("{} ± {} mm", conditions.axis_y_mm, conditions.limit_axis_y_mm),
+            texts.of(format_args!("{} ± {} mm", conditions.axis_y_mm, conditions.limit_axis_y_mm)),
             Some(t.abs() / t.hypot(u_t).max(f64::MIN_POSITIVE)),
             conditions.u_focus_mm(at_t, t, u_t),
         ),
         (
             OF_CONDITIONS[3],
-            format!("± {} um an edge{}", conditions.limit_edge_um, said(unstated.edge)),
+            texts.of(format_args!("± {} um an edge{}", conditions.limit_edge_um, said(unstated.edge))),
             None,
             conditions.u_edges_mm(),
         ),
         (
             OF_CONDITIONS[4],
-            format!("± {} ppm", conditions.limit_drift_ppm),
+            texts.of(format_args!("± {} ppm", conditions.limit_drift_ppm)),
             None,
             conditions.u_drift_mm(at_t),
         ),

@@ -19,6 +19,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use super::budget::{Budget, Contribution, DRAWS, PROBABILITY, Shape};
 use super::monte_carlo::Distribution;
 use crate::gauge::limit::limits;
+use crate::gauge::width::reused::Reused;
 use crate::numerics::distributions::{phi_cdf, student};
 
 limits! {
@@ -86,7 +87,7 @@ impl Budget {
         let rectangle =
             |shape| shape == Shape::Rectangular || matches!(shape, Shape::Product { known } if known > 0.95);
         let bounded = |c: &&Contribution| rectangle(c.shape) && c.u_mm > 0.0;
-        let halves: Vec<f64> =
+        let halves: Reused<f64> =
             self.contributions.iter().filter(bounded).map(|c| c.u_mm * 3.0_f64.sqrt()).collect();
         let variance = halves.iter().map(|a| a * a / 3.0).sum::<f64>();
         let total = self.u_mm().powi(2);
@@ -150,7 +151,7 @@ fn half_width(halves: &[f64], rest: &Rest, probability: f64) -> f64 {
 
 /// Density of a sum of rectangles in equal cells over ± `reach`.
 struct Density {
-    masses: Vec<f64>,
+    masses: Reused<f64>,
     reach: f64,
 }
 
@@ -159,17 +160,17 @@ impl Density {
     /// density.
     fn of(halves: &[f64], reach: f64) -> Self {
         let limits = CoverageLimits::get();
-        let mut sorted = halves.to_vec();
+        let mut sorted: Reused<f64> = halves.iter().copied().collect();
         sorted.sort_by(|a, b| b.total_cmp(a));
         let border = |k: usize| reach * (2.0 * k as f64 / limits.cells as f64 - 1.0);
         let (first, others) = sorted.split_first().map_or((reach, &[][..]), |(f, o)| (*f, o));
-        let mut integral: Vec<f64> = (0..=limits.cells)
+        let mut integral: Reused<f64> = (0..=limits.cells)
             .map(|k| (0.5 + 0.5 * border(k) / first.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0))
             .collect();
         for half in others {
             // The integral of the integral, so that a rectangle narrower than a cell still widens
             // the sum.
-            let mut twice = vec![0.0; limits.cells + 1];
+            let mut twice: Reused<f64> = std::iter::repeat_n(0.0, limits.cells + 1).collect();
             for k in 0..limits.cells {
                 twice[k + 1] = twice[k] + 0.5 * (integral[k] + integral[k + 1]);
             }

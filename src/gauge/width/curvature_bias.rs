@@ -4,6 +4,7 @@
 //! and W = 1 px the column's width; with slope y' the blur's share along the column is y''·cos²β. A
 //! dark disc's edge moves towards its centre, by (σ² + 1/12)/2R.
 
+use super::reused::Reused;
 use crate::gauge::edges::Edge;
 use crate::gauge::limit::limits;
 
@@ -25,9 +26,9 @@ pub(crate) fn bias_per_curvature(sigma_px: f64) -> f64 {
 
 /// Bias of each edge of a line, px, to be subtracted from its row; 0 where the edge is straight or
 /// its curvature not significant.
-pub(crate) fn curvature_bias(line: &[Edge], sigma_px: f64) -> Vec<f64> {
+pub(crate) fn curvature_bias(line: &[Edge], sigma_px: f64) -> Reused<f64> {
     let limits = CurvatureLimits::get();
-    let mut bias = vec![0.0; line.len()];
+    let mut bias: Reused<f64> = std::iter::repeat_n(0.0, line.len()).collect();
     let factor = bias_per_curvature(sigma_px);
     // y'' and slope of evenly spaced points: fixed weights, Σ w·y with w = t² − mean(t²).
     let arm = limits.arm as f64;
