@@ -193,9 +193,12 @@ impl Inspector {
         out: &mut Measurement,
     ) -> Result<Option<WidthReading>, MeasureError> {
         let least = self.settings.least_stretch(Some(&self.calibration));
-        let Some(reading) = WidthReading::of_largest(edges, &self.calibration, least) else {
-            return Ok(None);
+        let reading = match (&self.calibration.setup, &out.largest) {
+            // Without a lens the widest place of the image is that of the part.
+            (None, Some(largest)) => WidthReading::of_caliper(edges, largest),
+            _ => WidthReading::of_largest(edges, &self.calibration, least),
         };
+        let Some(reading) = reading else { return Ok(None) };
         let mut budget = std::mem::take(&mut self.buffers.budget);
         let texts = if self.settings.budget { Texts::Written } else { Texts::LeftOut };
         stated_budget(&reading, &self.calibration, &self.conditions, texts, &mut budget);

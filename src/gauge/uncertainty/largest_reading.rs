@@ -5,7 +5,7 @@ use super::form_scatter::{FormScatterLimits, Scatter};
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::edges::FrameEdges;
 use crate::gauge::width::blur_sensitivity::u_blur_px;
-use crate::gauge::width::largest_caliper::{largest_caliper_over, largest_caliper_where};
+use crate::gauge::width::largest_caliper::{LargestCaliper, largest_caliper_over, largest_caliper_where};
 use crate::gauge::width::reused::Reused;
 
 impl WidthReading {
@@ -16,7 +16,6 @@ impl WidthReading {
         calibration: &Calibration,
         least_columns: usize,
     ) -> Option<Self> {
-        let form_scatter_limits = FormScatterLimits::get();
         let largest = match &calibration.setup {
             Some(setup) => largest_caliper_where(edges, least_columns, |column, top_px, bottom_px| {
                 let row = |row_px| setup.lens.ideal_row(column as f64, row_px);
@@ -24,6 +23,12 @@ impl WidthReading {
             }),
             None => largest_caliper_over(edges, least_columns),
         }?;
+        Self::of_caliper(edges, &largest)
+    }
+
+    /// Of a largest caliper diameter of the frame that is known.
+    pub(crate) fn of_caliper(edges: &FrameEdges, largest: &LargestCaliper) -> Option<Self> {
+        let form_scatter_limits = FormScatterLimits::get();
         let half = 0.5 * largest.diameter_px;
         let near = largest.column_px.round().clamp(0.0, edges.columns() as f64 - 1.0) as usize;
         let (from, to) = (near.saturating_sub(32), (near + 33).min(edges.columns()));

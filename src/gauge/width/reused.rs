@@ -28,7 +28,7 @@ macro_rules! elements {
     )*};
 }
 
-elements!(usize, f64, (f64, f64), (f64, f64, f64), (f64, f64, f64, f64));
+elements!(usize, f64, (bool, bool), (f64, f64), (f64, f64, f64), (f64, f64, f64, f64));
 
 /// A list in memory that its thread has kept; [`Iterator::collect`] makes one.
 #[derive(Debug)]

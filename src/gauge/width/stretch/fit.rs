@@ -62,6 +62,21 @@ pub(crate) struct Fit {
     parabola: Option<(Vector3<f64>, Matrix3<f64>)>,
 }
 
+/// What a fit is computed from.
+pub(super) struct Sums {
+    /// Middle of the points, px, and half of their length.
+    pub(super) middle: f64,
+    pub(super) half: f64,
+    /// Value subtracted from all others, px.
+    pub(super) origin: f64,
+    /// Σtᵏ, k from 0 to 4.
+    pub(super) sums: [f64; 5],
+    /// Σtᵏ·v, k from 0 to 2.
+    pub(super) products: [f64; 3],
+    /// Mean variance of a value's noise, px².
+    pub(super) variance: f64,
+}
+
 /// Residuals about a fit.
 struct Residuals {
     square: f64,
@@ -98,20 +113,18 @@ impl Fit {
             }
             variance += points.sd[i] * points.sd[i];
         }
+        let variance = variance / sums[0];
+        Some(Self::of_sums(Sums { middle, half, origin, sums, products, variance }))
+    }
+
+    /// The fit that has these sums.
+    pub(super) fn of_sums(of: Sums) -> Self {
+        let Sums { middle, half, origin, sums, products, variance } = of;
         let n = sums[0];
-        let mut fit = Self {
-            n,
-            middle,
-            half,
-            origin,
-            sums,
-            products,
-            variance: variance / n,
-            line: (products[0] / n, 0.0),
-            parabola: None,
-        };
+        let line = (products[0] / n, 0.0);
+        let mut fit = Self { n, middle, half, origin, sums, products, variance, line, parabola: None };
         fit.solve();
-        Some(fit)
+        fit
     }
 
     fn solve(&mut self) {
@@ -121,7 +134,13 @@ impl Fit {
             let slope = (self.n * p[1] - s[1] * p[0]) / determinant;
             self.line = ((p[0] - slope * s[1]) / self.n, slope);
         }
-        if self.n > 3.0 {
+        if self.n > 3.0 && s[1] == 0.0 && s[3] == 0.0 {
+            // Evenly spaced points: the odd power stands apart.
+            let apart = self.n * s[4] - s[2] * s[2];
+            let (a, b, c) = (s[4] / apart, s[2] / apart, self.n / apart);
+            let inverse = Matrix3::new(a, 0.0, -b, 0.0, s[2].recip(), 0.0, -b, 0.0, c);
+            self.parabola = Some((inverse * Vector3::from(*p), inverse));
+        } else if self.n > 3.0 {
             let normal = Matrix3::new(s[0], s[1], s[2], s[1], s[2], s[3], s[2], s[3], s[4]);
             let inverse = normal.try_inverse();
             self.parabola = inverse.map(|inverse| (inverse * Vector3::from(*p), inverse));

@@ -10,6 +10,7 @@
 //! places, what they differ by beyond noise is stated.
 
 use super::fit::{Estimate, Fit, Order, Points};
+use super::running_sums::RunningSums;
 use crate::gauge::limit::limits;
 use crate::gauge::width::reused::Reused;
 
@@ -93,6 +94,9 @@ pub(crate) struct Largest {
     pub(crate) columns: (usize, usize),
 }
 
+/// Whether a line ends at a point towards lower and towards higher columns.
+type Ends = (bool, bool);
+
 /// A stretch chosen: points `from..to`, and where on it the value stands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
@@ -168,6 +172,8 @@ impl Line {
         let limits = LargestValueLimits::get();
         let points = Points { x: &self.x, y: &self.size, sd: &self.sd };
         let (n, least) = (range.len(), least.clamp(1, range.len().max(1)));
+        let sums = (n > 0).then(|| RunningSums::new(points, range, parity))?;
+        let ends = self.ends();
         let mut best: Option<Choice> = None;
         let stated = if WIDTHS.contains(&least) { 0 } else { least };
         for width in WIDTHS.into_iter().chain([stated]).filter(|w| (least..=n).contains(w)) {
@@ -179,8 +185,8 @@ impl Line {
                     continue;
                 }
                 let indices = (from + (from + parity) % 2..to).step_by(2);
-                let Some(fit) = Fit::new(&points, indices.clone()) else { continue };
-                for (order, at) in self.candidates(&fit, (from, to), least).into_iter().flatten() {
+                let Some(fit) = sums.fit(from, to) else { continue };
+                for (order, at) in self.candidates(&fit, (from, to), least, &ends).into_iter().flatten() {
                     let beats = |score: f64| best.is_none_or(|b| score > b.score);
                     // Residuals are independent of the value: all points may test whether the fit
                     // describes them.
@@ -214,7 +220,13 @@ impl Line {
     }
 
     /// Candidates that represent a stretch.
-    fn candidates(&self, fit: &Fit, (from, to): (usize, usize), least: usize) -> [Option<(Order, f64)>; 4] {
+    fn candidates(
+        &self,
+        fit: &Fit,
+        (from, to): (usize, usize),
+        least: usize,
+        ends: &[Ends],
+    ) -> [Option<(Order, f64)>; 4] {
         let limits = LargestValueLimits::get();
         let width = to - from;
         let (first, last) = (self.x[from], self.x[to - 1]);
@@ -222,10 +234,15 @@ impl Line {
         let vertex = if width >= limits.least_of_parabola { fit.vertex() } else { None };
         [
             (width <= limits.widest_mean.max(least)).then_some((Order::Mean, 0.5 * (first + last))),
-            end(first, self.ends_at(from, -1)),
-            end(last, self.ends_at(to - 1, 1)),
+            end(first, ends[from].0),
+            end(last, ends[to - 1].1),
             vertex.map(|at| (Order::Parabola, at)),
         ]
+    }
+
+    /// Whether the line ends at each of its points.
+    fn ends(&self) -> Reused<Ends> {
+        (0..self.len()).map(|i| (self.ends_at(i, -1), self.ends_at(i, 1))).collect()
     }
 
     /// Whether the line ends at a point on the side of `step`: nothing follows, or what follows
