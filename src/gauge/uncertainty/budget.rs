@@ -10,6 +10,7 @@ pub(crate) use super::budget_conditions::OF_CONDITIONS;
 use super::budget_conditions::{self, Row};
 pub(crate) use super::form_scatter::Scatter;
 use super::stated::stated;
+pub(crate) use super::texts::Texts;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::calibration::{ColumnSpread, Conditions, CovariancePart, LensModel, ReadWidth};
 use crate::gauge::edges::{FrameEdges, FrameFigures};
@@ -83,23 +84,6 @@ pub struct Budget {
     pub diameter_mm: f64,
     /// Its rows.
     pub contributions: Vec<Contribution>,
-}
-
-/// Whether the rows of a budget have their texts; their sums alone need none, and writing them
-/// takes memory for every frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Texts {
-    /// Source and input of every row.
-    Written,
-    /// Empty.
-    LeftOut,
-}
-
-impl Texts {
-    /// A text, or an empty one.
-    pub(crate) fn of(self, text: Arguments<'_>) -> String {
-        if self == Self::Written { text.to_string() } else { String::new() }
-    }
 }
 
 /// Probability of the intervals where no coverage factor is given: that of k = 2 for a normal

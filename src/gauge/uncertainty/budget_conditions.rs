@@ -1,7 +1,7 @@
 //! Rows of the conditions of use in a budget: temperature, expansion, place, finish and drift of a
 //! part.
 
-use super::budget::Texts;
+use super::texts::Texts;
 use crate::gauge::calibration::Conditions;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 

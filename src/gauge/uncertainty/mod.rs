@@ -15,3 +15,4 @@ pub(crate) mod form_scatter;
 pub(crate) mod largest_reading;
 pub(crate) mod monte_carlo;
 pub mod stated;
+pub(crate) mod texts;
