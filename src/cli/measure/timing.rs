@@ -16,8 +16,8 @@ use crate::numerics::robust::median_of;
 const ROUNDS: usize = 15;
 const FRAMES: usize = 256;
 
-/// Times `count` frames in one new stream of edges, on the threads of the calling pool; `whole` is a
-/// stream of the same gauge that gives all results of the command.
+/// Times `count` frames in one new stream of edges, on the threads of the calling pool; `whole` is
+/// a stream of the same gauge that gives all results of the command.
 pub(super) fn benchmark(gauge: &Gauge, whole: Stream, frames: &[FrameView<'_>], count: u32) -> Value {
     let mut stream = gauge.stream();
     let mut edges = FrameEdges::default();

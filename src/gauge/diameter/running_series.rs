@@ -199,8 +199,8 @@ mod tests {
         assert!(RunningSeries::default().mean().is_none());
     }
 
-    /// Merged blocks give the u of the mean that all readings give, of independent and of correlated
-    /// ones, and the memory does not grow.
+    /// Merged blocks give the u of the mean that all readings give, of independent and of
+    /// correlated ones, and the memory does not grow.
     #[test]
     fn a_long_series_is_as_uncertain_in_constant_memory() {
         for phi in [0.0, 0.8, 0.99] {
