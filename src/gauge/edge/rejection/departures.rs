@@ -119,6 +119,7 @@ fn whole_medians(chunk: &[f32]) -> Option<[f32; LANES]> {
 /// normal distribution.
 pub(super) fn robust_sd(sizes: &mut [f64]) -> f64 {
     let index = (DepartureLimits::get().agreeing * sizes.len() as f64) as usize;
+    let index = index.min(sizes.len().saturating_sub(1));
     MEDIAN_TO_SD * *sizes.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
