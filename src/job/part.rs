@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::stations;
 use crate::conformity::{DecisionRule, PROBABILITY, SizeCriterion, Tolerance};
-use crate::setting::{SettingError, positive};
+use crate::setting::{SettingError, positive, require};
 
 /// The part and its passes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -149,6 +149,7 @@ impl Part {
             }
             before = nominal;
         }
+        require(self.aim_mm.is_finite(), "part.aim_mm", self.aim_mm, "a length in mm")?;
         self.check_tolerance()
     }
 
