@@ -35,10 +35,12 @@ impl Part {
         Err(SettingError::at("part.nominal_diameter_mm", why))
     }
 
-    /// Checks the length, the diameter that is drawn and the stations that are listed.
+    /// Checks the length, the diameter that is drawn, the stations that are listed and, where it is
+    /// set, the tolerance.
     fn check_drawn(&self) -> Result<(), SettingError> {
         positive("part.length_mm", self.length_mm)?;
         positive(&self.drawn_key(), self.drawn_diameter_mm())?;
+        self.check_tolerance()?;
         let Some(listed) = self.listed() else { return Ok(()) };
         positive("part.station_mm", self.station_mm)?;
         stations::check(listed, self.length_mm, self.station_mm)
@@ -46,19 +48,20 @@ impl Part {
 }
 
 impl LoopJob {
-    /// Checks the part, the camera's field and the scan. `largest_mm` is the largest diameter of a
-    /// contour, which takes the place of the passes'.
-    fn check_drawn(&self, largest_mm: Option<f64>) -> Result<(), SettingError> {
+    /// Checks the part, the camera's field and the scan. A contour has diameters of its own: whether
+    /// they fit is checked frame by frame.
+    fn check_drawn(&self, has_contour: bool) -> Result<(), SettingError> {
         self.part.check_drawn()?;
         self.field.check()?;
+        self.check_scan()?;
         if self.field.is_line {
             // The length of a reading along z.
             positive("part.station_mm", self.part.station_mm)?;
         }
-        match largest_mm {
-            Some(diameter_mm) => self.check_view("shaft.contour", diameter_mm),
-            None => self.check_view(&self.part.drawn_key(), self.part.drawn_diameter_mm()),
+        if has_contour {
+            return Ok(());
         }
+        self.check_fits(&self.part.drawn_key(), self.part.drawn_diameter_mm())
     }
 }
 
@@ -69,8 +72,7 @@ impl Job {
     /// The first setting that is refused.
     pub(crate) fn check_scene(&self) -> Result<(), SettingError> {
         self.check_setup()?;
-        let corners = self.shaft.contour.iter().map(|corner| corner.diameter_mm);
-        self.loop_job().check_drawn(corners.reduce(f64::max))
+        self.loop_job().check_drawn(!self.shaft.contour.is_empty())
     }
 
     /// Checks the optical setup as a user may write it.

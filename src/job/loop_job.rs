@@ -180,7 +180,8 @@ impl LoopJob {
             return probe::check(probe, &self.masters);
         }
         self.field.check()?;
-        self.check_view("part.stock_diameter_mm", self.part.stock_diameter_mm)?;
+        self.check_scan()?;
+        self.check_fits("part.stock_diameter_mm", self.part.stock_diameter_mm)?;
         self.check_masters()
     }
 
@@ -211,15 +212,19 @@ impl LoopJob {
         crate::control::build(&self.run_control(), &self.part.station_z_mm()).map(drop).map_err(from_control)
     }
 
-    /// Checks the fields and angles of a scan, and that a shaft of this diameter fits the field;
-    /// `key` is the diameter's own.
-    pub(super) fn check_view(&self, key: &str, diameter_mm: f64) -> Result<(), SettingError> {
+    /// Checks the numbers of fields and angles.
+    pub(super) fn check_scan(&self) -> Result<(), SettingError> {
         if self.scan.fields == 0 || self.scan.fields > 100_000 {
             return Err(SettingError::at("scan.fields", "must be between 1 and 100 000"));
         }
         if self.scan.angles == 0 || self.scan.angles > 100_000 {
             return Err(SettingError::at("scan.angles", "must be between 1 and 100 000"));
         }
+        Ok(())
+    }
+
+    /// Checks that a shaft fits the field; `key` is its diameter's.
+    pub(super) fn check_fits(&self, key: &str, diameter_mm: f64) -> Result<(), SettingError> {
         let height = self.field.height_mm();
         if diameter_mm > 0.97 * height {
             return Err(SettingError::at(

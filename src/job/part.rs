@@ -153,7 +153,7 @@ impl Part {
         self.check_tolerance()
     }
 
-    fn check_tolerance(&self) -> Result<(), SettingError> {
+    pub(super) fn check_tolerance(&self) -> Result<(), SettingError> {
         DecisionRule::new(self.conformance_probability)
             .map_err(|e| SettingError::at("part.conformance_probability", e.to_string()))?;
         let Some(t) = self.tolerance else { return Ok(()) };
