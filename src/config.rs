@@ -222,8 +222,10 @@ pub(crate) fn parse_loose<T: DeserializeOwned>(text: &str, file: &str) -> Result
 pub(crate) fn value_error(text: &str, file: &str, error: SettingError) -> ConfigError {
     let place = place::of_key(text, &error.key);
     let help = if place.is_set { None } else { kept_default(&error.key, error.found.as_deref()) };
+    let at = place.span.as_ref().filter(|_| place.is_set);
+    let at = at.map(|span| place::line_and_column(text, span.start));
     ConfigError::Value {
-        file: file.to_owned(),
+        file: at.map_or_else(|| file.to_owned(), |(line, column)| format!("{file}:{line}:{column}")),
         help,
         span: place.span.map(SourceSpan::from),
         problem: error.without_key(),

@@ -97,9 +97,9 @@ pub(crate) fn make(
     backend: BackendChoice,
 ) -> Result<Calibrated, Failure> {
     let LoadedPlan { plan, text, folder } = loaded;
-    plan.validate().map_err(|e| text.refuse(e))?;
+    plan.validate().map_err(|e| text.refuse_at(e))?;
     let failed = |e: CalibrateError| match e {
-        CalibrateError::Setting(_) => text.refuse(e),
+        CalibrateError::Setting(e) => text.refuse_at(e),
         other => Failure::fail(format!("{}: {other}", text.name)),
     };
     if plan.simulate.is_none() {

@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 use super::failure::{CommandResult, Failure, Outcome};
 use crate::config;
 use crate::files::OutputFolder;
+use crate::setting::SettingError;
 
 /// A config's text and its name in errors.
 pub(crate) struct ConfigText {
@@ -49,6 +50,11 @@ impl ConfigText {
     /// Exit 2 for text that is not TOML.
     pub(crate) fn tables(&self) -> Result<toml::Table, Failure> {
         config::parse_loose(&self.text, &self.name).map_err(Failure::refused)
+    }
+
+    /// A refusal of a key's value, with its place.
+    pub(crate) fn refuse_at(&self, error: SettingError) -> Failure {
+        Failure::refused(config::value_error(&self.text, &self.name, error))
     }
 
     /// A refusal of the text's contents.

@@ -32,7 +32,7 @@ pub(crate) fn run(args: &RenderArgs, file: &Path) -> CommandResult {
             text.refuse("is the calibration of recorded frames: there is nothing to draw without [simulate]")
         );
     }
-    plan.validate().map_err(|e| text.refuse(e))?;
+    plan.validate().map_err(|e| text.refuse_at(e))?;
     let Some(out) = &args.out else {
         return Err(Failure::refuse(
             "--bench is for a job's config: a calibration's is drawn with --out DIR",

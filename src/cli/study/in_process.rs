@@ -39,7 +39,7 @@ pub(crate) fn run(args: &StudyInProcessArgs) -> CommandResult {
         ConfigText::read_or(args.config.as_deref(), "configs/slender_shaft.toml", config::SLENDER_SHAFT)?;
     let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
     job.seed = args.seed.unwrap_or(job.seed);
-    in_process::check(&job).map_err(|e| text.refuse(e))?;
+    in_process::check(&job).map_err(|e| text.refuse_at(e))?;
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
     let bar = progress::bar(in_process::passes_in_all(&job) as u64, "turning", "passes");

@@ -35,7 +35,7 @@ pub(crate) struct StudyLineCameraArgs {
 pub(crate) fn run(args: &StudyLineCameraArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "configs/head_line_laser.toml", LINE_HEAD)?;
     let job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
-    line_camera::check(&job).map_err(|e| text.refuse(e))?;
+    line_camera::check(&job).map_err(|e| text.refuse_at(e))?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
     let bar = progress::bar(u64::from(args.readings), "reading", "readings");
     let rows = line_camera::run(&job, args.readings as usize, &renderer, &|| bar.inc(1));

@@ -53,7 +53,7 @@ pub(crate) fn run(args: &StudyPartsArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "configs/parts.toml", CONFIG)?;
     let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
     job.control.controller = args.controller.unwrap_or(job.control.controller);
-    job.check_coverage().and_then(|()| job.check_control()).map_err(|e| text.refuse(e))?;
+    job.check_coverage().and_then(|()| job.check_control()).map_err(|e| text.refuse_at(e))?;
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
     let batch = Batch { parts: args.parts, insert_every: args.insert_every, cold_at: args.cold_at.clone() };
