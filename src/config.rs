@@ -68,11 +68,11 @@ pub(crate) enum ConfigError {
     #[error("{file}: {key}: {problem}")]
     Value {
         /// The file's name.
-        file: String,
+        file: Box<str>,
         /// Dotted key.
-        key: String,
+        key: Box<str>,
         /// What is wrong, and the valid values.
-        problem: String,
+        problem: Box<str>,
         /// The text, to point into.
         #[source_code]
         source_text: Arc<NamedSource<String>>,
@@ -225,11 +225,11 @@ pub(crate) fn value_error(text: &str, file: &str, error: SettingError) -> Config
     let at = place.span.as_ref().filter(|_| place.is_set);
     let at = at.map(|span| place::line_and_column(text, span.start));
     ConfigError::Value {
-        file: at.map_or_else(|| file.to_owned(), |(line, column)| format!("{file}:{line}:{column}")),
+        file: at.map_or_else(|| file.to_owned(), |(line, column)| format!("{file}:{line}:{column}")).into(),
         help,
         span: place.span.map(SourceSpan::from),
-        problem: error.without_key(),
-        key: error.key,
+        problem: error.without_key().into(),
+        key: error.key.into(),
         source_text: Arc::new(NamedSource::new(file, text.to_owned())),
     }
 }

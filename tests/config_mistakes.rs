@@ -140,7 +140,11 @@ fn values_of_another_type() {
 
 #[test]
 fn numbers_out_of_range() {
-    refused(&RENDER, "[part]\nlength_mm = -5.0\n", &["my.toml:2:13: part.length_mm", "-5", "a number above 0"]);
+    refused(
+        &RENDER,
+        "[part]\nlength_mm = -5.0\n",
+        &["my.toml:2:13: part.length_mm", "-5", "a number above 0"],
+    );
     refused(&RENDER, "[part]\nlength_mm = 0.0\n", &["part.length_mm", "a number above 0"]);
     refused(&RENDER, "[part]\nlength_mm = inf\n", &["part.length_mm", "a number above 0"]);
     refused(&RENDER, "[part]\nlength_mm = nan\n", &["part.length_mm", "nan is no number"]);
