@@ -1,17 +1,34 @@
-//! Reads a user's TOML file, points errors at the key, hashes the config, publishes the JSON
-//! Schema.
+//! Reads a user's TOML file, points errors at the key, hashes the config.
+//!
+//! In: a file, or its text. Out: a checked job or another config, or the first mistake with its
+//! place and what to write instead. `text` is what a file is at all, `syntax` words what is not
+//! TOML, `shape` (by `schema`, `nearest`) what is TOML and not the config, `place` finds keys;
+//! `kinds` lists the files that a user writes.
+
+pub(crate) mod kinds;
+mod mistake;
+mod nearest;
+mod place;
+mod schema;
+mod shape;
+mod syntax;
+mod text;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
+use schemars::{JsonSchema, Schema, schema_for};
+use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
+use toml::de::DeTable;
 
 use crate::job::Job;
 use crate::render::form::read_contour;
 use crate::render::settings::Esf;
 use crate::setting::SettingError;
+use mistake::Mistake;
 
 /// The preset of the main job, built into the binary; the same file as
 /// `configs/slender_shaft.toml`.
@@ -51,18 +68,45 @@ pub(crate) enum ConfigError {
     #[error("{file}: {key}: {problem}")]
     Value {
         /// The file's name.
-        file: String,
+        file: Box<str>,
         /// Dotted key.
-        key: String,
+        key: Box<str>,
         /// What is wrong, and the valid values.
-        problem: String,
+        problem: Box<str>,
         /// The text, to point into.
         #[source_code]
         source_text: Arc<NamedSource<String>>,
+        /// What to do, where the file does not set the key.
+        #[help]
+        help: Option<String>,
         /// The place, where the file sets the key.
         #[label("here")]
         span: Option<SourceSpan>,
     },
+    /// The file is no config at all.
+    #[error("{file}: {what}")]
+    NoConfig {
+        /// The file's name.
+        file: String,
+        /// What it is.
+        what: String,
+        /// What to do.
+        #[help]
+        help: String,
+    },
+}
+
+/// Reads the text of a config file.
+///
+/// # Errors
+/// A file that cannot be read, or that is no config: not UTF-8, empty, JSON.
+pub(crate) fn read_text(path: &Path) -> Result<String, ConfigError> {
+    let bytes = std::fs::read(path).map_err(|cause| ConfigError::Read { path: path.to_owned(), cause })?;
+    text::of_bytes(&bytes).map_err(|refused| ConfigError::NoConfig {
+        file: path.display().to_string(),
+        what: refused.what,
+        help: refused.remedy,
+    })
 }
 
 /// Reads and checks a config file.
@@ -70,14 +114,44 @@ pub(crate) enum ConfigError {
 /// # Errors
 /// The first error, with the file, the key and the valid values.
 pub(crate) fn load(path: &Path) -> Result<Job, ConfigError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|cause| ConfigError::Read { path: path.to_owned(), cause })?;
+    load_checked(path, |job, _| job.check())
+}
+
+/// Reads a config file of which only the part, its scan and the optical setup are used: its shaft
+/// is drawn, not turned. Passes, masters, controller and process need not fit.
+///
+/// # Errors
+/// As [`load`].
+pub(crate) fn load_scene(path: &Path) -> Result<Job, ConfigError> {
+    load_checked(path, |job, text| {
+        let is_set = |key: &str| place::of_key(text, key).is_set;
+        if is_set("part.stock_diameter_mm") && !is_set("part.nominal_diameter_mm") {
+            job.part.check_drawn_from_stock()?;
+        }
+        job.check_scene()
+    })
+}
+
+fn load_checked(
+    path: &Path,
+    check: impl Fn(&Job, &str) -> Result<(), SettingError>,
+) -> Result<Job, ConfigError> {
+    let text = read_text(path)?;
     let file = path.display().to_string();
-    let mut job: Job = parse_as(&text, &file)?;
+    let mut job: Job = parse_numbers(&text, &file)?;
     read_named_files(&mut job, path.parent().unwrap_or(Path::new("")))
+        .and_then(|()| check(&job, &text))
         .map_err(|e| value_error(&text, &file, e))?;
-    job.check().map_err(|e| value_error(&text, &file, e))?;
     Ok(job)
+}
+
+/// Reads the text of a job in which every number is one.
+fn parse_numbers(text: &str, file: &str) -> Result<Job, ConfigError> {
+    let job = parse_as(text, file)?;
+    match place::first_nan(text) {
+        Some((key, _)) => Err(value_error(text, file, SettingError::at(key, "nan is no number: give one"))),
+        None => Ok(job),
+    }
 }
 
 /// Reads the files that a config names, beside it; their contents replace their names.
@@ -121,7 +195,7 @@ pub(crate) fn read_measured_edge(esf: &mut Esf, folder: &Path) -> Result<(), Set
 /// # Errors
 /// As [`load`].
 pub(crate) fn parse(text: &str, file: &str) -> Result<Job, ConfigError> {
-    let job: Job = parse_as(text, file)?;
+    let job = parse_numbers(text, file)?;
     job.check().map_err(|e| value_error(text, file, e))?;
     Ok(job)
 }
@@ -131,18 +205,31 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Job, ConfigError> {
 ///
 /// # Errors
 /// Text that is not TOML, an unknown key, a wrong type.
-pub(crate) fn parse_as<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Result<T, ConfigError> {
-    toml::from_str(text).map_err(|e| parse_error(text, file, &e))
+pub(crate) fn parse_as<T: DeserializeOwned + JsonSchema>(text: &str, file: &str) -> Result<T, ConfigError> {
+    toml::from_str(text).map_err(|e| parse_error(text, file, &e, Some(&schema_for!(T))))
+}
+
+/// As [`parse_as`], for what has no schema: whatever tables a text has.
+///
+/// # Errors
+/// Text that is not TOML, a wrong type.
+pub(crate) fn parse_loose<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, ConfigError> {
+    toml::from_str(text).map_err(|e| parse_error(text, file, &e, None))
 }
 
 /// Turns the error of a later check (an override on the command line, the coverage of a scan) into
 /// a config error.
 pub(crate) fn value_error(text: &str, file: &str, error: SettingError) -> ConfigError {
+    let place = place::of_key(text, &error.key);
+    let help = if place.is_set { None } else { kept_default(&error.key, error.found.as_deref()) };
+    let at = place.span.as_ref().filter(|_| place.is_set);
+    let at = at.map(|span| place::line_and_column(text, span.start));
     ConfigError::Value {
-        file: file.to_owned(),
-        span: key_span(text, &error.key),
-        problem: error.without_key(),
-        key: error.key,
+        file: at.map_or_else(|| file.to_owned(), |(line, column)| format!("{file}:{line}:{column}")).into(),
+        help,
+        span: place.span.map(SourceSpan::from),
+        problem: error.without_key().into(),
+        key: error.key.into(),
         source_text: Arc::new(NamedSource::new(file, text.to_owned())),
     }
 }
@@ -165,82 +252,46 @@ pub(crate) fn resolved(job: &Job) -> Result<String, toml::ser::Error> {
     toml::to_string(job)
 }
 
-/// JSON Schema of a config file.
-pub(crate) fn json_schema() -> String {
-    serde_json::to_string_pretty(&schemars::schema_for!(Job)).unwrap_or_default()
-}
-
-fn parse_error(text: &str, file: &str, error: &toml::de::Error) -> ConfigError {
-    let message = error.message().to_owned();
+fn parse_error(text: &str, file: &str, error: &toml::de::Error, schema: Option<&Schema>) -> ConfigError {
+    let at = error.span().unwrap_or_default();
+    let found = match (DeTable::parse(text), schema) {
+        (Err(_), _) => Some(syntax::mistake(text, error.message(), at.clone())),
+        (Ok(root), Some(schema)) => shape::first_mistake(text, &root, schema.as_value()),
+        (Ok(_), None) => None,
+    };
+    let mistake = found.unwrap_or_else(|| Mistake {
+        span: at,
+        key: String::new(),
+        what: error.message().to_owned(),
+        remedy: None,
+    });
+    let (line, column) = place::line_and_column(text, mistake.span.start);
     ConfigError::Parse {
-        file: match error.span() {
-            Some(span) => format!("{file}:{}", line_of(text, span.start)),
-            None => file.to_owned(),
-        },
-        help: unit_help(&message),
-        message,
+        file: format!("{file}:{line}:{column}"),
+        message: mistake.message(),
+        help: mistake.remedy,
         source_text: Arc::new(NamedSource::new(file, text.to_owned())),
-        span: error.span().map(SourceSpan::from),
+        span: Some(SourceSpan::from(mistake.span)),
     }
 }
 
-fn line_of(text: &str, offset: usize) -> usize {
-    text.bytes().take(offset).filter(|&b| b == b'\n').count() + 1
-}
-
-/// For "unknown field `length_cm`, expected one of `length_mm`, …": the key that differs only in
-/// the unit.
-fn unit_help(message: &str) -> Option<String> {
-    let mut quoted = message.split('`').skip(1).step_by(2);
-    let unknown = quoted.next().filter(|_| message.starts_with("unknown field"))?;
-    let stem = unknown.rsplit_once('_').map_or(unknown, |(stem, _)| stem);
-    let expected: Vec<&str> = quoted.collect();
-    let near = expected.iter().find(|e| e.starts_with(stem)).copied().or_else(|| {
-        expected
-            .iter()
-            .copied()
-            .min_by_key(|e| edit_distance(e, unknown))
-            .filter(|e| edit_distance(e, unknown) <= 3)
-    })?;
-    Some(format!("did you mean `{near}`? Units are part of the key's name."))
-}
-
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
+/// That a key which is refused is not in the file, but left at its default; `found` is the value
+/// that is refused.
+fn kept_default(key: &str, found: Option<&str>) -> Option<String> {
+    let defaults = toml::Value::try_from(Job::default()).ok()?;
+    let mut value = &defaults;
+    for part in key.split('.') {
+        let (name, index) = part.split_once('[').map_or((part, None), |(name, rest)| (name, Some(rest)));
+        value = value.get(name)?;
+        if let Some(index) = index {
+            value = value.get(index.trim_end_matches(']').parse::<usize>().ok()?)?;
         }
     }
-    row[b.len()]
-}
-
-/// Where the file sets a dotted key (`a.b[2].c`), otherwise its nearest parent that the file sets,
-/// otherwise nothing.
-fn key_span(text: &str, dotted: &str) -> Option<SourceSpan> {
-    use toml::de::{DeTable, DeValue};
-    let root = DeTable::parse(text).ok()?;
-    let mut span = None;
-    let mut table: Option<&DeTable<'_>> = Some(root.get_ref());
-    for part in dotted.split('.') {
-        let (name, index) = match part.split_once('[') {
-            Some((name, rest)) => (name, rest.trim_end_matches(']').parse::<usize>().ok()),
-            None => (part, None),
-        };
-        let Some((_, mut value)) = table.and_then(|t| t.get_key_value(name)) else { break };
-        if let (Some(i), DeValue::Array(items)) = (index, value.get_ref()) {
-            let Some(item) = items.get(i) else { break };
-            value = item;
-        }
-        span = Some(SourceSpan::from(value.span()));
-        table = match value.get_ref() {
-            DeValue::Table(t) => Some(t),
-            _ => None,
-        };
-    }
-    span
+    let shown = value.to_string();
+    let is_number = |text: &str| text.parse::<f64>().ok();
+    let same = found.is_none_or(|found| {
+        found == shown.trim_matches('"') || is_number(found).is_some_and(|n| is_number(&shown) == Some(n))
+    });
+    (!value.is_table() && same)
+        .then(|| format!("the file leaves {key} at its default {shown}, which does not fit the rest: set it"))
 }

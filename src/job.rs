@@ -9,11 +9,14 @@
 //! remove material). Errors name the key and the valid range.
 //!
 //! `part`, `scan`, `nc_job`, `probe` and `follow` are tables and plans of the loop; `stations` are
-//! a function of its part; `simulated` is the whole job, `workpiece` what the model-based
-//! controller takes from it, `edge` and `gauge_settings` give the gauge the edge of the job's own
-//! optics; `error` is what a check refuses. A new table of the loop is a field of both with a check
-//! of its own, called in [`LoopJob::check`]; one of the simulation a field of [`Job`] alone.
+//! a function of its part; `simulated` is the whole job, `drawn` what a picture of it needs,
+//! `workpiece` what the model-based controller takes from it, `edge` and `gauge_settings` give the
+//! gauge the edge of the job's own optics; `error` is what a check refuses. A new table of the loop
+//! is a field of both with a check of its own, called in [`LoopJob::check`]; one of the simulation
+//! a field of [`Job`] alone.
 
+#[cfg(feature = "render")]
+mod drawn;
 #[cfg(feature = "render")]
 mod edge;
 mod error;

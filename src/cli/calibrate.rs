@@ -5,12 +5,14 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use indicatif::ProgressBar;
 use serde_json::json;
 
 use super::calibration_plan::{self, LoadedPlan};
 use super::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::json_text;
 use crate::cli::measure::esf_argument::{esf_model, needs_scale};
+use crate::cli::terminal::progress;
 use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
@@ -95,22 +97,22 @@ pub(crate) fn make(
     backend: BackendChoice,
 ) -> Result<Calibrated, Failure> {
     let LoadedPlan { plan, text, folder } = loaded;
-    plan.validate().map_err(|e| text.refuse(e))?;
+    plan.validate().map_err(|e| text.refuse_at(e))?;
     let failed = |e: CalibrateError| match e {
-        CalibrateError::Setting(_) => text.refuse(e),
+        CalibrateError::Setting(e) => text.refuse_at(e),
         other => Failure::fail(format!("{}: {other}", text.name)),
     };
     if plan.simulate.is_none() {
         let mut recordings =
             RecordedFrames { folder: folder.clone(), channel: plan.channel, said: HashSet::new() };
         choose_edge(plan, esf, |plan| rough_um_per_px(plan, &mut recordings).map_err(failed))?;
-        return calibrate(plan, &mut recordings).map_err(failed);
+        return calibrate(plan, &mut Watched::new(plan, &mut recordings)).map_err(failed);
     }
     let renderer = Renderer::new(backend).map_err(Failure::fail)?;
     let rendered =
         |plan: &CalibrationPlan| SimulatedRecordings::new(plan, &renderer).map_err(|e| text.refuse(e));
     choose_edge(plan, esf, |plan| rough_um_per_px(plan, &mut rendered(plan)?).map_err(failed))?;
-    calibrate(plan, &mut rendered(plan)?).map_err(failed)
+    calibrate(plan, &mut Watched::new(plan, &mut rendered(plan)?)).map_err(failed)
 }
 
 /// Puts the edge-spread function of the command line into a plan; a table in µm is converted by a
@@ -237,6 +239,46 @@ fn say_check(setup: &SetupCalibration) {
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, n) = values.fold((0.0, 0.0_f64), |(s, n), v| (s + v * v, n + 1.0));
     (sum / n.max(1.0)).sqrt()
+}
+
+/// Recordings with a bar on a terminal that counts them.
+struct Watched<'a> {
+    recordings: &'a mut dyn Recordings,
+    bar: ProgressBar,
+}
+
+impl<'a> Watched<'a> {
+    fn new(plan: &CalibrationPlan, recordings: &'a mut dyn Recordings) -> Self {
+        let positions: usize = plan.masters.iter().chain(&plan.check).map(|pin| pin.positions.len()).sum();
+        let fields = plan.fields.flats.len() + usize::from(!plan.fields.flats.is_empty());
+        let bar = progress::bar((positions + fields) as u64, "measuring", "recordings");
+        Self { recordings, bar }
+    }
+}
+
+impl Drop for Watched<'_> {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Recordings for Watched<'_> {
+    fn pin(
+        &mut self,
+        index: usize,
+        pin: &PinPlan,
+        position: &Position,
+    ) -> Result<Vec<Frame>, CalibrateError> {
+        self.recordings.pin(index, pin, position).inspect(|_| self.bar.inc(1))
+    }
+
+    fn dark(&mut self, plan: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError> {
+        self.recordings.dark(plan).inspect(|_| self.bar.inc(1))
+    }
+
+    fn flat(&mut self, plan: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError> {
+        self.recordings.flat(plan, index).inspect(|_| self.bar.inc(1))
+    }
 }
 
 /// Frames in the folders that a plan names.

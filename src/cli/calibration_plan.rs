@@ -58,6 +58,7 @@ pub(crate) fn of_text(text: ConfigText, folder: PathBuf) -> Result<LoadedPlan, F
             let job = config::load(&folder.join(&name)).map_err(Failure::refused)?;
             *simulate = simulate.before_setup_of(&job);
         }
+        simulate.setup().check_counts().map_err(|e| text.refuse(format!("simulate.{e}")))?;
         config::read_measured_edge(&mut simulate.optics.esf, &folder)
             .map_err(|e| text.refuse(format!("simulate.{e}")))?;
     }

@@ -7,6 +7,7 @@ use crate::render::BackendChoice;
 use crate::run_folder::RunFolder;
 
 use super::failure::{CommandResult, Failure, Outcome};
+use super::interrupt;
 use super::run::execute;
 
 /// Arguments of `demo`.
@@ -29,6 +30,10 @@ pub(crate) fn run(args: &DemoArgs) -> CommandResult {
     let job = config::parse(config::SLENDER_SHAFT, "configs/slender_shaft.toml").map_err(Failure::refused)?;
     let resolved = config::resolved(&job).map_err(Failure::fail)?;
     clear_earlier(&args.out, &resolved)?;
+    interrupt::end_with(format!(
+        "interrupted: {} holds an unfinished demo; the next one starts anew",
+        args.out.display()
+    ));
     let finished = execute(&job, &args.out, args.backend, true)?;
     say!("{}", finished.to_table());
     say_line!("report: {}", args.out.join("report.html").display());

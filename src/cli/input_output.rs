@@ -2,9 +2,13 @@
 
 use std::path::Path;
 
+use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
+
 use super::failure::{CommandResult, Failure, Outcome};
-use crate::config::{self, ConfigError};
+use crate::config;
 use crate::files::OutputFolder;
+use crate::setting::SettingError;
 
 /// A config's text and its name in errors.
 pub(crate) struct ConfigText {
@@ -18,10 +22,9 @@ impl ConfigText {
     /// Reads a file.
     ///
     /// # Errors
-    /// Exit 2 where it cannot be read.
+    /// Exit 2 where it cannot be read, or is no config: not UTF-8, empty, JSON.
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|cause| Failure::refused(ConfigError::Read { path: path.to_owned(), cause }))?;
+        let text = config::read_text(path).map_err(Failure::refused)?;
         Ok(Self { text, name: path.display().to_string() })
     }
 
@@ -37,8 +40,21 @@ impl ConfigText {
     ///
     /// # Errors
     /// Exit 2 for an unknown key, a wrong type or text that is not TOML.
-    pub(crate) fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, Failure> {
+    pub(crate) fn parse<T: DeserializeOwned + JsonSchema>(&self) -> Result<T, Failure> {
         config::parse_as(&self.text, &self.name).map_err(Failure::refused)
+    }
+
+    /// Its tables, whatever they are.
+    ///
+    /// # Errors
+    /// Exit 2 for text that is not TOML.
+    pub(crate) fn tables(&self) -> Result<toml::Table, Failure> {
+        config::parse_loose(&self.text, &self.name).map_err(Failure::refused)
+    }
+
+    /// A refusal of a key's value, with its place.
+    pub(crate) fn refuse_at(&self, error: SettingError) -> Failure {
+        Failure::refused(config::value_error(&self.text, &self.name, error))
     }
 
     /// A refusal of the text's contents.

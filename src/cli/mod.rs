@@ -6,21 +6,26 @@
 //!
 //! In: arguments and files. Out: what the library computed, as text, JSON and files; a command
 //! contains no computation that belongs in the library. Beside the commands are `failure` (how a
-//! command ends), `output` (stdout), `input_output` (configs in, folders out), `calibration_plan`
-//! (read by several commands) and `process`. A new command is a file with its arguments and a
-//! function `run`, and a line of `commands!`; no command imports this file.
+//! command ends), `output` (stdout), `terminal` (log and progress), `interrupt` (Ctrl-C),
+//! `input_output` (configs in, folders out), `calibration_plan` (read by several commands) and
+//! `process`. A new command is a file with its arguments and a function `run`, a line of
+//! `commands!` and its examples in `reference::examples`; no command imports this file.
 
 #[macro_use]
 mod output;
 
 mod calibrate;
 mod calibration_plan;
+mod completions;
 mod demo;
 mod doctor;
 mod failure;
 mod input_output;
+mod interrupt;
+mod man;
 mod measure;
 mod nc;
+mod new;
 mod optics;
 mod optimize;
 mod process;
@@ -30,14 +35,16 @@ mod reproduce;
 mod run;
 mod schema;
 mod study;
+mod terminal;
 
-use std::io::{IsTerminal as _, Write as _};
+use std::io::Write as _;
 use std::process::ExitCode;
 
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use failure::{CommandResult, Outcome};
 pub use reference::Page;
+use terminal::log;
 
 #[derive(Debug, Parser)]
 #[command(name = "shadowgauge", version, about, long_about = None)]
@@ -82,7 +89,9 @@ commands! {
     Optics(optics::OpticsCommand) => optics::run,
     /// Measure edges and diameters of frames in files.
     Measure(Box<measure::MeasureArgs>) => measure::run,
-    /// Print the JSON Schema of a config file.
+    /// Print a commented start for a file of one's own.
+    New(new::NewArgs) => new::run,
+    /// Print the JSON Schema of a config file or of a table's row.
     Schema(schema::SchemaArgs) => schema::run,
     /// Choose cutting data: the shortest time under limits of size error and roughness.
     Optimize(optimize::OptimizeArgs) => optimize::run,
@@ -94,6 +103,10 @@ commands! {
     /// Measurements over the stages.
     #[command(subcommand)]
     Study(study::Study) => study::run,
+    /// Print the completions of a shell.
+    Completions(completions::CompletionsArgs) => print_completions,
+    /// Print or write the manual pages.
+    Man(man::ManArgs) => write_manual,
     /// Write the pages of docs/reference that follow from the program.
     #[command(hide = true)]
     Reference(reference::ReferenceArgs) => write_reference,
@@ -101,7 +114,7 @@ commands! {
 
 /// The definition of the command line.
 pub fn command() -> clap::Command {
-    Arguments::command()
+    reference::examples::with_examples(Arguments::command())
 }
 
 /// The pages of `docs/reference` that follow from the program.
@@ -113,13 +126,29 @@ fn write_reference(arguments: &reference::ReferenceArgs) -> CommandResult {
     reference::run(arguments, &command())
 }
 
+fn print_completions(arguments: &completions::CompletionsArgs) -> CommandResult {
+    completions::run(arguments, command())
+}
+
+fn write_manual(arguments: &man::ManArgs) -> CommandResult {
+    man::run(arguments, command())
+}
+
+/// The process's arguments; ends the process with a message where they are refused.
+fn arguments() -> Arguments {
+    let mut command = command();
+    let mut matches = command.get_matches_mut();
+    Arguments::from_arg_matches_mut(&mut matches).unwrap_or_else(|error| error.format(&mut command).exit())
+}
+
 /// Parses the process's arguments, runs the command, prints the error; returns the exit code
 /// defined above.
 pub fn main() -> ExitCode {
     process::provide_runtime_folder();
-    let arguments = Arguments::parse();
-    log_to_stderr(arguments.verbose);
+    let arguments = arguments();
+    log::start(arguments.verbose);
     let result = dispatch(&arguments.command).and_then(|outcome| output::finish().map(|()| outcome));
+    log::finish();
     let status = match result {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::OutOfTolerance) => 1,
@@ -130,18 +159,4 @@ pub fn main() -> ExitCode {
         }
     };
     process::leave(status)
-}
-
-fn log_to_stderr(verbose: u8) {
-    let level = ["shadowgauge=warn", "shadowgauge=info", "shadowgauge=debug"][usize::from(verbose.min(2))];
-    let filter = tracing_subscriber::EnvFilter::try_from_default_env().unwrap_or_else(|_| level.into());
-    let colour = std::env::var_os("NO_COLOR").is_none() && std::io::stderr().is_terminal();
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(colour)
-        .log_internal_errors(false)
-        .without_time()
-        .with_target(false)
-        .init();
 }

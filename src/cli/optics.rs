@@ -72,9 +72,8 @@ impl NominalOptics {
             radius_mm,
         };
         if !is_plan(&ConfigText::read(path)?.text) {
-            let job = config::load(path).map_err(Failure::refused)?;
-            let last = job.part.nominal_diameter_mm.last().copied().unwrap_or(job.part.stock_diameter_mm);
-            return Ok(of(job.setup_settings(), 0.5 * last));
+            let job = config::load_scene(path).map_err(Failure::refused)?;
+            return Ok(of(job.setup_settings(), 0.5 * job.part.drawn_diameter_mm()));
         }
         let plan = calibration_plan::load(path, Date::of(SystemTime::now()))?.plan;
         let Some(simulate) = &plan.simulate else {

@@ -33,6 +33,16 @@ unsafe extern "C" {
     safe fn _exit(status: std::ffi::c_int) -> !;
 }
 
+/// Ends the process with `status` at once, from any thread: no destructor of a driver's library
+/// runs.
+pub(super) fn end_at_once(status: u8) -> ! {
+    let _ = (std::io::stdout().flush(), std::io::stderr().flush());
+    #[cfg(unix)]
+    _exit(i32::from(status));
+    #[cfg(not(unix))]
+    std::process::exit(i32::from(status));
+}
+
 /// Ends the process with `status` once everything is written. Where a driver was opened, its
 /// libraries' destructors are not run: threads that have used the driver end at the same time, and
 /// one run in 50 to 200 (Mesa 22.3, OpenGL; Vulkan and OpenGL together) ended in a double free or a

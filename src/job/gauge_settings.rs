@@ -16,7 +16,7 @@ impl Job {
         if self.gauge.esf != (EsfModel::Optics {}) {
             return Ok(self.gauge.clone());
         }
-        let last = self.part.nominal_diameter_mm.last().copied().unwrap_or(self.part.stock_diameter_mm);
+        let last = self.part.drawn_diameter_mm();
         let pixel_mm = self.nominal_mm_per_px();
         let edge = NominalEdge::new(&self.optics, pixel_mm, 0.5 * last, 0.0).map_err(from_render)?;
         Ok(GaugeSettings { esf: edge.model(1e3 * pixel_mm), ..self.gauge.clone() })

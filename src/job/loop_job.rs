@@ -181,6 +181,7 @@ impl LoopJob {
         }
         self.field.check()?;
         self.check_scan()?;
+        self.check_fits("part.stock_diameter_mm", self.part.stock_diameter_mm)?;
         self.check_masters()
     }
 
@@ -211,20 +212,25 @@ impl LoopJob {
         crate::control::build(&self.run_control(), &self.part.station_z_mm()).map(drop).map_err(from_control)
     }
 
-    fn check_scan(&self) -> Result<(), SettingError> {
+    /// Checks the numbers of fields and angles.
+    pub(super) fn check_scan(&self) -> Result<(), SettingError> {
         if self.scan.fields == 0 || self.scan.fields > 100_000 {
             return Err(SettingError::at("scan.fields", "must be between 1 and 100 000"));
         }
         if self.scan.angles == 0 || self.scan.angles > 100_000 {
             return Err(SettingError::at("scan.angles", "must be between 1 and 100 000"));
         }
+        Ok(())
+    }
+
+    /// Checks that a shaft fits the field; `key` is its diameter's.
+    pub(super) fn check_fits(&self, key: &str, diameter_mm: f64) -> Result<(), SettingError> {
         let height = self.field.height_mm();
-        if self.part.stock_diameter_mm > 0.97 * height {
+        if diameter_mm > 0.97 * height {
             return Err(SettingError::at(
-                "part.stock_diameter_mm",
+                key,
                 format!(
-                    "a shaft of {} mm does not fit the field of {height:.2} mm ({} rows at {:.3} µm); at most {:.2} mm, or lower optics.magnification",
-                    self.part.stock_diameter_mm,
+                    "a shaft of {diameter_mm} mm does not fit the field of {height:.2} mm ({} rows at {:.3} µm); at most {:.2} mm, or lower optics.magnification",
                     self.field.rows,
                     self.field.mm_per_px * 1e3,
                     0.97 * height

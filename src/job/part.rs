@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::stations;
 use crate::conformity::{DecisionRule, PROBABILITY, SizeCriterion, Tolerance};
-use crate::setting::{SettingError, positive};
+use crate::setting::{SettingError, positive, require};
 
 /// The part and its passes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -149,10 +149,11 @@ impl Part {
             }
             before = nominal;
         }
+        require(self.aim_mm.is_finite(), "part.aim_mm", self.aim_mm, "a length in mm")?;
         self.check_tolerance()
     }
 
-    fn check_tolerance(&self) -> Result<(), SettingError> {
+    pub(super) fn check_tolerance(&self) -> Result<(), SettingError> {
         DecisionRule::new(self.conformance_probability)
             .map_err(|e| SettingError::at("part.conformance_probability", e.to_string()))?;
         let Some(t) = self.tolerance else { return Ok(()) };

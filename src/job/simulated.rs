@@ -187,7 +187,7 @@ impl Job {
     pub(crate) fn check(&self) -> Result<(), SettingError> {
         let in_loop = self.loop_job();
         in_loop.check_passes()?;
-        self.setup_settings().check().map_err(from_render)?;
+        self.check_setup()?;
         self.process.validate()?;
         in_loop.check_stages()?;
         in_loop.check_instrument()

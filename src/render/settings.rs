@@ -256,6 +256,24 @@ impl SetupSettings {
         self.departures.check()
     }
 
+    /// Refuses a bright field beyond the sensor's scale, as a user may write it: every pixel of it
+    /// would have the same value. Light that clips is set by its photons.
+    ///
+    /// # Errors
+    /// Names the key and the scale.
+    pub(crate) fn check_counts(&self) -> Result<(), RenderError> {
+        let full = f64::from(self.sensor.format.full_scale().unwrap_or(u16::MAX));
+        if self.light.bright_photons.is_some() || self.light.bright_counts <= full {
+            return Ok(());
+        }
+        let right = format!(
+            "counts are more than the {full} of {} bits (sensor.format): at most {full}; light that clips is set by \
+             light.bright_photons",
+            self.sensor.format.bit_depth()
+        );
+        Err(RenderError::setting("light.bright_counts", &self.light.bright_counts, right))
+    }
+
     /// Nominal size of a pixel on the object, mm.
     pub(crate) fn nominal_pixel_mm(&self) -> f64 {
         self.camera.pixel_um * 1e-3 / self.optics.magnification

@@ -185,12 +185,23 @@ fn judge(pair: &Pair, clean: &Frame, dirty: &Frame) -> Outcome {
     outcome
 }
 
-fn kind(pair: &Pair, contaminant: Contaminant, frames: usize, seed: u64) -> Result<KindResult, DrawError> {
+/// Is called with the number of frames that were measured since.
+type Done<'a> = &'a (dyn Fn(u64) + Sync);
+
+fn kind(
+    pair: &Pair,
+    contaminant: Contaminant,
+    frames: usize,
+    seed: u64,
+    done: Done<'_>,
+) -> Result<KindResult, DrawError> {
     let outcomes: Vec<Outcome> = (0..frames as u64)
         .into_par_iter()
         .map(|i| {
             let piece = Piece::draw(seed + i);
-            Ok(judge(pair, &piece.frame(None)?, &piece.dirty(contaminant)?))
+            let outcome = judge(pair, &piece.frame(None)?, &piece.dirty(contaminant)?);
+            done(1);
+            Ok(outcome)
         })
         .collect::<Result<_, DrawError>>()?;
     let harmful: Vec<&Outcome> = outcomes.iter().filter(|o| o.harmful).collect();
@@ -247,8 +258,24 @@ fn clean(pair: &Pair, frames: usize, seed: u64) -> Result<(usize, f64), DrawErro
     Ok((outcomes.iter().filter(|o| o.0).count(), worst))
 }
 
+/// Frames that [`run`] measures in all.
+pub(crate) fn frames_in_all(frames: usize, clean_frames: usize) -> usize {
+    frames * Contaminant::KINDS.len() + clean_frames + few(frames) * (HEIGHTS_UM.len() + LENGTHS_MM.len())
+}
+
+/// Frames of a point of a curve.
+fn few(frames: usize) -> usize {
+    (frames / 20).max(4)
+}
+
+/// Heights of films, µm.
+const HEIGHTS_UM: [f64; 10] = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0];
+
+/// Lengths of films, mm.
+const LENGTHS_MM: [f64; 11] = [0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 20.0, 80.0];
+
 /// Runs the study: `frames` of every kind of contamination and clean ones each, a twentieth of that
-/// for each point of the curves.
+/// for each point of the curves; `done` is called with frames that are measured.
 ///
 /// # Errors
 /// Where the gauge refuses its settings or a frame cannot be drawn.
@@ -257,26 +284,35 @@ pub(crate) fn run(
     frames: usize,
     clean_frames: usize,
     seed: u64,
+    done: Done<'_>,
 ) -> Result<ContaminationStudy, StudyError> {
     let pair = Pair::new(settings)?;
     let kinds = Contaminant::KINDS
         .iter()
         .enumerate()
-        .map(|(k, contaminant)| kind(&pair, *contaminant, frames, seed + ((k as u64) << 32)))
+        .map(|(k, contaminant)| kind(&pair, *contaminant, frames, seed + ((k as u64) << 32), done))
         .collect::<Result<_, _>>()?;
     let (clean_lost, clean_worst_share) = clean(&pair, clean_frames, seed + (100 << 32))?;
-    let few = (frames / 20).max(4);
+    done(clean_frames as u64);
+    let few = few(frames);
+    let of_point = |point: CurvePoint| {
+        done(few as u64);
+        point
+    };
     let middle = Bump { column: COLUMNS as f64 / 2.0, half_length: 40.0, height_px: 0.0, upper: true };
-    let by_height = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0]
+    let by_height = HEIGHTS_UM
         .iter()
-        .map(|um| point(&pair, *um, Bump { height_px: um / PIXEL_UM, ..middle }, few, seed + (101 << 32)))
+        .map(|um| {
+            let bump = Bump { height_px: um / PIXEL_UM, ..middle };
+            point(&pair, *um, bump, few, seed + (101 << 32)).map(of_point)
+        })
         .collect::<Result<_, _>>()?;
-    let by_length = [0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 20.0, 80.0]
+    let by_length = LENGTHS_MM
         .iter()
         .map(|mm| {
             let half_length = mm * 1e3 / PIXEL_UM;
             let bump = Bump { half_length, height_px: 8.0 / PIXEL_UM, ..middle };
-            point(&pair, *mm, bump, few, seed + (102 << 32))
+            point(&pair, *mm, bump, few, seed + (102 << 32)).map(of_point)
         })
         .collect::<Result<_, _>>()?;
     Ok(ContaminationStudy { seed, kinds, clean_frames, clean_lost, clean_worst_share, by_height, by_length })

@@ -45,6 +45,11 @@ const WAYS: [(&str, ScanWhen, bool); 3] = [
     ("during_cut, within_pass", ScanWhen::DuringCut, true),
 ];
 
+/// Passes that [`run`] cuts in all.
+pub(crate) fn passes_in_all(job: &Job) -> usize {
+    WAYS.len() * job.loop_job().passes()
+}
+
 /// Checks the job for every way.
 ///
 /// # Errors

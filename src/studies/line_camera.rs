@@ -130,7 +130,7 @@ pub(crate) fn check(job: &Job) -> Result<(), SettingError> {
     }
 }
 
-/// Draws and measures `readings` readings of the finished part.
+/// Draws and measures `readings` readings of the finished part; `done` is called after each.
 ///
 /// # Errors
 /// Where nothing can be drawn or measured.
@@ -138,6 +138,7 @@ pub(crate) fn run(
     job: &Job,
     readings: usize,
     renderer: &Renderer,
+    done: &dyn Fn(),
 ) -> Result<Vec<LineCameraRow>, LineCameraError> {
     let setup = OpticalSetup::resolve(&job.setup_settings(), job.seed)?;
     let step_mm = setup.pixel_mm / PLACES as f64;
@@ -161,6 +162,7 @@ pub(crate) fn run(
         let start = Instant::now();
         let measured = stream.measure(&frame.view(), &mut edges);
         let seconds = start.elapsed().as_secs_f64();
+        done();
         match measured {
             Ok(()) if k >= SETTLED => {
                 one_by_one.add(&edges, 0, truth[k % PLACES]);

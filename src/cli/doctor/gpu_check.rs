@@ -85,7 +85,7 @@ fn check_case(
     device: &Renderer,
     twin: &Renderer,
 ) -> Result<CaseCheck, Failure> {
-    let case: GoldenCase = config::parse_as(text, name).map_err(Failure::fail)?;
+    let case: GoldenCase = config::parse_loose(text, name).map_err(Failure::fail)?;
     let difference = compare(&case, device, twin).map_err(|e| failed(name, &e))?;
     let agrees = difference.counts_agree() && difference.edges_agree();
     Ok(CaseCheck { case: name, agrees, difference })

@@ -4,7 +4,10 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
+use indicatif::ProgressBar;
+
 use crate::cli::failure::Failure;
+use crate::cli::terminal::progress;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::source::{Channel, FileFrames, FileScale, SAME_SCALE, StoredFrame, listing, out_of_order};
@@ -105,6 +108,13 @@ pub(crate) struct Frames<'a> {
     calibration: Option<&'a Calibration>,
     scale: Option<ScaleArgument>,
     said: HashSet<String>,
+    bar: ProgressBar,
+}
+
+impl Drop for Frames<'_> {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
 }
 
 impl<'a> Frames<'a> {
@@ -116,14 +126,16 @@ impl<'a> Frames<'a> {
         calibration: Option<&'a Calibration>,
         scale: Option<ScaleArgument>,
     ) -> Self {
+        let bar = progress::bar(paths.len() as u64, "measuring", "files");
         let source = FileFrames::new(paths).of_channel(args.channel);
-        Self { source, args, calibration, scale, said: HashSet::new() }
+        Self { source, args, calibration, scale, said: HashSet::new(), bar }
     }
 
     /// The next frame with its name, or why it cannot be read.
     pub(crate) fn next_frame(&mut self) -> Option<(String, Result<Frame, String>)> {
         let stem = self.source.next_stem()?;
         let read = self.source.next_stored()?;
+        self.bar.inc(1);
         for notice in self.source.take_notices() {
             tracing::warn!("{notice}");
         }

@@ -403,7 +403,7 @@ fn given_conditions(
 ) -> Result<GivenConditions, Failure> {
     let text = ConfigText::read(path)?;
     let given: GivenConditions = text.parse()?;
-    let named: toml::Table = text.parse()?;
+    let named = text.tables()?;
     let all = toml::Table::try_from(known_conditions(calibration)).map_err(|e| text.refuse(e))?;
     let kept: Vec<String> = all
         .iter()

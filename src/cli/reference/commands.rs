@@ -2,13 +2,14 @@
 
 use clap::{Arg, Command};
 
+use super::examples;
 use super::markdown::{cell, row};
 
 const START: &str = "# Commands
 
 <!-- Written by `shadowgauge reference`; do not edit. -->
 
-Every command with its arguments and options, as `--help` shows them. `-v` and `-vv` before or after a command
+Every command with its arguments, options and examples, as `--help` shows them. `-v` and `-vv` before or after a command
 print more on stderr, `--version` the version.
 ";
 
@@ -31,6 +32,10 @@ fn section(command: &Command, above: &str, text: &mut String) {
         *text += "\n| | default | meaning |\n|---|---|---|\n";
     }
     arguments.for_each(|argument| *text += &argument_row(argument));
+    let examples = examples::of(command);
+    if !examples.is_empty() {
+        *text += &format!("\n```text\n{}\n```\n", examples.join("\n"));
+    }
     for below in command.get_subcommands().filter(|c| !c.is_hide_set()) {
         section(below, &name, text);
     }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 
 use super::markdown::{anchor, cell, row};
-use super::schemas::ConfigFile;
+use crate::config::kinds::FileKind;
 
 const START: &str = "# Config files
 
@@ -15,14 +15,14 @@ const START: &str = "# Config files
 
 Every table and key, with its type, default and meaning. Units are part of a key's name. Unknown keys are refused, and
 so is a value out of range: the message names the key and what would be right. The same as JSON Schemas, for
-editors: `docs/reference/*.schema.json`, of a job also `shadowgauge schema`.
+editors: `docs/reference/*.schema.json`, printed by `shadowgauge schema NAME`.
 
 In the column *default* stands what holds where the key is left out: a value, *required*, or nothing where the key
 is optional or has a table of defaults.
 ";
 
 /// The page; `ranges` by dotted key of a job.
-pub(crate) fn page(files: &[ConfigFile], ranges: &BTreeMap<String, String>) -> String {
+pub(crate) fn page(files: &[FileKind], ranges: &BTreeMap<String, String>) -> String {
     let mut page = ConfigPage { text: START.to_owned(), ..ConfigPage::default() };
     for file in files {
         page.ranges = if file.name == "job" { ranges.clone() } else { BTreeMap::new() };
@@ -65,8 +65,9 @@ enum Kind {
 }
 
 impl ConfigPage {
-    fn file(&mut self, file: &ConfigFile) {
-        let schema = file.schema.as_value();
+    fn file(&mut self, file: &FileKind) {
+        let schema = (file.schema)();
+        let schema = schema.as_value();
         self.definitions = schema["$defs"].clone();
         self.suffix = if file.name == "job" { String::new() } else { format!(" ({})", file.name) };
         self.text += &format!("\n## {}\n", file.title);

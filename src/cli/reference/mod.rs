@@ -2,19 +2,21 @@
 //!
 //! In: the command line's definition and the settings of every config file. Out: Markdown pages and
 //! JSON Schemas. `commands` is the command line, `config_page` the tables and keys of the config
-//! files (from `schemas`, with the ranges that `ranges` reads from the checks), `exit_codes` how a
-//! command ends. A new config file is a line of `schemas`.
+//! files (from `config::kinds`, with the ranges that `ranges` reads from the checks), `exit_codes`
+//! how a command ends, `examples` what `--help` ends with. A new config file is a line of
+//! `config::kinds`, a new command a line of `examples`.
 
 mod commands;
 mod config_page;
+pub(super) mod examples;
 mod exit_codes;
 mod markdown;
 mod ranges;
-mod schemas;
 
 use std::path::PathBuf;
 
 use super::failure::{CommandResult, Outcome};
+use crate::config::kinds::{CONFIGS, TABLES, schema_text};
 use crate::files::{OutputFile, make_folder};
 
 /// Arguments of `reference`.
@@ -36,14 +38,14 @@ pub struct Page {
 
 /// All pages, for the command line of `program`.
 pub(crate) fn pages(program: &clap::Command) -> Vec<Page> {
-    let schemas = schemas::all();
     let page = |name: &str, text: String| Page { name: name.to_owned(), text };
     let mut pages = vec![
         page("commands.md", commands::page(program)),
-        page("config.md", config_page::page(&schemas, &ranges::of_job())),
+        page("config.md", config_page::page(&CONFIGS, &ranges::of_job())),
         page("exit_codes.md", exit_codes::page()),
     ];
-    pages.extend(schemas.iter().map(|s| page(&format!("{}.schema.json", s.name), s.text())));
+    let kinds = CONFIGS.iter().chain(&TABLES);
+    pages.extend(kinds.map(|kind| page(&format!("{}.schema.json", kind.name), schema_text(kind))));
     pages
 }
 

@@ -13,6 +13,8 @@ use crate::shaft::ProfileKnot;
 #[derive(Debug, clap::Args)]
 pub(crate) struct RenderArgs {
     /// The job whose shaft is drawn, or a calibration with [simulate], whose fields and pins are.
+    /// Of a job only part, shaft, scan and optical setup are used: masters and falling diameters
+    /// are needed by `run` alone.
     #[arg(required_unless_present = "gallery")]
     pub(super) config: Option<PathBuf>,
     /// Draw a frame of every kind and a contact sheet of all into a new folder; needs no config.
@@ -52,8 +54,7 @@ pub(crate) struct RenderArgs {
 /// The scene of a config: its shaft at the last pass's nominal diameter with the form of `[shaft]`.
 pub(crate) fn scene(job: &Job) -> Result<Scene, Failure> {
     let setup = OpticalSetup::resolve(&job.setup_settings(), job.seed).map_err(Failure::refuse)?;
-    let diameter = job.part.nominal_diameter_mm.last().copied().unwrap_or(job.part.stock_diameter_mm);
-    let profile = vec![ProfileKnot { z_mm: 0.0, radius_mm: diameter / 2.0 }];
+    let profile = vec![ProfileKnot { z_mm: 0.0, radius_mm: job.part.drawn_diameter_mm() / 2.0 }];
     let shaft = form_shaft(profile, &job.shaft, job.part.length_mm, job.seed).map_err(Failure::refuse)?;
     Scene::new(&setup, shaft).map_err(Failure::refuse)
 }

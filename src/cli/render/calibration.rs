@@ -5,11 +5,14 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use indicatif::ProgressBar;
+
 use super::args::RenderArgs;
 use super::folder_files::{FRAMES_HEADER, describe, of_render, put};
 use super::frame_files::encode;
 use crate::cli::calibration_plan::{self, LoadedPlan};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::terminal::progress;
 use crate::files::OutputFolder;
 use crate::frame::Frame;
 use crate::gauge::calibration::Date;
@@ -29,7 +32,7 @@ pub(crate) fn run(args: &RenderArgs, file: &Path) -> CommandResult {
             text.refuse("is the calibration of recorded frames: there is nothing to draw without [simulate]")
         );
     }
-    plan.validate().map_err(|e| text.refuse(e))?;
+    plan.validate().map_err(|e| text.refuse_at(e))?;
     let Some(out) = &args.out else {
         return Err(Failure::refuse(
             "--bench is for a job's config: a calibration's is drawn with --out DIR",
@@ -42,7 +45,11 @@ pub(crate) fn run(args: &RenderArgs, file: &Path) -> CommandResult {
     }
     let folder = OutputFolder::claim(out)?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
-    let count = Writer { args, plan: &plan, folder: &folder, um_per_px: 0.0, count: 0 }.write(&renderer)?;
+    let positions: usize = plan.masters.iter().chain(&plan.check).map(|pin| pin.positions.len()).sum();
+    let bar = progress::bar((positions + plan.fields.flats.len()) as u64, "drawing", "recordings");
+    let writer = Writer { args, plan: &plan, folder: &folder, um_per_px: 0.0, count: 0, bar: bar.clone() };
+    let count = writer.write(&renderer)?;
+    bar.finish_and_clear();
     folder.finish()?;
     say_line!(
         "{count} frames of {} pins and {} flat fields by {} ({}) in {}; calibrate them by {}",
@@ -65,6 +72,7 @@ struct Writer<'a> {
     folder: &'a OutputFolder,
     um_per_px: f64,
     count: usize,
+    bar: ProgressBar,
 }
 
 impl Writer<'_> {
@@ -123,6 +131,7 @@ impl Writer<'_> {
         }
         put(self.folder, &format!("{name}/frames.csv"), Ok(table.into_bytes()))?;
         self.count += frames.len();
+        self.bar.inc(1);
         Ok(())
     }
 }

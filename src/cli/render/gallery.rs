@@ -15,6 +15,7 @@ use super::frame_files::{FileFormat, encode, encode_mask, write_grey};
 use super::gallery_cases::{CASES, Case};
 use super::label_font;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::terminal::progress;
 
 /// Pictures side by side on the sheet.
 const ACROSS: usize = 5;
@@ -49,6 +50,7 @@ pub(super) fn gallery(args: &RenderArgs, out: &Path) -> CommandResult {
 
 fn draw_all(renderer: &Renderer, folder: &OutputFolder) -> Result<(), Failure> {
     let mut tiles = Vec::new();
+    let bar = progress::bar(CASES.len() as u64, "drawing", "frames");
     for case in CASES {
         let text = case.toml();
         let job = config::parse(&text, case.name).map_err(Failure::refused)?;
@@ -60,7 +62,9 @@ fn draw_all(renderer: &Renderer, folder: &OutputFolder) -> Result<(), Failure> {
             put(folder, &format!("{}_mask.png", case.name), bytes)?;
         }
         tiles.push(tile(&frame, case, &job));
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     let (picture, columns) = sheet(&tiles);
     put(folder, "contact_sheet.png", write_grey(columns, &picture))
 }

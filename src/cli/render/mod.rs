@@ -36,6 +36,7 @@ use self::timing::benchmark;
 use super::calibration_plan::is_plan;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
+use crate::cli::terminal::progress;
 
 /// Renders the frames of a config.
 ///
@@ -52,7 +53,7 @@ pub(crate) fn run(args: &RenderArgs) -> CommandResult {
     if is_plan(&ConfigText::read(file)?.text) {
         return calibration::run(args, file);
     }
-    let job = config::load(file).map_err(Failure::refused)?;
+    let job = config::load_scene(file).map_err(Failure::refused)?;
     if args.threads == Some(0) || args.bench == Some(0) || args.frames == Some(0) {
         return Err(Failure::refuse("--threads, --bench and --frames take numbers of at least 1"));
     }
@@ -103,6 +104,7 @@ impl Series<'_> {
         let mut frames_csv = String::from(FRAMES_HEADER);
         let mut truth_csv = String::from("frame,column,top_px,bottom_px\n");
         let mut spare = None;
+        let bar = progress::bar(count as u64, "drawing", "frames");
         for index in 0..count {
             let request = request(args, job, index);
             let (frame, mask) = renderer.render_masked(scene, &request, spare.take()).map_err(of_render)?;
@@ -121,7 +123,9 @@ impl Series<'_> {
                 let _ = writeln!(truth_csv, "{stem},{column},{:.6},{:.6}", e.top_px, e.bottom_px);
             }
             spare = Some(frame);
+            bar.inc(1);
         }
+        bar.finish_and_clear();
         put(folder, "frames.csv", Ok(frames_csv.into_bytes()))?;
         put(folder, "truth.csv", Ok(truth_csv.into_bytes()))?;
         put(folder, "truth.json", Ok(true_setup(scene).into_bytes()))

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::tables;
 use crate::cli::failure::{CommandResult, Failure};
 use crate::cli::input_output::{StudyFolder, csv_text};
+use crate::cli::terminal::progress;
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
@@ -51,7 +52,9 @@ pub(crate) fn run(args: &Reproduce000Args) -> CommandResult {
     if !args.no_frames {
         let line = reproduce_000::line(&inputs).map_err(Failure::refuse)?;
         let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
-        parts = experiment::run(&inputs, &line, &renderer).map_err(Failure::fail)?;
+        let bar = progress::bar(experiment::PARTS_IN_ALL, "turning", "parts");
+        parts = experiment::run(&inputs, &line, &renderer, &|| bar.inc(1)).map_err(Failure::fail)?;
+        bar.finish_and_clear();
         rows.extend(experiment::rows(&inputs, &parts));
     }
     StudyFolder::fill(folder, |folder| write(folder, &inputs, &rows, &parts))?;

@@ -22,6 +22,7 @@ use crate::run_folder::RunFolder;
 use self::finished::Finished;
 use self::recorder::{Recorded, Recorder};
 use crate::cli::failure::{CommandResult, Failure, folder_failure};
+use crate::cli::interrupt;
 
 /// Folder of the uncontrolled run below the controlled one.
 pub(crate) const REFERENCE_FOLDER: &str = "without_control";
@@ -62,6 +63,11 @@ pub(crate) struct RunArgs {
 /// disk that fails.
 pub(crate) fn run(args: &RunArgs) -> CommandResult {
     let job = job_of(args)?;
+    interrupt::end_with(format!(
+        "interrupted: finished passes are kept in {}. The same command line resumes the run:\n    {}",
+        args.out.display(),
+        interrupt::command_line()
+    ));
     let finished = execute(&job, &args.out, args.backend, !args.no_reference)?;
     if args.json {
         say_line!("{}", finished.to_json());
@@ -74,8 +80,7 @@ pub(crate) fn run(args: &RunArgs) -> CommandResult {
 
 /// The checked job of a command line.
 fn job_of(args: &RunArgs) -> Result<Job, Failure> {
-    let text = std::fs::read_to_string(&args.config)
-        .map_err(|cause| Failure::refused(config::ConfigError::Read { path: args.config.clone(), cause }))?;
+    let text = config::read_text(&args.config).map_err(Failure::refused)?;
     let name = args.config.display().to_string();
     let mut job = config::load(&args.config).map_err(Failure::refused)?;
     job.passes = args.passes.or(job.passes);

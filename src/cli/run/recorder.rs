@@ -1,7 +1,7 @@
 //! Runs a job pass by pass and writes each pass into its folder as soon as it is finished: cell and
 //! controller in a closed loop → passes → tables → files.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 
 use crate::cell::SimulatedCell;
 use crate::closed_loop::{Calibrated, ClosedLoop, LoopError, PassResult, Sample, part_verdict};
@@ -15,6 +15,7 @@ use crate::run_folder::{AxisRow, PassRow, RunFolder, profile_of};
 
 use super::tables::RunTables;
 use crate::cli::failure::{Failure, folder_failure};
+use crate::cli::terminal::progress;
 
 /// The results of a recorded run in memory.
 pub(crate) struct Recorded {
@@ -65,11 +66,11 @@ impl<'a> Recorder<'a> {
         Ok(Self { job, folder, chain, run_id, tables })
     }
 
-    /// Runs the remaining passes; `progress` shows a bar on a terminal.
+    /// Runs the remaining passes; `shown` shows a bar on a terminal.
     ///
     /// # Errors
     /// Where a cut, a frame or the disk fails; finished passes stay readable.
-    pub(crate) fn run(mut self, progress: bool) -> Result<Recorded, Failure> {
+    pub(crate) fn run(mut self, shown: bool) -> Result<Recorded, Failure> {
         let mut seconds = vec![(0.0, 0.0); self.tables.passes.len()];
         let (mut sample, mut form) = (None, None);
         let mut stopped = None;
@@ -80,7 +81,7 @@ impl<'a> Recorder<'a> {
                 break;
             }
             self.chain.begin().map_err(loop_failure)?;
-            let bar = progress_bar(progress, &format!("pass {pass} of {}", self.job.loop_job().passes()));
+            let bar = progress_bar(shown, &format!("pass {pass} of {}", self.job.loop_job().passes()));
             self.tables.add_offsets(&self.chain);
             let result = self
                 .chain
@@ -94,7 +95,7 @@ impl<'a> Recorder<'a> {
                 tracing::warn!("pass {pass}: {refused}");
             }
             // The run without correction is expected to be out of tolerance.
-            if progress {
+            if shown {
                 log_decision(&result);
             }
             seconds.push((result.render.as_secs_f64(), result.gauge.as_secs_f64()));
@@ -186,15 +187,7 @@ fn chain_text(error: &dyn std::error::Error) -> String {
     text
 }
 
-/// A bar on a terminal, nothing elsewhere.
+/// A bar on a terminal, nothing elsewhere; its length is that of the scan, known once it has begun.
 fn progress_bar(shown: bool, what: &str) -> ProgressBar {
-    let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-    let bar = ProgressBar::with_draw_target(Some(0), target);
-    if let Ok(style) =
-        ProgressStyle::with_template("{msg} {bar:32} {pos}/{len} frames, {per_sec}, {eta} left")
-    {
-        bar.set_style(style);
-    }
-    bar.set_message(what.to_owned());
-    bar
+    if shown { progress::bar(0, what, "frames") } else { ProgressBar::hidden() }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use crate::cli::failure::{CommandResult, Failure};
 use crate::cli::input_output::{StudyFolder, say_study};
+use crate::cli::terminal::progress;
 use crate::gauge::GaugeSettings;
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
@@ -38,13 +39,16 @@ pub(crate) struct StudyContaminationArgs {
 pub(crate) fn run(args: &StudyContaminationArgs) -> CommandResult {
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let settings = GaugeSettings::default();
-    let study =
-        contamination::run(&settings, args.frames as usize, args.clean as usize, args.seed).map_err(|e| {
-            match e {
-                StudyError::Gauge(e) => Failure::refuse(e),
-                e => Failure::fail(e),
-            }
-        })?;
+    let (frames, clean) = (args.frames as usize, args.clean as usize);
+    let count = contamination::frames_in_all(frames, clean) as u64;
+    let bar = progress::bar(count, "drawing and measuring", "frames");
+    let study = contamination::run(&settings, frames, clean, args.seed, &|more| bar.inc(more)).map_err(
+        |e| match e {
+            StudyError::Gauge(e) => Failure::refuse(e),
+            e => Failure::fail(e),
+        },
+    )?;
+    bar.finish_and_clear();
     StudyFolder::fill(folder, |folder| folder.write("report.html", page(&study)?.as_bytes()))?;
     say_study(&study, args.json, print)
 }

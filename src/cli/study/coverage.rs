@@ -2,8 +2,9 @@
 //! measured scenes.
 
 use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::terminal::progress;
 use crate::render::{BackendChoice, Renderer};
-use crate::studies::coverage::{Class, ClassFigures, class_figures, coverage};
+use crate::studies::coverage::{Class, ClassFigures, class_figures, coverage, scenes_in_all};
 
 /// Arguments of `study coverage`.
 #[derive(Debug, clap::Args)]
@@ -32,7 +33,9 @@ pub(crate) fn run(args: &StudyCoverageArgs) -> CommandResult {
     if !args.classes.is_empty() {
         return only(args, &renderer);
     }
-    let result = coverage(args.scenes, args.seed, &renderer).map_err(Failure::fail)?;
+    let bar = progress::bar(scenes_in_all(args.scenes) as u64, "drawing and measuring", "scenes");
+    let result = coverage(args.scenes, args.seed, &renderer, &|| bar.inc(1)).map_err(Failure::fail)?;
+    bar.finish_and_clear();
     let misses = result.misses(0.0);
     if args.json {
         say_line!("{}", serde_json::json!({ "coverage": result, "misses": misses }));

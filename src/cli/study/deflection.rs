@@ -88,7 +88,7 @@ struct Input {
 
 /// A beam's own config, or the part and the process of a job.
 fn read(text: &ConfigText) -> Result<Input, Failure> {
-    let table: toml::Table = text.parse()?;
+    let table = text.tables()?;
     let of_a_job = |key: &String| !["name", "part", "process"].contains(&key.as_str());
     let has_passes = table
         .get("part")

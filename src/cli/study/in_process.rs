@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
+use crate::cli::terminal::progress;
 use crate::config;
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
@@ -38,13 +39,16 @@ pub(crate) fn run(args: &StudyInProcessArgs) -> CommandResult {
         ConfigText::read_or(args.config.as_deref(), "configs/slender_shaft.toml", config::SLENDER_SHAFT)?;
     let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
     job.seed = args.seed.unwrap_or(job.seed);
-    in_process::check(&job).map_err(|e| text.refuse(e))?;
+    in_process::check(&job).map_err(|e| text.refuse_at(e))?;
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
+    let bar = progress::bar(in_process::passes_in_all(&job) as u64, "turning", "passes");
     let rows = in_process::run(&job, &renderer, &mut |row| {
         tracing::info!(way = row.way, pass = row.pass, "turned");
+        bar.inc(1);
     })
     .map_err(Failure::fail)?;
+    bar.finish_and_clear();
     StudyFolder::fill(folder, |folder| write(folder, &rows))?;
     if args.json {
         say_line!("{}", json_text(&rows)?);

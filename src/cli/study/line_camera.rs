@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, json_text};
+use crate::cli::terminal::progress;
 use crate::config;
 use crate::render::{BackendChoice, Renderer};
 use crate::studies::line_camera::{self, BLOCK, LineCameraRow};
@@ -34,9 +35,12 @@ pub(crate) struct StudyLineCameraArgs {
 pub(crate) fn run(args: &StudyLineCameraArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "configs/head_line_laser.toml", LINE_HEAD)?;
     let job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
-    line_camera::check(&job).map_err(|e| text.refuse(e))?;
+    line_camera::check(&job).map_err(|e| text.refuse_at(e))?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
-    let rows = line_camera::run(&job, args.readings as usize, &renderer).map_err(Failure::fail)?;
+    let bar = progress::bar(u64::from(args.readings), "reading", "readings");
+    let rows = line_camera::run(&job, args.readings as usize, &renderer, &|| bar.inc(1));
+    let rows = rows.map_err(Failure::fail)?;
+    bar.finish_and_clear();
     if args.json {
         say_line!("{}", json_text(&rows)?);
         return Ok(Outcome::Done);

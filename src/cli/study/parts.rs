@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use crate::cli::failure::{CommandResult, Failure};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, say_study};
+use crate::cli::terminal::progress;
 use crate::config;
 use crate::control::{ControllerName, PartEvent};
 use crate::job::Job;
@@ -52,11 +53,11 @@ pub(crate) fn run(args: &StudyPartsArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "configs/parts.toml", CONFIG)?;
     let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
     job.control.controller = args.controller.unwrap_or(job.control.controller);
-    job.check_coverage().and_then(|()| job.check_control()).map_err(|e| text.refuse(e))?;
+    job.check_coverage().and_then(|()| job.check_control()).map_err(|e| text.refuse_at(e))?;
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
     let batch = Batch { parts: args.parts, insert_every: args.insert_every, cold_at: args.cold_at.clone() };
-    let bar = indicatif::ProgressBar::new(2 * u64::from(args.parts));
+    let bar = progress::bar(2 * u64::from(args.parts), "turning", "parts");
     let study = parts::run(&job, &batch, &renderer, &mut |learning, part| {
         tracing::info!(learning, part, "turned");
         bar.inc(1);

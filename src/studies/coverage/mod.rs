@@ -119,24 +119,42 @@ impl Coverage {
     }
 }
 
-/// Runs `scenes` drawn scenes and a third as many of each other kind, in equal classes.
+/// Shares of the scenes: all for the drawn classes, less for the others.
+const GROUPS: [(&[Class], usize); 4] =
+    [(&Class::DRAWN, 1), (&Class::DEVIATING, 3), (&Class::DETECTABLE, 6), (&Class::UNDETECTABLE, 12)];
+
+/// Scenes that [`coverage`] draws in all.
+pub(crate) fn scenes_in_all(scenes: usize) -> usize {
+    let of = |(classes, share): &(&[Class], usize)| classes.len() * (scenes / share).div_ceil(classes.len());
+    GROUPS.iter().map(of).sum()
+}
+
+/// Runs `scenes` drawn scenes and a third as many of each other kind, in equal classes; `done` is
+/// called after each.
 ///
 /// # Errors
 /// The first scene whose masters cannot be drawn or measured.
-pub(crate) fn coverage(scenes: usize, seed: u64, renderer: &Renderer) -> Result<Coverage, CalibrateError> {
-    let group = |classes: &[Class], scenes: usize| -> Result<Group, CalibrateError> {
+pub(crate) fn coverage(
+    scenes: usize,
+    seed: u64,
+    renderer: &Renderer,
+    done: &(dyn Fn() + Sync),
+) -> Result<Coverage, CalibrateError> {
+    let group = |(classes, share): (&[Class], usize)| -> Result<Group, CalibrateError> {
+        let scenes = scenes / share;
         let (mut all, mut each) = (Vec::new(), Vec::new());
         for class in classes {
-            let outcomes = outcomes(*class, scenes.div_ceil(classes.len()), seed, renderer)?;
+            let outcomes = outcomes(*class, scenes.div_ceil(classes.len()), seed, renderer, done)?;
             each.push(figures(Some(*class), &outcomes));
             all.extend(outcomes);
         }
         Ok((each, figures(None, &all)))
     };
-    let (drawn, drawn_together) = group(&Class::DRAWN, scenes)?;
-    let (deviating, deviating_together) = group(&Class::DEVIATING, scenes / 3)?;
-    let (detectable, _) = group(&Class::DETECTABLE, scenes / 6)?;
-    let (undetectable, _) = group(&Class::UNDETECTABLE, scenes / 12)?;
+    let [of_drawn, of_deviating, of_detectable, of_undetectable] = GROUPS;
+    let (drawn, drawn_together) = group(of_drawn)?;
+    let (deviating, deviating_together) = group(of_deviating)?;
+    let (detectable, _) = group(of_detectable)?;
+    let (undetectable, _) = group(of_undetectable)?;
     Ok(Coverage { drawn, drawn_together, deviating, deviating_together, detectable, undetectable })
 }
 
@@ -153,7 +171,7 @@ pub(crate) fn class_figures(
     seed: u64,
     renderer: &Renderer,
 ) -> Result<ClassFigures, CalibrateError> {
-    Ok(figures(Some(class), &outcomes(class, scenes, seed, renderer)?))
+    Ok(figures(Some(class), &outcomes(class, scenes, seed, renderer, &|| {})?))
 }
 
 fn outcomes(
@@ -161,9 +179,11 @@ fn outcomes(
     scenes: usize,
     seed: u64,
     renderer: &Renderer,
+    done: &(dyn Fn() + Sync),
 ) -> Result<Vec<Outcome>, CalibrateError> {
     let first = seed.wrapping_mul(1_000_003).wrapping_add((class as u64) << 32);
-    (0..scenes as u64).into_par_iter().map(|i| scene::run(class, first.wrapping_add(i), renderer)).collect()
+    let outcome = |i: u64| scene::run(class, first.wrapping_add(i), renderer).inspect(|_| done());
+    (0..scenes as u64).into_par_iter().map(outcome).collect()
 }
 
 fn figures(class: Option<Class>, outcomes: &[Outcome]) -> ClassFigures {

@@ -92,7 +92,10 @@ fn job(inputs: &Inputs, line: &LineFit) -> Result<Job, ExperimentError> {
     Ok(job)
 }
 
-/// Turns and measures both groups.
+/// Parts that [`run`] turns in all.
+pub(crate) const PARTS_IN_ALL: u64 = 2 * PARTS;
+
+/// Turns and measures both groups; `done` is called after every part.
 ///
 /// # Errors
 /// Where the cell, the gauge or the controller fails.
@@ -100,12 +103,15 @@ pub(crate) fn run(
     inputs: &Inputs,
     line: &LineFit,
     renderer: &Renderer,
+    done: &dyn Fn(),
 ) -> Result<Vec<Part>, ExperimentError> {
     let job = job(inputs, line)?;
     let group =
         |compensated: bool| (0..PARTS).map(move |k| (compensated, 1 + k + PARTS * u64::from(!compensated)));
     let parts = group(true).chain(group(false));
-    parts.map(|(compensated, seed)| part(&Job { seed, ..job.clone() }, compensated, renderer)).collect()
+    let turned =
+        |(compensated, seed)| part(&Job { seed, ..job.clone() }, compensated, renderer).inspect(|_| done());
+    parts.map(turned).collect()
 }
 
 fn part(job: &Job, compensated: bool, renderer: &Renderer) -> Result<Part, ExperimentError> {

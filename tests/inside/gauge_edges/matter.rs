@@ -8,7 +8,7 @@ use shadowgauge::studies::dirty_frames::{Bump, COLUMNS, Piece};
 
 #[test]
 fn harmful_frames_are_gaps_or_right_and_clean_ones_are_kept() {
-    let study = contamination::run(&GaugeSettings::default(), 12, 60, 4242).unwrap();
+    let study = contamination::run(&GaugeSettings::default(), 12, 60, 4242, &|_| {}).unwrap();
     for kind in &study.kinds {
         println!("{kind:?}");
     }

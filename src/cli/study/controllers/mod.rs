@@ -13,6 +13,7 @@ use std::time::Duration;
 use self::command::{CommandLine, StartedCommand};
 use crate::cli::failure::{CommandResult, Failure};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, say_study};
+use crate::cli::terminal::progress;
 use crate::config;
 use crate::control::ControllerName;
 use crate::render::{BackendChoice, Renderer};
@@ -78,7 +79,7 @@ pub(crate) fn run(args: &StudyControllersArgs) -> CommandResult {
     let contestants: Vec<Contestant<'_>> =
         own.chain(programs.iter().map(|p| Contestant::Program(p))).collect();
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
-    let bar = indicatif::ProgressBar::new(u64::from(args.shafts) * (contestants.len() as u64 + 1));
+    let bar = progress::bar(u64::from(args.shafts) * (contestants.len() as u64 + 1), "turning", "shafts");
     let study = controllers::run(&job, &contestants, args.shafts as usize, &renderer, &mut |name, seed| {
         tracing::info!(controller = name, seed, "turned");
         bar.inc(1);

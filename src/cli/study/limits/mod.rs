@@ -14,6 +14,7 @@ use self::child::{Ending, Printed, cpu_s};
 use self::table::{CsvRow, Row, Study, print};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{csv_text, say_study};
+use crate::cli::terminal::progress;
 use crate::gauge::{Limit, replace_limit, thresholds};
 use crate::render::{BackendChoice, Renderer};
 use crate::studies::limits::{self, Variant, variants};
@@ -181,7 +182,7 @@ impl<'a> Processes<'a> {
 
     /// Measures every variant, `jobs` at a time; rows in the variants' order.
     fn rows(&self, variants: &[Variant], jobs: usize) -> Result<Vec<Row>, Failure> {
-        let bar = indicatif::ProgressBar::new(variants.len() as u64);
+        let bar = progress::bar(variants.len() as u64, "measuring", "thresholds");
         let next = AtomicUsize::new(0);
         let work = || -> std::io::Result<Vec<(usize, Row)>> {
             let mut rows = Vec::new();

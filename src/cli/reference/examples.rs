@@ -1,0 +1,133 @@
+//! Examples of every command, with which its `--help` ends.
+//!
+//! In: the program's definition. Out: the same with a section "Examples:" a command. Every command
+//! that `--help` lists has one; the lines are parsed by `tests/documents` and `tests/manners.rs`.
+
+use clap::Command;
+
+/// A command by its words behind the program's name, with its examples.
+type Examples = (&'static str, &'static [&'static str]);
+
+const EXAMPLES: &[Examples] = &[
+    (
+        "",
+        &[
+            "shadowgauge new shaft > my.toml",
+            "shadowgauge run my.toml --out out/my",
+            "shadowgauge measure frames --um-per-px 17.4",
+        ],
+    ),
+    ("demo", &["shadowgauge demo", "shadowgauge demo --out out/first --backend cpu"]),
+    (
+        "run",
+        &[
+            "shadowgauge run configs/small_shaft.toml --out out/small",
+            "shadowgauge run my.toml --out out/my --controller ilc --seed 7",
+            "shadowgauge run my.toml --out out/plain --passes 2 --no-reference --json",
+        ],
+    ),
+    (
+        "render",
+        &[
+            "shadowgauge render my.toml --out out/frames --frames 4",
+            "shadowgauge render my.toml --out out/tiff --format tiff16 --no-noise",
+            "shadowgauge render my.toml --bench 100 --json",
+            "shadowgauge render --gallery out/gallery",
+        ],
+    ),
+    ("doctor", &["shadowgauge doctor", "shadowgauge doctor --json"]),
+    (
+        "calibrate",
+        &[
+            "shadowgauge calibrate calibrate.toml --out bench.json",
+            "shadowgauge calibrate my.toml --out bench.json --date 2026-11-22",
+        ],
+    ),
+    ("optics", &["shadowgauge optics esf my.toml > edge.csv"]),
+    (
+        "optics esf",
+        &[
+            "shadowgauge optics esf my.toml > edge.csv",
+            "shadowgauge optics esf my.toml --axis-y-mm 0.5 --json",
+        ],
+    ),
+    (
+        "measure",
+        &[
+            "shadowgauge measure frame.png --um-per-px 17.4",
+            "shadowgauge measure out/frames/frames --um-per-px file --edges edges.csv",
+            "shadowgauge measure frames --calibration bench.json --tolerance \"25 h6\" --json",
+            "shadowgauge measure washer.png --um-per-px 20 --shape ring",
+        ],
+    ),
+    ("schema", &["shadowgauge schema > job.schema.json", "shadowgauge schema machine > machine.schema.json"]),
+    ("new", &["shadowgauge new shaft > my.toml", "shadowgauge new machine --out machine.toml"]),
+    ("optimize", &["shadowgauge optimize configs/optimize_003.toml --out out/optimize"]),
+    ("reproduce", &["shadowgauge reproduce 003", "shadowgauge reproduce 000 --no-frames"]),
+    (
+        "reproduce 000",
+        &["shadowgauge reproduce 000 --no-frames --json", "shadowgauge reproduce 000 --out out/000"],
+    ),
+    ("reproduce 003", &["shadowgauge reproduce 003 --json", "shadowgauge reproduce 003 --out out/003"]),
+    (
+        "nc",
+        &[
+            "shadowgauge nc out/small --dialect linuxcnc --dry-run",
+            "shadowgauge nc out/small --dialect fanuc --machine machine.toml --out O8001.nc",
+        ],
+    ),
+    (
+        "study",
+        &["shadowgauge study stability", "shadowgauge study deflection configs/beam_003.toml --at 500"],
+    ),
+    (
+        "study deflection",
+        &[
+            "shadowgauge study deflection configs/beam_003.toml --at 500 --json",
+            "shadowgauge study deflection my.toml --line --out out/line",
+        ],
+    ),
+    ("study contamination", &["shadowgauge study contamination --json"]),
+    ("study controllers", &["shadowgauge study controllers --shafts 3 --out out/controllers"]),
+    ("study parts", &["shadowgauge study parts --parts 6 --insert-every 3"]),
+    ("study stability", &["shadowgauge study stability my.toml --gain 0.8"]),
+    ("study in-process", &["shadowgauge study in-process --out out/in_process"]),
+    ("study line-camera", &["shadowgauge study line-camera --json"]),
+    ("study factor", &["shadowgauge study factor", "shadowgauge study factor my.toml --forces forces.csv"]),
+    ("study coverage", &["shadowgauge study coverage --scenes 40 --json"]),
+    ("study uncertainty", &["shadowgauge study uncertainty calibrate.toml --diameter-mm 25"]),
+    ("study limits", &["shadowgauge study limits --json"]),
+    ("study washers", &["shadowgauge study washers washers --out out/washers"]),
+    (
+        "completions",
+        &[
+            "shadowgauge completions bash > ~/.local/share/bash-completion/completions/shadowgauge",
+            "shadowgauge completions zsh > ~/.zfunc/_shadowgauge",
+        ],
+    ),
+    ("man", &["shadowgauge man > shadowgauge.1", "shadowgauge man --out man"]),
+];
+
+/// The program with its examples.
+pub(crate) fn with_examples(program: Command) -> Command {
+    of_command(program, "")
+}
+
+fn of_command(command: Command, path: &str) -> Command {
+    let names: Vec<String> = command.get_subcommands().map(|below| below.get_name().to_owned()).collect();
+    let command = names.into_iter().fold(command, |command, name| {
+        let path = format!("{path} {name}").trim().to_owned();
+        command.mut_subcommand(name, |below| of_command(below, &path))
+    });
+    match EXAMPLES.iter().find(|(known, _)| *known == path) {
+        Some((_, lines)) => command.after_help(format!("Examples:\n  {}", lines.join("\n  "))),
+        None => command,
+    }
+}
+
+/// The lines of a command's examples.
+pub(crate) fn of(command: &Command) -> Vec<String> {
+    let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    let lines = help.strip_prefix("Examples:\n").unwrap_or_default().lines();
+    lines.map(|line| line.trim().to_owned()).collect()
+}
