@@ -216,6 +216,11 @@ impl Stream {
         self.inspector.as_ref().is_some_and(|i| i.judge.is_some() && is_uncalibrated(&i.calibration))
     }
 
+    /// The conditions of the part; with a calibration.
+    pub(crate) fn conditions(&self) -> Option<&Conditions> {
+        self.inspector.as_ref().map(|i| &i.conditions)
+    }
+
     /// The results over all frames.
     ///
     /// # Errors
