@@ -24,6 +24,11 @@ fn keep(result: Result<(), Error>) {
     }
 }
 
+/// Whether nothing more can be written: a stream has no one to measure for.
+pub(crate) fn has_failed() -> bool {
+    FIRST_ERROR.get().is_some()
+}
+
 /// Reports a failed write. A closed pipe (`… | head -1`) is not a failure.
 ///
 /// # Errors
