@@ -24,7 +24,7 @@ fn keep(result: Result<(), Error>) {
     }
 }
 
-/// Whether nothing more can be written: a stream has no one to measure for.
+/// Whether nothing more can be written: then a stream need not be measured on.
 pub(crate) fn has_failed() -> bool {
     FIRST_ERROR.get().is_some()
 }

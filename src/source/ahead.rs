@@ -82,7 +82,7 @@ impl Ahead {
     }
 }
 
-/// Reads the source to its end, or until nobody waits for its frames.
+/// Reads the source to its end, or until its frames are not waited for any more.
 fn read(source: impl Iterator<Item = Taken>, queue: &SyncSender<Place>, work: &Sender<Work>) {
     for taken in source {
         let (arrival, undecoded) = match taken {
@@ -96,7 +96,7 @@ fn read(source: impl Iterator<Item = Taken>, queue: &SyncSender<Place>, work: &S
         if queue.send(Ok((arrival, frame))).is_err() {
             return;
         }
-        // Where nobody waits any more, the next place finds out.
+        // Where frames are not waited for any more, the next place shows it.
         let _ = match undecoded {
             Ok(undecoded) => work.send((undecoded, give)).map_err(|_| ()),
             Err(error) => give.send(Err(error)).map_err(|_| ()),

@@ -278,8 +278,10 @@ fn page_name(open: &Open) -> String {
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
     let io = |cause| ReadError::Io { path: path.display().to_string(), cause };
-    let mut bytes = Vec::new();
     let file = fs::File::open(path).map_err(io)?;
+    // As much as the file has, so that its bytes are not copied from one place to a larger one.
+    let size = file.metadata().map_or(0, |m| m.len()).min(LARGEST_FILE);
+    let mut bytes = Vec::with_capacity(size as usize);
     file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(io)?;
     if bytes.len() as u64 > LARGEST_FILE {
         return Err(ReadError::TooLarge { path: path.display().to_string() });

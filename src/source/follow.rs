@@ -195,7 +195,7 @@ impl Follow {
         match next_image(&mut frame.content.as_slice()) {
             Ok(Some(Piece::Whole(image))) if !image.starts_with(b"P") => Shown::All,
             Ok(Some(Piece::Cut)) => Shown::Part,
-            // Several images may follow one another, and a TIFF does not say where it ends.
+            // Several images may follow one another, and a TIFF does not state where it ends.
             _ if self.first.is_settled() && self.frames.last_page(frame).decode().is_ok() => Shown::All,
             _ => Shown::Unknown,
         }

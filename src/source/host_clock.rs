@@ -1,4 +1,4 @@
-//! The host's clock, to say when an image came.
+//! The host's clock: when an image came.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 

@@ -84,7 +84,7 @@ impl Input {
         }
     }
 
-    /// Whether frames come as a camera takes them: nobody knows how many.
+    /// Whether frames come as a camera takes them, their number unknown.
     pub(crate) fn is_stream(&self) -> bool {
         !matches!(self, Self::Files(_))
     }

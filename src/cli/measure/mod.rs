@@ -114,7 +114,7 @@ pub(crate) struct MeasureArgs {
     /// (.toml). Without it the calibration's, else gaussian.
     #[arg(long, value_name = "NAME|FILE")]
     esf: Option<String>,
-    /// Threads (default: all cores).
+    /// Threads that measure, and as many that decode meanwhile (default: all cores).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Measures N frames from memory, cycling through those given, and reports the time; with
