@@ -1,16 +1,20 @@
 //! `shadowgauge measure`: edges and diameters of frames in files.
 //!
 //! In: frames (`frames`), a calibration and conditions, an edge-spread function (`esf_argument`).
-//! Out: a table (`table`, `statistics`, `turn`, `words`) or JSON, edges as CSV (`edges_file`),
-//! times (`timing`). This file turns arguments into settings, frames into a
-//! [`Stream`](crate::measurement::Stream) and what comes out into text; what is measured is in
-//! [`measurement`](crate::measurement), where a new result goes too.
+//! Out: a table (`table`, `statistics`, `turn`, `words`, `legend`) or JSON, edges as CSV
+//! (`edges_file`), diameters as CSV and a report (`leaves`, `csv_file`), times (`timing`). This
+//! file turns arguments into settings, frames into a [`Stream`](crate::measurement::Stream) and
+//! what comes out into text; what is measured is in [`measurement`](crate::measurement), where a
+//! new result goes too.
 
 mod choice;
+mod csv_file;
 mod edges_file;
 pub(super) mod esf_argument;
 mod frames;
 mod judge_args;
+mod leaves;
+mod legend;
 pub(crate) mod ring;
 mod statistics;
 mod table;
@@ -25,10 +29,12 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 
 use self::choice::ChoiceArgs;
-use self::edges_file::{FrameRows, claim_edges, write_rows};
+use self::edges_file::{FrameRows, claim_output, write_rows};
 use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
 use self::judge_args::JudgeArgs;
+use self::leaves::{Inputs, Leaves, LeavesArgs, MeasuredBy};
+use self::legend::print_legend;
 use self::table::{print_series, print_table};
 use self::warnings::{report_frames, report_refusals, report_uncalibrated, report_unlearnt};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
@@ -39,8 +45,8 @@ use crate::gauge::calibration::{Conditions, Date, GivenConditions};
 use crate::gauge::ring::RingSettings;
 use crate::gauge::{Calibration, EsfModel, FrameEdges, Gauge, GaugeSettings, Polarity};
 use crate::measurement::{
-    Document, MeasureError, MeasureSettings, Measurement, Stream, conditions, edge_model, known_conditions,
-    prepared,
+    Document, MeasureError, MeasureSettings, Measurement, Series, Stream, conditions, edge_model,
+    known_conditions, prepared,
 };
 use crate::profile::Reason;
 
@@ -83,6 +89,8 @@ pub(crate) struct MeasureArgs {
     /// Writes both edges of every column to this CSV file; `-` is stdout, in place of the table.
     #[arg(long, value_name = "FILE.csv")]
     edges: Option<PathBuf>,
+    #[command(flatten)]
+    leaves: LeavesArgs,
     /// Prints JSON.
     #[arg(long)]
     json: bool,
@@ -200,7 +208,10 @@ pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     }
     let esf = stated_edge_model(args, calibration.as_ref())?;
     let gauge = Gauge::calibrated(args.gauge_settings(esf), calibration.as_ref()).map_err(failure)?;
-    let instrument = Instrument { gauge, calibration, conditions, settings: args.settings() };
+    // The report shows a budget.
+    let budget = args.judge.shows_budgets() || args.leaves.has_report() && calibration.is_some();
+    let settings = MeasureSettings { budget, ..args.settings() };
+    let instrument = Instrument { gauge, calibration, conditions, settings };
     if args.shape == Shape::Ring {
         return rings(args, &instrument, paths);
     }
@@ -229,7 +240,12 @@ impl Measured {
 }
 
 /// Measures every frame of the source.
-fn measure_each(args: &MeasureArgs, stream: &mut Stream, source: &mut Frames<'_>) -> Vec<Measured> {
+fn measure_each(
+    args: &MeasureArgs,
+    stream: &mut Stream,
+    source: &mut Frames<'_>,
+    leaves: &mut Leaves,
+) -> Result<Vec<Measured>, Failure> {
     let mut all = Vec::new();
     while let Some((stem, read)) = source.next_frame() {
         let prepared =
@@ -238,7 +254,7 @@ fn measure_each(args: &MeasureArgs, stream: &mut Stream, source: &mut Frames<'_>
             Ok(frame) => {
                 // What a refused frame is refused for stands in its measurement.
                 let _ = stream.push_prepared(&stem, &frame.meta, &frame.view());
-                Some(frame).filter(|_| args.bench.is_some())
+                Some(frame)
             }
             Err(why) => {
                 stream.push_unreadable(&stem, why);
@@ -246,20 +262,29 @@ fn measure_each(args: &MeasureArgs, stream: &mut Stream, source: &mut Frames<'_>
             }
         };
         let edges = stream.edges().filter(|_| args.edges.is_some()).cloned();
-        all.push(Measured { measurement: stream.measurement().clone(), edges, frame });
+        let mut measurement = stream.measurement().clone();
+        leaves.add(&mut measurement, frame.as_ref())?;
+        all.push(Measured { measurement, edges, frame: frame.filter(|_| args.bench.is_some()) });
     }
-    all
+    Ok(all)
 }
 
 fn measure_all(args: &MeasureArgs, instrument: &Instrument, paths: Vec<PathBuf>) -> CommandResult {
     let edges = args.edges.as_deref();
-    let edges = edges.map(|path| claim_edges(path, &paths, args.other_inputs(), args.json)).transpose()?;
+    let claim = |path| claim_output("--edges", path, &paths, args.other_inputs(), args.json);
+    let edges = edges.map(claim).transpose()?;
+    let mut leaves = begin_leaves(args, instrument, &paths)?;
+    let has_table = !leaves.is_stdout();
     let edges_on_stdout = edges.as_ref().is_some_and(OutputFile::is_stdout);
     let mut source = Frames::new(paths, &args.frames, instrument.calibration.as_ref(), args.um_per_px);
     let mut stream = instrument.stream()?;
-    let all = measure_each(args, &mut stream, &mut source);
+    let all = measure_each(args, &mut stream, &mut source, &mut leaves)?;
     let each = || all.iter().map(|measured| &measured.measurement);
-    report_refusals(each())?;
+    if let Err(none) = report_refusals(each()) {
+        // Why every frame was refused is what these show.
+        leaves.finish(&Series::default())?;
+        return Err(none);
+    }
     report_unlearnt(&stream);
     if let Some(file) = edges {
         file.write_with(|out| {
@@ -274,14 +299,28 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, paths: Vec<PathBuf>)
     report_frames(each());
     let series = stream.finish().map_err(failure)?;
     series.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    leaves.finish(&series)?;
     let frames: Vec<Measurement> = all.into_iter().map(|measured| measured.measurement).collect();
     let document = json!(Document { frames: &frames, series: &series, bench });
     if args.json {
         say_line!("{document}");
-    } else if !edges_on_stdout {
+    } else if has_table && !edges_on_stdout {
         print(args, &document, &frames);
     }
     Ok(if series.all_good() { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+/// The files of `--csv` and `--report`, claimed.
+fn begin_leaves(args: &MeasureArgs, instrument: &Instrument, paths: &[PathBuf]) -> Result<Leaves, Failure> {
+    let (named, others) = (args.input.as_slice(), args.other_inputs());
+    let inputs = Inputs { named, images: paths, others, json: args.json };
+    let by = MeasuredBy {
+        calibration: instrument.calibration.as_ref(),
+        conditions: &instrument.conditions,
+        settings: &instrument.settings,
+        shows_budgets: args.judge.shows_budgets(),
+    };
+    Leaves::begin(&args.leaves, &inputs, &by)
 }
 
 fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {
@@ -321,6 +360,7 @@ fn print(args: &MeasureArgs, document: &Value, frames: &[Measurement]) {
         say!("{}", budget.to_table(args.judge.settings().coverage_factor));
     }
     print_series(keys);
+    print_legend(frames, args.judge.settings().conformance_probability);
 }
 
 /// Measures rings; files without a readable frame give a warning, or an error if none is left.
@@ -332,7 +372,7 @@ fn rings(args: &MeasureArgs, instrument: &Instrument, paths: Vec<PathBuf>) -> Co
     {
         return Err(Failure::refuse("--edges, --bench, --vertical and --esf belong to --shape shaft"));
     }
-    if let Some(name) = args.judge.needs_scale().or(args.choice.given()) {
+    if let Some(name) = args.judge.needs_scale().or(args.choice.given()).or(args.leaves.given()) {
         return Err(Failure::refuse(format!("{name} belongs to --shape shaft")));
     }
     let mut settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };

@@ -8,8 +8,10 @@ use super::words::{judged_by, stretch_text};
 use crate::gauge::stated::stated;
 
 pub(super) fn print_table(figures: &[Value], bench: Option<&Value>) {
+    let averaged = figures.iter().any(|f| f["average_mm"].is_number());
+    let average_head = if averaged { format!(" {:>12} {:>10}", "average mm", "u mm") } else { String::new() };
     say_line!(
-        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:>15} {:<28} flags",
+        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10}{average_head} {:>15} {:<28} flags",
         "frame",
         "columns",
         "valid",
@@ -26,11 +28,13 @@ pub(super) fn print_table(figures: &[Value], bench: Option<&Value>) {
     for f in figures {
         let [max_px, _] = of(f, "max_diameter_px", "u_max_px");
         let [max_mm, u_mm] = of(f, "max_diameter_mm", "u_max_mm");
+        let [average_mm, u_average] = of(f, "average_mm", "u_average_mm");
+        let average = if averaged { format!(" {average_mm:>12} {u_average:>10}") } else { String::new() };
         let flags = f["flags"].as_object().map_or_else(String::new, |flags| {
             flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
         });
         say_line!(
-            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:>15} {:<28} {flags}",
+            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10}{average} {:>15} {:<28} {flags}",
             f["frame"].as_str().unwrap_or(""),
             f["columns"],
             f["valid"],
