@@ -328,3 +328,86 @@ fn station_gap(s: &StationRow) -> Option<Reason> {
         Reading::Value(_) => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::FrameMeta;
+    use crate::gauge::Calibration;
+    use crate::gauge::calibration::Conditions;
+    use crate::measurement::{LargestDiameter, MeasureSettings, Refusal};
+    use crate::profile::Diameter;
+
+    fn begin(tolerance: Option<&str>) -> MeasureReport {
+        let tolerance = tolerance.map(|text| text.parse().unwrap());
+        MeasureReport::begin(&MeasureSetup {
+            inputs: &["frames".to_owned()],
+            date: "2026-01-31".parse().unwrap(),
+            calibration: &Calibration::from_scale(10.0),
+            conditions: &Conditions::default(),
+            settings: &MeasureSettings { tolerance, ..MeasureSettings::default() },
+        })
+    }
+
+    fn good(name: String, judgement: Verdict) -> Measurement {
+        let diameter = Diameter { d_mm: 24.5, u_random_mm: 3e-4, u_common_mm: 4e-4 };
+        let largest = LargestDiameter {
+            diameter,
+            u_mm: 5e-4,
+            freedom: 50.0,
+            coverage_factor: 2.4,
+            expanded_u_mm: 1.2e-3,
+        };
+        let (mean, diameter) = (Some(diameter), Some(largest));
+        Measurement {
+            frame: name,
+            columns: 90,
+            valid: 80,
+            mean,
+            diameter,
+            judgement,
+            ..Measurement::default()
+        }
+    }
+
+    fn refused(name: &str) -> Measurement {
+        let refusal = Some(Refusal { reason: Reason::LowContrast, why: format!("frame {name}: dark <b>") });
+        let (frame, judgement) = (name.to_owned(), Verdict::NotProven);
+        Measurement { frame, columns: 90, refusal, judgement, ..Measurement::default() }
+    }
+
+    #[test]
+    fn of_many_frames_those_that_are_not_good_come_first() {
+        let mut report = begin(Some("24..25"));
+        let white = Frame::linear(vec![1.0; 64 * 64], 64, 64, None, FrameMeta::default());
+        for index in 0..1000 {
+            report.add(&good(format!("good_{index}"), Verdict::Is(Judgement::GO)), None);
+        }
+        report.add(&refused("dark"), Some(&white));
+        report.add(&good("high".to_owned(), Verdict::Is(Judgement::HI)), None);
+        let series = Series { judgement: Some(Judgement::HI), ..Series::default() };
+        let html = report.finish(&series).unwrap();
+        for part in
+            ["400 of 1002 frames", "1002, of which 1 refused", ">high</th>", ">dark</th>", "Not proven"]
+        {
+            assert!(html.contains(part), "{part} is not in the report");
+        }
+        assert!(html.contains("<figcaption>frame dark: dark &lt;b&gt;</figcaption>"));
+        assert!(html.contains("<td class=\"n\">24.5000</td><td class=\"n\">0.0012</td>"), "two digits of U");
+        assert!(html.contains(">good_0</th>") && !html.contains(">good_500</th>"));
+        assert!(html.len() < 200_000, "{} bytes", html.len());
+    }
+
+    #[test]
+    fn nothing_is_shown_that_is_not_there() {
+        let mut report = begin(None);
+        report.add(&good("a".to_owned(), Verdict::NotJudged), None);
+        let html = report.finish(&Series::default()).unwrap();
+        assert!(html.contains("nothing was judged"));
+        for part in
+            ["judgement</th>", "average / mm", "Stations", "Refused frames", "budget of", "To be looked at"]
+        {
+            assert!(!html.contains(part), "{part} is in the report");
+        }
+    }
+}
