@@ -3,6 +3,8 @@
 //! In: a measurement a frame. Out: a row of the frame, then one a station of it; numbers with every
 //! digit, as JSON has them. A refused frame has empty numbers and the reason.
 
+use std::io::Write;
+
 use crate::measurement::{Measurement, StationResult, Verdict};
 use crate::profile::{Diameter, Reading};
 
@@ -83,19 +85,19 @@ impl Row<'_> {
 
 /// The rows of the frames that were added.
 #[derive(Debug)]
-pub(super) struct DiameterRows {
-    csv: csv::Writer<Vec<u8>>,
+pub(super) struct DiameterRows<W: Write> {
+    csv: csv::Writer<W>,
     /// Coverage factor of means, averages and stations.
     k_mean: f64,
 }
 
-impl DiameterRows {
-    /// The header alone.
+impl<W: Write> DiameterRows<W> {
+    /// The header alone; `k_mean` is the coverage factor of means, averages and stations.
     ///
     /// # Errors
-    /// None that a table in memory has.
-    pub(super) fn begin(k_mean: f64) -> Result<Self, csv::Error> {
-        let mut csv = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(Vec::new());
+    /// Where `out` cannot be written.
+    pub(super) fn begin(out: W, k_mean: f64) -> Result<Self, csv::Error> {
+        let mut csv = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(out);
         csv.write_record(COLUMNS)?;
         Ok(Self { csv, k_mean })
     }
@@ -156,11 +158,11 @@ impl DiameterRows {
         }
     }
 
-    /// The text of the table.
+    /// What the table was written to.
     ///
     /// # Errors
     /// As [`Self::begin`].
-    pub(super) fn finish(self) -> Result<Vec<u8>, std::io::Error> {
+    pub(super) fn finish(self) -> Result<W, std::io::Error> {
         self.csv.into_inner().map_err(csv::IntoInnerError::into_error)
     }
 }
@@ -173,7 +175,7 @@ mod tests {
 
     #[test]
     fn rows_end_as_the_standard_has_it_and_a_refused_frame_has_its_reason() {
-        let mut rows = DiameterRows::begin(2.0).unwrap();
+        let mut rows = DiameterRows::begin(Vec::new(), 2.0).unwrap();
         let refusal = Some(Refusal { reason: Reason::LowContrast, why: "dark, \"all\" of it".to_owned() });
         let refused = Measurement { frame: "a,b".to_owned(), columns: 9, refusal, ..Measurement::default() };
         rows.add(&refused).unwrap();

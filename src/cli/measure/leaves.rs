@@ -12,7 +12,7 @@ use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::gauge::calibration::{Conditions, Date};
-use crate::measurement::{MeasureSettings, Measurement, Series};
+use crate::measurement::{MeasureSettings, Series, Stream};
 use crate::report::measure_report::{MeasureReport, MeasureSetup};
 
 /// Files for people and for other programs.
@@ -71,7 +71,7 @@ type Claimed<T> = Option<(OutputFile, T)>;
 /// Both files while frames are measured.
 #[derive(Debug)]
 pub(super) struct Leaves {
-    csv: Claimed<DiameterRows>,
+    csv: Claimed<DiameterRows<Vec<u8>>>,
     report: Claimed<MeasureReport>,
     shows_budgets: bool,
 }
@@ -110,7 +110,7 @@ impl Leaves {
                 settings: by.settings,
             })
         });
-        let rows = DiameterRows::begin(by.settings.factor_of_means()).map_err(Failure::fail)?;
+        let rows = DiameterRows::begin(Vec::new(), by.settings.factor_of_means()).map_err(Failure::fail)?;
         let shows_budgets = by.shows_budgets;
         Ok(Self { csv: csv.map(|file| (file, rows)), report: report.zip(page), shows_budgets })
     }
@@ -121,19 +121,20 @@ impl Leaves {
         csv || self.report.as_ref().is_some_and(|(file, _)| file.is_stdout())
     }
 
-    /// Adds a frame; what of its measurement the report alone needs is taken out of it.
+    /// Adds the frame that the stream measured last; a budget that the report alone needs is taken
+    /// out of it.
     ///
     /// # Errors
     /// Exit 3 for a row that CSV cannot represent.
-    pub(super) fn add(&mut self, measured: &mut Measurement, frame: Option<&Frame>) -> Result<(), Failure> {
+    pub(super) fn add(&mut self, stream: &mut Stream, frame: Option<&Frame>) -> Result<(), Failure> {
         if let Some((_, rows)) = &mut self.csv {
-            rows.add(measured).map_err(Failure::fail)?;
+            rows.add(stream.measurement()).map_err(Failure::fail)?;
         }
         if let Some((_, report)) = &mut self.report {
-            report.add(measured, frame);
+            report.add(stream.measurement(), frame);
         }
         if !self.shows_budgets {
-            measured.budget = None;
+            stream.leave_out_budget();
         }
         Ok(())
     }

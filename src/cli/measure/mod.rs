@@ -34,7 +34,7 @@ use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
 use self::judge_args::JudgeArgs;
 use self::leaves::{Inputs, Leaves, LeavesArgs, MeasuredBy};
-use self::legend::print_legend;
+use self::legend::Legend;
 use self::table::{print_series, print_table};
 use self::warnings::{report_frames, report_refusals, report_uncalibrated, report_unlearnt};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
@@ -262,8 +262,8 @@ fn measure_each(
             }
         };
         let edges = stream.edges().filter(|_| args.edges.is_some()).cloned();
-        let mut measurement = stream.measurement().clone();
-        leaves.add(&mut measurement, frame.as_ref())?;
+        leaves.add(stream, frame.as_ref())?;
+        let measurement = stream.measurement().clone();
         all.push(Measured { measurement, edges, frame: frame.filter(|_| args.bench.is_some()) });
     }
     Ok(all)
@@ -360,7 +360,9 @@ fn print(args: &MeasureArgs, document: &Value, frames: &[Measurement]) {
         say!("{}", budget.to_table(args.judge.settings().coverage_factor));
     }
     print_series(keys);
-    print_legend(frames, args.judge.settings().conformance_probability);
+    let mut legend = Legend::default();
+    frames.iter().for_each(|frame| legend.note(frame.judgement));
+    legend.print(args.judge.settings().conformance_probability);
 }
 
 /// Measures rings; files without a readable frame give a warning, or an error if none is left.
