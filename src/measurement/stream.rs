@@ -200,6 +200,11 @@ impl Stream {
         &self.measurement
     }
 
+    /// Takes the budget out of the frame pushed last.
+    pub(crate) fn leave_out_budget(&mut self) {
+        self.measurement.budget = None;
+    }
+
     /// The edges of the frame pushed last, px; `None` where it was refused.
     pub fn edges(&self) -> Option<&FrameEdges> {
         self.measurement.refusal.is_none().then_some(&self.edges)

@@ -7,8 +7,9 @@ use crate::files::{OpenOutput, OutputFile};
 use crate::gauge::{Edge, FrameEdges};
 use crate::profile::Reason;
 
-/// Claims the file of --edges, which must not be an input. On stdout it is the only output.
-pub(super) fn claim_edges(
+/// Claims the file of an option, which must not be an input. On stdout it is the only output.
+pub(super) fn claim_output(
+    option: &str,
     path: &Path,
     images: &[PathBuf],
     other_inputs: Vec<PathBuf>,
@@ -19,7 +20,7 @@ pub(super) fn claim_edges(
         images.iter().flat_map(|image| image.ancestors().skip(1).take(2)).map(|f| f.join("frames.csv"));
     let file = OutputFile::claim(path, images.iter().cloned().chain(tables).chain(other_inputs))?;
     if file.is_stdout() && json {
-        return Err(Failure::refuse("--json and --edges both go to stdout; give --edges a file"));
+        return Err(Failure::refuse(format!("--json and {option} both go to stdout; give {option} a file")));
     }
     Ok(file)
 }

@@ -31,6 +31,13 @@ pub(crate) struct InputArgs {
     idle_s: Option<Duration>,
 }
 
+impl InputArgs {
+    /// The inputs as they were named.
+    pub(crate) fn named(&self) -> Vec<PathBuf> {
+        self.input.iter().chain(&self.follow).cloned().collect()
+    }
+}
+
 fn seconds(text: &str) -> Result<Duration, String> {
     let right = || "a number of seconds above 0 is needed, for instance 2.5".to_owned();
     let value: f64 = text.parse().map_err(|_| right())?;

@@ -2,12 +2,13 @@
 //!
 //! In: frames (`frames`) of files, a folder that is followed or stdin (`input`), a calibration and
 //! conditions, an edge-spread function (`esf_argument`). Out, as the frames come (`results`): a table
-//! (`table`, `statistics`, `turn`, `words`) or JSON (`document`), edges as CSV (`edges_file`);
-//! times (`timing`). This file turns arguments into settings and frames into a
+//! (`table`, `statistics`, `turn`, `words`, `legend`) or JSON (`document`), edges as CSV
+//! (`edges_file`), diameters as CSV and a report (`leaves`, `csv_file`); times (`timing`). This file turns arguments into settings and frames into a
 //! [`Stream`](crate::measurement::Stream); what is measured is in
 //! [`measurement`](crate::measurement), where a new result goes too.
 
 mod choice;
+mod csv_file;
 mod document;
 mod edges_file;
 pub(super) mod esf_argument;
@@ -15,6 +16,8 @@ mod frames;
 mod input;
 mod interrupt;
 mod judge_args;
+mod leaves;
+mod legend;
 mod results;
 mod ring;
 mod statistics;
@@ -32,11 +35,13 @@ use serde_json::Value;
 
 use self::choice::ChoiceArgs;
 use self::document::{Lines, Whole};
-use self::edges_file::{EdgesFile, claim_edges};
+use self::edges_file::{EdgesFile, claim_output};
 use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, scale_argument, scale_of_files};
 use self::input::{Input, InputArgs};
 use self::judge_args::JudgeArgs;
+use self::leaves::{Inputs, Leaves, LeavesArgs, MeasuredBy};
+use self::legend::Legend;
 use self::results::{Printed, Results, head};
 use self::warnings::{report_uncalibrated, report_unlearnt};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
@@ -48,7 +53,7 @@ use crate::gauge::calibration::{Conditions, Date, GivenConditions};
 use crate::gauge::ring::RingSettings;
 use crate::gauge::{Calibration, EsfModel, Gauge, GaugeSettings, Polarity};
 use crate::measurement::{
-    MeasureError, MeasureSettings, Stream, conditions, edge_model, known_conditions, prepared,
+    MeasureError, MeasureSettings, Series, Stream, conditions, edge_model, known_conditions, prepared,
 };
 
 /// Arguments of `shadowgauge measure`.
@@ -88,6 +93,8 @@ pub(crate) struct MeasureArgs {
     /// Writes both edges of every column to this CSV file; `-` is stdout, in place of the table.
     #[arg(long, value_name = "FILE.csv")]
     edges: Option<PathBuf>,
+    #[command(flatten)]
+    leaves: LeavesArgs,
     /// Prints JSON: one document; of a stream (--follow, -) a line a frame and one of the series.
     #[arg(long)]
     json: bool,
@@ -206,7 +213,10 @@ pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     }
     let esf = stated_edge_model(args, calibration.as_ref())?;
     let gauge = Gauge::calibrated(args.gauge_settings(esf), calibration.as_ref()).map_err(failure)?;
-    let instrument = Instrument { gauge, calibration, conditions, settings: args.settings() };
+    // The report shows a budget.
+    let budget = args.judge.shows_budgets() || args.leaves.has_report() && calibration.is_some();
+    let settings = MeasureSettings { budget, ..args.settings() };
+    let instrument = Instrument { gauge, calibration, conditions, settings };
     if args.shape == Shape::Ring {
         return rings(args, &instrument, input);
     }
@@ -255,24 +265,34 @@ fn measure_one(stream: &mut Stream, stem: &str, read: Result<Frame, String>) -> 
 }
 
 /// How the frames of a stream of measurements are printed.
-fn printed(args: &MeasureArgs, edges_on_stdout: bool, is_stream: bool, stream: &Stream) -> Printed {
+fn printed(args: &MeasureArgs, is_stdout_taken: bool, is_stream: bool, stream: &Stream) -> Printed {
     match (args.json, args.bench.is_some()) {
         (true, _) if is_stream => Printed::Lines(Lines::default()),
         (true, true) => Printed::Timed(Vec::new()),
         (true, false) => Printed::Whole(Whole::new(head(stream.conditions()))),
-        _ if edges_on_stdout => Printed::Nothing,
-        _ => Printed::Table { coverage_factor: args.judge.settings().coverage_factor, has_header: false },
+        _ if is_stdout_taken => Printed::Nothing,
+        _ => {
+            let settings = args.judge.settings();
+            Printed::Table {
+                coverage_factor: settings.coverage_factor,
+                probability: settings.conformance_probability,
+                averages: settings.averages(),
+                has_header: false,
+                legend: Legend::default(),
+            }
+        }
     }
 }
 
 fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandResult {
     let (edges, is_stream) = (args.edges.as_deref(), input.is_stream());
-    let edges =
-        edges.map(|path| claim_edges(path, input.files(), args.other_inputs(), args.json)).transpose()?;
-    let edges_on_stdout = edges.as_ref().is_some_and(OutputFile::is_stdout);
+    let claim = |path| claim_output("--edges", path, input.files(), args.other_inputs(), args.json);
+    let edges = edges.map(claim).transpose()?;
+    let mut leaves = begin_leaves(args, instrument, &input)?;
+    let is_stdout_taken = leaves.is_stdout() || edges.as_ref().is_some_and(OutputFile::is_stdout);
     let mut stream = instrument.stream()?;
     let edges = edges.map(|file| EdgesFile::begin(file, is_stream)).transpose()?;
-    let mut results = Results::new(printed(args, edges_on_stdout, is_stream, &stream), edges, is_stream);
+    let mut results = Results::new(printed(args, is_stdout_taken, is_stream, &stream), edges, is_stream);
     if is_stream {
         report_uncalibrated(&stream);
     }
@@ -283,22 +303,42 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     let mut kept = Vec::new();
     while let Some((arrival, read)) = frames.next_frame() {
         let frame = measure_one(&mut stream, &arrival.stem, read);
+        leaves.add(&mut stream, frame.as_ref())?;
         kept.extend(frame.filter(|_| args.bench.is_some()));
         results.frame(&stream, &arrival)?;
         if is_stream && output::has_failed() {
             break;
         }
     }
-    if !stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
-        results.check_measured().or_else(|none| frames.check_ended().and(Err(none)))?;
+    if !stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+        && let Err(none) = results.check_measured().or_else(|none| frames.check_ended().and(Err(none)))
+    {
+        // Why every frame was refused is what these show.
+        leaves.finish(&Series::default())?;
+        return Err(none);
     }
     report_unlearnt(&stream);
     results.finish_edges()?;
     let bench = args.bench.map(|count| bench(args, instrument, &kept, count)).transpose()?;
     let series = stream.finish().map_err(failure)?;
+    leaves.finish(&series)?;
     results.end(&series, bench);
     frames.check_ended()?;
     Ok(if series.all_good() { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+/// The files of `--csv` and `--report`, claimed.
+fn begin_leaves(args: &MeasureArgs, instrument: &Instrument, input: &Input) -> Result<Leaves, Failure> {
+    let (named, others) = (args.input.named(), args.other_inputs());
+    let (json, is_stream) = (args.json, input.is_stream());
+    let inputs = Inputs { named: &named, images: input.files(), others, json, is_stream };
+    let by = MeasuredBy {
+        calibration: instrument.calibration.as_ref(),
+        conditions: &instrument.conditions,
+        settings: &instrument.settings,
+        shows_budgets: args.judge.shows_budgets(),
+    };
+    Leaves::begin(&args.leaves, &inputs, &by)
 }
 
 fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {
@@ -336,7 +376,7 @@ fn rings(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandRe
     {
         return Err(Failure::refuse("--edges, --bench, --vertical and --esf belong to --shape shaft"));
     }
-    if let Some(name) = args.judge.needs_scale().or(args.choice.given()) {
+    if let Some(name) = args.judge.needs_scale().or(args.choice.given()).or(args.leaves.given()) {
         return Err(Failure::refuse(format!("{name} belongs to --shape shaft")));
     }
     let mut settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };

@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::document::{Lines, Whole};
 use super::edges_file::{EdgesFile, FrameRows};
+use super::legend::Legend;
 use super::table::{print_header, print_row, print_series};
 use super::warnings::{FrameWarnings, report_uncalibrated};
 use crate::cli::failure::Failure;
@@ -23,8 +24,14 @@ pub(super) enum Printed {
     Table {
         /// k of the budgets.
         coverage_factor: Option<f64>,
+        /// Probability behind the judgements.
+        probability: f64,
+        /// Whether frames are averaged.
+        averages: bool,
         /// Whether the names of the columns are printed.
         has_header: bool,
+        /// The judgements that were printed.
+        legend: Legend,
     },
     /// One document.
     Whole(Whole),
@@ -38,11 +45,12 @@ impl Printed {
     fn frame(&mut self, frame: &Measurement, arrival: &Arrival) {
         match self {
             Self::Nothing => {}
-            Self::Table { coverage_factor, has_header } => {
+            Self::Table { coverage_factor, averages, has_header, legend, .. } => {
                 if !std::mem::replace(has_header, true) {
-                    print_header();
+                    print_header(*averages);
                 }
-                print_row(&json!(frame));
+                print_row(&json!(frame), *averages);
+                legend.note(frame.judgement);
                 if let Some(budget) = &frame.budget {
                     say_line!("\nbudget of the largest diameter of frame {}", frame.frame);
                     say_line!("{}", budget.to_table(*coverage_factor));
@@ -61,7 +69,10 @@ impl Printed {
         };
         match self {
             Self::Nothing => {}
-            Self::Table { .. } => print_series(&keys, bench.as_ref()),
+            Self::Table { legend, probability, .. } => {
+                print_series(&keys, bench.as_ref());
+                legend.print(probability);
+            }
             Self::Whole(mut whole) => whole.end(&keys),
             Self::Timed(frames) => {
                 let mut head = head(series.conditions.as_ref());
