@@ -177,9 +177,9 @@ impl FileFrames {
         (self.paths, self.next, self.open) = (vec![path], 0, None);
     }
 
-    /// The frame after the last one is not counted: its file is looked at again.
-    pub(super) fn uncount(&mut self, given: u64) {
-        self.given = given;
+    /// As if no more than so many frames had been given: the open file is left, to be looked at again.
+    pub(super) fn take_back(&mut self, given: u64) {
+        (self.given, self.open) = (given, None);
     }
 
     /// Frames given so far.

@@ -183,7 +183,7 @@ impl Follow {
             }
             Shown::Unknown if is_last => Found::Frame((arrival, frame)),
             _ => {
-                self.frames.uncount(given);
+                self.frames.take_back(given);
                 Found::Unfinished
             }
         }
