@@ -4,12 +4,13 @@
 # Others:  make studies (long measurements -> out/studies; ONLY="coverage edges" for some)   make studies-short (ten minutes)
 #          make study-limits (half and double of every threshold of the instrument on the same scenes)
 #          make pictures (the pictures of the documents -> docs)
+#          make reports-check (reports before axe-core in Chromium: contrast, names, small screens)
 #          make gpu-check (a hardware adapter against the CPU path; needs the built program alone)   make bench   make bless CASE=all
 
 CARGO ?= cargo
 BIN := target/release/shadowgauge
 
-.PHONY: demo test studies studies-short study-limits pictures gpu-check bench build vulkan bless
+.PHONY: demo test studies studies-short study-limits pictures reports-check gpu-check bench build vulkan bless
 
 # With wgpu at work where a Vulkan driver is (software drivers are taken by name only), else on the CPU path.
 demo: vulkan build
@@ -50,6 +51,10 @@ study-limits: build
 # The pictures of the documents, by the commands that draw them.
 pictures: build
 	BIN="$(BIN)" sh scripts/pictures.sh
+
+# A report of measure, of a run and of a calibration before axe-core in Debian's Chromium; SKIPPED, loudly, where that is missing.
+reports-check: build
+	BIN="$(BIN)" sh scripts/reports_check.sh
 
 # Goldens and benches on a hardware adapter, beside the CPU path: needs the built program alone (BIN=PATH), no Rust and no network.
 gpu-check:

@@ -23,5 +23,5 @@ mod turning_cell;
 #[cfg(feature = "render")]
 pub use simulated::SimulatedCell;
 #[cfg(feature = "render")]
-pub(crate) use simulated::base_form;
+pub(crate) use simulated::{base_form, frame_of_pass};
 pub use turning_cell::{CellError, FollowedCut, SeenStation, TrueAxis, TurningCell};

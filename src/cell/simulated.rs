@@ -94,6 +94,11 @@ const FRAMES_OF_A_PASS: u64 = 1 << 32;
 /// its scan, and independent of whether this process scanned an earlier pass.
 const PASS_PERIOD_NS: u64 = 600_000_000_000;
 
+/// Number of a frame within its pass, from 0: the other digits of its number are part and pass.
+pub(crate) fn frame_of_pass(frame_id: u64) -> u64 {
+    frame_id % FRAMES_OF_A_PASS
+}
+
 /// The stock with the form errors of `[shaft]`.
 fn formed(job: &Job) -> Result<Shaft, RenderError> {
     let blank = vec![ProfileKnot { z_mm: 0.0, radius_mm: job.part.stock_diameter_mm / 2.0 }];

@@ -7,7 +7,7 @@ use crate::render::BackendChoice;
 use crate::run_folder::RunFolder;
 
 use super::failure::{CommandResult, Failure, Outcome};
-use super::interrupt;
+use super::process::interrupt;
 use super::run::execute;
 
 /// Arguments of `demo`.

@@ -6,13 +6,13 @@
 //!
 //! In: arguments and files. Out: what the library computed, as text, JSON and files; a command
 //! contains no computation that belongs in the library. Beside the commands are `failure` (how a
-//! command ends), `output` (stdout), `terminal` (log and progress), `interrupt` (Ctrl-C),
-//! `input_output` (configs in, folders out), `calibration_plan` (read by several commands) and
-//! `process`. A new command is a file with its arguments and a function `run`, a line of
+//! command ends), `terminal` (stdout, log and progress), `process` (the environment of graphics
+//! drivers, Ctrl-C), `input_output` (configs in, folders out) and `calibration_plan` (read by
+//! several commands). A new command is a file with its arguments and a function `run`, a line of
 //! `commands!` and its examples in `reference::examples`; no command imports this file.
 
 #[macro_use]
-mod output;
+mod terminal;
 
 mod calibrate;
 mod calibration_plan;
@@ -21,7 +21,6 @@ mod demo;
 mod doctor;
 mod failure;
 mod input_output;
-mod interrupt;
 mod man;
 mod measure;
 mod nc;
@@ -35,7 +34,6 @@ mod reproduce;
 mod run;
 mod schema;
 mod study;
-mod terminal;
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -44,7 +42,7 @@ use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use failure::{CommandResult, Outcome};
 pub use reference::Page;
-use terminal::log;
+use terminal::{log, output};
 
 #[derive(Debug, Parser)]
 #[command(name = "shadowgauge", version, about, long_about = None)]

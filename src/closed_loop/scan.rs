@@ -123,7 +123,7 @@ impl<'c> Measured<'c> {
         let measured =
             stream.measure(&frame.view(), edges, frame.meta.clone(), |meta, edges| sums.add(&meta, edges));
         if let Err(refused) = &measured {
-            self.tally.refused.push(format!("frame {}: {refused}", frame.meta.frame_id));
+            self.tally.refused.push(format!("frame {index} of the scan: {refused}"));
         }
         self.tally.measured += start.elapsed();
         if measured.is_ok() && index == self.sample_frame {

@@ -33,6 +33,16 @@ impl SizeCriterion {
         }
     }
 
+    /// The sizes that it is about, in words.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::TwoPoint => "every two-point size",
+            Self::Envelope => "the envelope (E): two-point sizes below, the circumscribed cylinder above",
+            Self::CircumscribedCylinder => "the least circumscribed cylinder (GN)",
+            Self::CircumscribedCircle => "the least circumscribed circle of every section (GN) ACS",
+        }
+    }
+
     /// Whether it needs the sections of a whole turn, over the length.
     pub(crate) fn needs_turn(self) -> bool {
         self != Self::TwoPoint

@@ -26,6 +26,31 @@ pub enum Judgement {
 }
 
 impl Judgement {
+    /// The word that stands for it in tables and files.
+    pub(crate) fn as_str(self) -> &'static str {
+        match self {
+            Self::LL => "LL",
+            Self::LO => "LO",
+            Self::GO => "GO",
+            Self::HI => "HI",
+            Self::HH => "HH",
+        }
+    }
+
+    /// What it means where the limits are a tolerance's.
+    pub(crate) fn meaning(self) -> &'static str {
+        match self {
+            Self::LL => "proven to lie below the lower limit",
+            Self::LO => "proven neither good nor bad, below the middle of the tolerance",
+            Self::GO => "proven to lie within both limits",
+            Self::HI => "proven neither good nor bad, above the middle of the tolerance",
+            Self::HH => "proven to lie above the upper limit",
+        }
+    }
+
+    /// All of them, from the largest sizes to the smallest.
+    pub(crate) const ALL: [Self; 5] = [Self::HH, Self::HI, Self::GO, Self::LO, Self::LL];
+
     /// How far from good: 0 good, 1 not proven, 2 proven bad.
     pub(crate) fn severity(self) -> u8 {
         match self {
@@ -187,6 +212,15 @@ mod tests {
         for d in [reading(nan), Diameter { u_common_mm: nan, ..reading(50.0) }] {
             assert_eq!(judge.judge(&d, MANY), Judgement::LO, "{d:?}");
         }
+    }
+
+    #[test]
+    fn the_words_are_those_of_json() {
+        for judgement in Judgement::ALL {
+            assert_eq!(serde_json::json!(judgement), judgement.as_str());
+        }
+        let meanings: std::collections::BTreeSet<&str> = Judgement::ALL.map(Judgement::meaning).into();
+        assert_eq!(meanings.len(), 5);
     }
 
     #[test]

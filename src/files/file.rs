@@ -1,6 +1,6 @@
 //! One file that a command writes.
 
-use std::fs::{Metadata, OpenOptions};
+use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -92,28 +92,109 @@ impl OutputFile {
         self,
         pieces: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), OutputError> {
+        let named = self.named.clone();
+        let mut out = self.begin()?;
+        pieces(&mut out).map_err(OutputError::failed(&named))?;
+        out.finish()
+    }
+
+    /// Begins to write it, as what is written comes.
+    ///
+    /// # Errors
+    /// Where the disk or the permissions refuse.
+    pub(crate) fn begin(self) -> Result<OpenOutput, OutputError> {
         let Self { named, to } = self;
-        match to {
-            To::Stdout => {
-                let mut out = BufWriter::new(io::stdout().lock());
-                match pieces(&mut out).and_then(|()| out.flush()) {
-                    // A reader that has closed the pipe needs no more.
-                    Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
-                    written => written,
-                }
+        let begun = match to {
+            To::Stdout => Ok(Open::Stdout(BufWriter::new(io::stdout()))),
+            To::Through(path) => {
+                OpenOptions::new().write(true).open(path).map(|file| Open::Through(BufWriter::new(file)))
             }
-            To::Through(path) => OpenOptions::new().write(true).open(path).and_then(|file| {
-                let mut out = BufWriter::new(file);
-                pieces(&mut out).and_then(|()| out.flush())
-            }),
             To::File { target, before, mut lock } => {
-                let written = lock.emptied().and_then(|file| {
-                    let mut out = BufWriter::new(file);
-                    pieces(&mut out).and_then(|()| out.flush())
-                });
-                written.and_then(|()| place::put(lock.path(), &target, before.as_deref()))
+                let out = lock.emptied().and_then(|file| file.try_clone()).map(BufWriter::new);
+                out.map(|out| Open::File { out, target, before, lock })
             }
+        };
+        match begun {
+            Ok(open) => Ok(OpenOutput { named, open, is_closed: false }),
+            Err(cause) => Err(OutputError::Failed { path: named, cause }),
         }
-        .map_err(OutputError::failed(&named))
+    }
+}
+
+/// An output that is being written. Dropped before it is finished, it leaves the old file as it was.
+#[derive(Debug)]
+pub(crate) struct OpenOutput {
+    named: PathBuf,
+    open: Open,
+    /// Whether the reader of a pipe has gone, who needs no more.
+    is_closed: bool,
+}
+
+#[derive(Debug)]
+enum Open {
+    Stdout(BufWriter<io::Stdout>),
+    Through(BufWriter<File>),
+    File { out: BufWriter<File>, target: PathBuf, before: Option<Box<Metadata>>, lock: Lock },
+}
+
+impl Open {
+    fn out(&mut self) -> &mut dyn Write {
+        match self {
+            Self::Stdout(out) => out,
+            Self::Through(out) | Self::File { out, .. } => out,
+        }
+    }
+}
+
+impl OpenOutput {
+    /// Ends it: all of it appears under its own name.
+    ///
+    /// # Errors
+    /// Where the disk, the reader or the permissions refuse.
+    pub(crate) fn finish(mut self) -> Result<(), OutputError> {
+        let written = self.flush();
+        let put = match self.open {
+            Open::File { out, target, before, lock } => written.and_then(|()| {
+                // The second handle of the file; the lock is that of the first.
+                drop(out);
+                place::put(lock.path(), &target, before.as_deref())
+            }),
+            Open::Stdout(_) | Open::Through(_) => written,
+        };
+        put.map_err(OutputError::failed(&self.named))
+    }
+
+    /// That it could not be written.
+    pub(crate) fn failed(&self, cause: io::Error) -> OutputError {
+        OutputError::Failed { path: self.named.clone(), cause }
+    }
+
+    /// The result of a write; a reader of stdout that has closed the pipe needs no more.
+    fn kept(&mut self, result: io::Result<()>) -> io::Result<()> {
+        match result {
+            Err(e) if e.kind() == ErrorKind::BrokenPipe && matches!(self.open, Open::Stdout(_)) => {
+                self.is_closed = true;
+                Ok(())
+            }
+            other => other,
+        }
+    }
+}
+
+impl Write for OpenOutput {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if !self.is_closed {
+            let written = self.open.out().write_all(bytes);
+            self.kept(written)?;
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if self.is_closed {
+            return Ok(());
+        }
+        let flushed = self.open.out().flush();
+        self.kept(flushed)
     }
 }

@@ -23,7 +23,7 @@ mod names;
 mod place;
 
 pub(crate) use error::OutputError;
-pub(crate) use file::OutputFile;
+pub(crate) use file::{OpenOutput, OutputFile};
 pub(crate) use folder::{OutputFolder, clear, clear_temporary, make_folder};
 pub(crate) use lock::Lock;
 pub(crate) use names::{LOCK_NAME, TEMPORARY};

@@ -7,6 +7,8 @@ use super::result::{LargestDiameter, Measurement};
 use super::settings::MeasureSettings;
 use super::stated::stated_budget;
 use super::statistics::FrameMeans;
+use super::turn_frames::{Asked, TurnFrames};
+use super::turn_sizes::needs_envelope;
 use super::warning::Warning;
 use crate::conformity::{Judge, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
@@ -42,7 +44,7 @@ struct Candidate {
 
 /// Frames of a part that turns.
 pub(super) struct FollowedTurn {
-    pub(super) frames: Vec<(FrameMeta, ColumnDiameters)>,
+    pub(super) frames: TurnFrames,
     history: TurnHistory,
     pub(super) jumps: Vec<Jump>,
 }
@@ -113,7 +115,7 @@ impl Inspector {
             means: FrameMeans::default(),
             worst: Judgement::GO,
             turn: FollowedTurn {
-                frames: Vec::new(),
+                frames: TurnFrames::default(),
                 history: TurnHistory::new(&plausibility, settings.station_mm.unwrap_or(TURN_STRETCH_MM)),
                 jumps: Vec::new(),
             },
@@ -179,11 +181,23 @@ impl Inspector {
             self.buffers.candidates = values;
         }
         if self.settings.turn {
-            self.turn.frames.push((meta, diameters));
-        } else {
-            self.buffers.diameters = diameters;
+            let mut frames = std::mem::take(&mut self.turn.frames);
+            frames.add(&meta, &diameters, &self.asked_of_turn()?);
+            self.turn.frames = frames;
         }
+        self.buffers.diameters = diameters;
         Ok(())
+    }
+
+    /// What is asked of the frames of a revolution.
+    ///
+    /// # Errors
+    /// A filter out of range.
+    pub(super) fn asked_of_turn(&self) -> Result<Asked<'_>, MeasureError> {
+        let Self { settings, calibration, .. } = self;
+        let cutoff = Cutoff::upr(settings.cutoff_upr)?;
+        let envelope = settings.tolerance.is_some_and(|tolerance| needs_envelope(&tolerance));
+        Ok(Asked { station_mm: settings.station_mm, cutoff, envelope, calibration })
     }
 
     /// Adds the largest diameter and its budget.

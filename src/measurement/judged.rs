@@ -6,6 +6,9 @@ use serde::{Serialize, Serializer};
 use crate::conformity::Judgement;
 use crate::profile::{Diameter, Reading, Reason};
 
+/// The word of a frame that has no judgement although a tolerance is given.
+const NOT_PROVEN: &str = "not_proven";
+
 /// The judgement of a frame. Its JSON is the judgement's word, or null where nothing is proven.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Verdict {
@@ -24,6 +27,24 @@ impl Verdict {
         match self {
             Self::Is(judgement) => Some(judgement),
             Self::NotJudged | Self::NotProven => None,
+        }
+    }
+
+    /// Its word in tables and files: empty where nothing was to be judged.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::NotJudged => "",
+            Self::NotProven => NOT_PROVEN,
+            Self::Is(judgement) => judgement.as_str(),
+        }
+    }
+
+    /// How far from good: 0 good or not judged, 1 not proven, 2 proven bad.
+    pub(crate) fn severity(self) -> u8 {
+        match self {
+            Self::NotJudged => 0,
+            Self::NotProven => 1,
+            Self::Is(judgement) => judgement.severity(),
         }
     }
 

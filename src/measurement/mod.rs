@@ -9,9 +9,10 @@
 //!
 //! [`Gauge::measure`](crate::gauge::Gauge::measure) is one frame by itself, [`Stream`] many of one
 //! camera. From below: `settings`, `error`, `warning`, `flags`, `result` (a frame's) → `crests`,
-//! `stated`, `preparation` → `inspector` (millimetres, averages, judgement of a frame) → `turn`,
-//! `statistics`, `series` → `stream` → `one_frame`. One more figure of a frame is one more field of
-//! `result`, one more result of a series one more field of `series`.
+//! `stated`, `preparation`, `turn_frames` (what a revolution keeps of its frames) → `inspector`
+//! (millimetres, averages, judgement of a frame) → `turn`, `statistics`, `series` → `stream` →
+//! `one_frame`. One more figure of a frame is one more field of `result`, one more result of a
+//! series one more field of `series`.
 
 pub(crate) mod by_key;
 mod conditions;
@@ -31,6 +32,7 @@ mod stated;
 mod statistics;
 mod stream;
 mod turn;
+mod turn_frames;
 mod turn_sizes;
 mod warning;
 

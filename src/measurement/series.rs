@@ -7,7 +7,7 @@ use super::error::MeasureError;
 use super::inspector::{Inspector, worse};
 use super::statistics::Statistics;
 use super::turn::{SectionUncertainty, TurnForm};
-use super::turn_sizes::{common_mm, corrected_by_axis, envelope, judge_turn, part_form};
+use super::turn_sizes::judge_turn;
 use crate::conformity::Judgement;
 use crate::gauge::calibration::Conditions;
 use crate::gauge::diameter::sections::{PartForm, SectionForm};
@@ -63,7 +63,8 @@ impl Series {
         let mut warnings = Vec::new();
         let mut turn = None;
         if inspector.settings.turn {
-            let form = turn_form(&mut inspector)?;
+            let (form, left_out) = turn_form(&mut inspector)?;
+            warnings.extend(left_out);
             warnings.extend(scatter_word(&form.form));
             let judged = form.judged.as_ref().map(super::turn_sizes::TurnJudged::judgement);
             inspector.worst = judged.map_or(inspector.worst, |judged| worse(inspector.worst, judged));
@@ -77,25 +78,32 @@ impl Series {
     }
 }
 
-/// Form, sizes and axis over the revolution.
-fn turn_form(inspector: &mut Inspector) -> Result<TurnForm, MeasureError> {
-    let (station_mm, cutoff_upr) = (inspector.settings.station_mm, inspector.settings.cutoff_upr);
-    let axis = corrected_by_axis(&mut inspector.turn.frames, station_mm, &inspector.calibration);
-    let frames = &inspector.turn.frames;
-    let form = part_form(frames, station_mm, cutoff_upr)?;
-    let length_mm = station_mm.unwrap_or(f64::INFINITY);
-    let common = |z_mm: f64| common_mm(frames, z_mm, length_mm);
+/// Form, sizes and axis over the revolution, and a warning on frames that are not in them.
+fn turn_form(inspector: &mut Inspector) -> Result<(TurnForm, Option<String>), MeasureError> {
+    let frames = std::mem::take(&mut inspector.turn.frames);
+    let turn = frames.finish(&inspector.asked_of_turn()?)?;
+    let common = |z_mm: f64| turn.common_mm(z_mm);
+    let none = || Err("it was not asked for".to_owned());
+    let envelope = turn.envelope.clone().unwrap_or_else(none);
     let judged = inspector.judge.zip(inspector.settings.tolerance).and_then(|((judge, _), tolerance)| {
-        judge_turn(&tolerance, judge.rule(), &form, &envelope(frames, cutoff_upr), &common)
+        judge_turn(&tolerance, judge.rule(), &turn.form, &envelope, &common)
     });
     let of = |s: &SectionForm| SectionUncertainty { z_mm: s.z_mm, u_mm: common(s.z_mm) };
-    Ok(TurnForm {
-        common: form.sections.iter().map(of).collect(),
+    let form = TurnForm {
+        common: turn.form.sections.iter().map(of).collect(),
         implausible: std::mem::take(&mut inspector.turn.jumps),
-        axis,
+        axis: turn.axis,
         judged,
-        form,
-    })
+        form: turn.form,
+    };
+    Ok((form, (turn.elsewhere > 0).then(|| elsewhere_word(turn.elsewhere))))
+}
+
+fn elsewhere_word(frames: usize) -> String {
+    format!(
+        "{frames} frames stand elsewhere along the part than the long series before them and are left out of the form over the turn: \
+         measure each place by itself, or give fewer frames of each"
+    )
 }
 
 /// A warning where sections scatter by more than their form and their u explain.

@@ -125,8 +125,14 @@ impl MeasureSettings {
         }
     }
 
+    /// Coverage factor k of means, averages and stations, whose u has many degrees of freedom: the
+    /// one given, else 2, for 95.45 % of a normal distribution.
+    pub(crate) fn factor_of_means(&self) -> f64 {
+        self.coverage_factor.unwrap_or(2.0)
+    }
+
     /// Whether successive frames are averaged.
-    pub(super) fn averages(&self) -> bool {
+    pub(crate) fn averages(&self) -> bool {
         self.average != Averaging::Off
     }
 }

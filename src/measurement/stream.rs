@@ -200,6 +200,11 @@ impl Stream {
         &self.measurement
     }
 
+    /// Takes the budget out of the frame pushed last.
+    pub(crate) fn leave_out_budget(&mut self) {
+        self.measurement.budget = None;
+    }
+
     /// The edges of the frame pushed last, px; `None` where it was refused.
     pub fn edges(&self) -> Option<&FrameEdges> {
         self.measurement.refusal.is_none().then_some(&self.edges)
@@ -214,6 +219,11 @@ impl Stream {
     /// Whether sizes are judged by a scale alone, whose uncertainty is in none of them.
     pub fn judges_uncalibrated(&self) -> bool {
         self.inspector.as_ref().is_some_and(|i| i.judge.is_some() && is_uncalibrated(&i.calibration))
+    }
+
+    /// The conditions of the part; with a calibration.
+    pub(crate) fn conditions(&self) -> Option<&Conditions> {
+        self.inspector.as_ref().map(|i| &i.conditions)
     }
 
     /// The results over all frames.

@@ -4,18 +4,8 @@
 use serde::ser::SerializeMap as _;
 use serde::{Serialize, Serializer};
 
-use super::error::MeasureError;
 use crate::conformity::{Decision, DecisionRule, Estimate, Judgement, MANY, SizeCriterion, Tolerance};
-use crate::frame::FrameMeta;
-use crate::gauge::axis_line::{AxisAverager, AxisLine};
-use crate::gauge::diameter::sections::{Envelope, PartForm, TurnAverager};
-use crate::gauge::diameter::turning_depth::{Telecentricity, correct_frames};
-use crate::gauge::form::Cutoff;
-use crate::gauge::{Calibration, ColumnDiameters};
-
-/// Columns of a section of an envelope: wide enough to suppress the noise of single columns, narrow
-/// enough to resolve a crest of that width.
-const ENVELOPE_COLUMNS: f64 = 8.0;
+use crate::gauge::diameter::sections::{Envelope, PartForm};
 
 /// The judgement of a size over a revolution.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +64,11 @@ impl Serialize for TurnJudged {
         }
         map.end()
     }
+}
+
+/// Whether a tolerance applies to the envelope of the part.
+pub(super) fn needs_envelope(tolerance: &Tolerance) -> bool {
+    matches!(tolerance.criterion, SizeCriterion::Envelope | SizeCriterion::CircumscribedCylinder)
 }
 
 /// Judges the sizes over a revolution that `tolerance` applies to; `None` where there are none.
@@ -139,106 +134,4 @@ fn judged(rule: DecisionRule, estimate: &Estimate, (lower, upper): (f64, f64)) -
     };
     let guard_mm = rule.guard_mm(estimate.u_mm, estimate.freedom, upper - lower);
     JudgedSize { d_mm: estimate.value_mm, u_mm: estimate.u_mm, guard_mm, judgement }
-}
-
-/// Frames of a revolution with the diameters of their columns.
-type Frames = [(FrameMeta, ColumnDiameters)];
-
-/// Lowest and highest z that the frames of a revolution show, mm.
-fn z_range_mm(turn: &Frames) -> Option<(f64, f64)> {
-    let ends = turn
-        .iter()
-        .filter(|(_, d)| !d.columns.is_empty())
-        .map(|(meta, d)| (d.z_mm(meta, 0), d.z_mm(meta, d.columns.len() - 1)));
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| (l.min(a), h.max(b)));
-    (high > low).then_some((low, high))
-}
-
-/// Number of places at which the axis is reported where there are no stations.
-const AXIS_PLACES: f64 = 16.0;
-
-/// The axis along the length that the frames show; what of it turns towards the camera is taken off
-/// their diameters, where the calibration determines the telecentricity.
-pub(super) fn corrected_by_axis(
-    turn: &mut Frames,
-    station_mm: Option<f64>,
-    calibration: &Calibration,
-) -> AxisLine {
-    let axis = axis_line(turn, station_mm, calibration);
-    if let Some(telecentricity) = Telecentricity::of(calibration) {
-        correct_frames(turn, &axis, telecentricity);
-    }
-    axis
-}
-
-/// The axis along the length that the frames show, by stations of a length.
-fn axis_line(turn: &Frames, station_mm: Option<f64>, calibration: &Calibration) -> AxisLine {
-    let Some((low, high)) = z_range_mm(turn) else { return AxisLine::default() };
-    let length_mm = station_mm.unwrap_or((high - low) / AXIS_PLACES).min(high - low);
-    let count = ((high - low) / length_mm + 1e-6).floor().clamp(1.0, 1e5) as usize;
-    let z_mm = (0..count).map(|i| low + (i as f64 + 0.5) * length_mm).collect();
-    // From the first row of the frames, or from the axis of the lens.
-    let mut averager = AxisAverager::new(z_mm, length_mm, calibration.axis_zero(1.0));
-    turn.iter().for_each(|(meta, diameters)| averager.add(meta, diameters));
-    averager.finish()
-}
-
-/// The frames by sections of a length, whole sections only.
-fn sections(turn: &Frames, (low, high): (f64, f64), length_mm: f64) -> TurnAverager {
-    let count = ((high - low) / length_mm + 1e-6).floor().clamp(1.0, 1e5) as usize;
-    let z_mm = (0..count).map(|i| low + (i as f64 + 0.5) * length_mm).collect();
-    let mut averager = TurnAverager::new(z_mm, length_mm);
-    turn.iter().for_each(|(meta, diameters)| averager.add(meta, diameters));
-    averager
-}
-
-/// The envelope over the length covered by the frames.
-///
-/// # Errors
-/// Why there is none.
-pub(super) fn envelope(turn: &Frames, cutoff_upr: f64) -> Result<Envelope, String> {
-    let (low, high) = z_range_mm(turn).ok_or("no frame of the turn could be measured")?;
-    let pitch_mm = turn.iter().map(|(_, d)| d.pitch_mm).fold(f64::NAN, f64::max);
-    let cutoff = Cutoff::upr(cutoff_upr).map_err(|e| e.to_string())?;
-    // From the outer side of the first column to that of the last, without a remainder.
-    let range = (low - 0.5 * pitch_mm, high + 0.5 * pitch_mm);
-    let count = ((range.1 - range.0) / (ENVELOPE_COLUMNS * pitch_mm)).round().max(1.0);
-    sections(turn, range, (range.1 - range.0) / count).envelope(cutoff)
-}
-
-/// Form and sizes over the revolution, by stations of a length or of the frames as a whole.
-///
-/// # Errors
-/// A filter out of range; frames that do not form a turn.
-pub(super) fn part_form(
-    turn: &Frames,
-    station_mm: Option<f64>,
-    cutoff_upr: f64,
-) -> Result<PartForm, MeasureError> {
-    let cutoff = Cutoff::upr(cutoff_upr)?;
-    let (low, high) = z_range_mm(turn).ok_or(MeasureError::NoFrameOfTurn)?;
-    let whole = high - low + 1e-9;
-    let form = sections(turn, (low, high), station_mm.unwrap_or(whole).min(whole)).finish(cutoff);
-    match form.refused.first() {
-        Some((z_mm, why)) if form.sections.is_empty() => {
-            Err(MeasureError::NoTurn { z_mm: *z_mm, why: why.clone() })
-        }
-        _ => Ok(form),
-    }
-}
-
-/// Common standard uncertainty of the sizes of the section at `z_mm`, mm: that of its columns, to
-/// which it is common.
-pub(super) fn common_mm(turn: &Frames, z_mm: f64, length_mm: f64) -> Option<f64> {
-    let (mut sum, mut n) = (0.0, 0.0);
-    for (meta, diameters) in turn {
-        for (index, column) in diameters.columns.iter().enumerate() {
-            if let (Some(d), true) =
-                (column.reading.value(), (diameters.z_mm(meta, index) - z_mm).abs() <= 0.5 * length_mm)
-            {
-                (sum, n) = (sum + d.u_common_mm, n + 1.0);
-            }
-        }
-    }
-    (n > 0.0).then(|| sum / n)
 }

@@ -2,7 +2,7 @@
 
 use super::budget_words::{BUDGET_HEADER, budget_rows, budget_words};
 use super::error::ReportError;
-use super::html::Page;
+use super::html::{Page, Tone};
 use super::plot::{Chart, Mark, Series};
 use crate::gauge::SystematicResidual;
 use crate::gauge::calibration::{Residual, SetupCalibration};
@@ -55,21 +55,23 @@ pub(crate) fn calibration_report(
 
 fn verdict(page: &mut Page, setup: &SetupCalibration) {
     let Some(check) = setup.check else {
-        page.text(
+        page.verdict(
+            Tone::Open,
             "No check pin was measured: nothing but the masters themselves speaks for this calibration.",
         );
         return;
     };
     let [error_um, expanded_um] = stated(1e3 * check.error_mm, 1e3 * check.expanded_u_mm);
     let mm = |value: f64| stated(value, check.expanded_u_mm)[0].clone();
-    page.text(&format!(
+    let text = format!(
         "Check pin: certified {} mm, measured {} mm, error {error_um} µm, U = {expanded_um} µm (k = {:.2}), E_n = {:.2}: {}.",
         mm(check.certified_mm),
         mm(check.measured_mm),
         check.coverage_factor,
         check.e_n,
         if check.accepted { "accepted" } else { "REFUSED, no calibration was written" }
-    ));
+    );
+    page.verdict(if check.accepted { Tone::Good } else { Tone::Bad }, &text);
 }
 
 /// Label, abscissa and caption of a residual chart.

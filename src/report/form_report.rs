@@ -101,7 +101,7 @@ const LABEL_RAY_DEG: f64 = 67.5;
 
 /// A polar plot of a closed profile: deviations from the mean magnified, rings a round number of µm
 /// apart.
-fn polar_plot(profile_mm: &[f64]) -> String {
+pub(super) fn polar_plot(profile_mm: &[f64]) -> String {
     let (size, base, band) = (420.0, 110.0, 70.0);
     let middle = 0.5 * size;
     let n = profile_mm.len().max(1) as f64;
@@ -111,15 +111,19 @@ fn polar_plot(profile_mm: &[f64]) -> String {
     let decade = 10f64.powf(reach.log10().floor());
     let ring = [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * decade).find(|r| *r >= reach).unwrap_or(reach);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {size} {size}\" width=\"{size}\" height=\"{size}\" font-family=\"sans-serif\" font-size=\"12\">"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"Polar plot of a section, {:.3} to {:.3} µm about its mean\" \
+         viewBox=\"0 0 {size} {size}\" width=\"{size}\" height=\"{size}\" font-family=\"sans-serif\" font-size=\"12\">\
+         <rect class=\"paper\" width=\"{size}\" height=\"{size}\" fill=\"#ffffff\"/>",
+        deviation.iter().fold(0.0_f64, |m, d| m.min(*d)),
+        deviation.iter().fold(0.0_f64, |m, d| m.max(*d))
     );
     let rings = [-1.0, -0.5, 0.0, 0.5, 1.0];
     for k in rings {
-        let dash = if k == 0.0 { "" } else { " stroke-dasharray=\"3 3\"" };
+        let dash = if k == 0.0 { "" } else { " stroke-dasharray=\"2 4\"" };
         let radius = base + band * k;
         let _ = write!(
             svg,
-            "<circle cx=\"{middle}\" cy=\"{middle}\" r=\"{radius}\" fill=\"none\" stroke=\"#bbb\"{dash}/>"
+            "<circle class=\"rule\" cx=\"{middle}\" cy=\"{middle}\" r=\"{radius}\" fill=\"none\" stroke=\"#8c8c8c\" stroke-width=\".8\"{dash}/>"
         );
     }
     for degree in (0..360).step_by(45) {
@@ -127,7 +131,8 @@ fn polar_plot(profile_mm: &[f64]) -> String {
         let (far, text) = (base + 1.15 * band, base + 1.25 * band);
         let _ = write!(
             svg,
-            "<line x1=\"{middle}\" y1=\"{middle}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"#eee\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"#777\">{degree}°</text>",
+            "<line class=\"rule\" x1=\"{middle}\" y1=\"{middle}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"#8c8c8c\" stroke-width=\".8\" stroke-dasharray=\"1 5\"/>\
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"#222222\">{degree}°</text>",
             middle + far * c,
             middle - far * s,
             middle + text * c,
@@ -140,15 +145,19 @@ fn polar_plot(profile_mm: &[f64]) -> String {
         let r = base + band * d / ring;
         let _ = write!(points, "{:.2},{:.2} ", middle + r * c, middle - r * s);
     }
-    let _ = write!(svg, "<polygon points=\"{points}\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"2\"/>");
-    // Above the curve, with a white edge, on a ray between two of the angles.
+    let _ = write!(
+        svg,
+        "<polygon class=\"s0\" points=\"{points}\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"2\"/>"
+    );
+    // Above the curve, with an edge of the ground's colour, on a ray between two of the angles.
     let (s, c) = LABEL_RAY_DEG.to_radians().sin_cos();
     for k in rings {
         let text = if k == 0.0 { "0".to_owned() } else { format!("{:+}", k * ring) };
         let radius = base + band * k;
         let _ = write!(
             svg,
-            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"#444\" stroke=\"#fff\" stroke-width=\"4\" paint-order=\"stroke\">{text} µm</text>",
+            "<text class=\"halo\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"#222222\" stroke=\"#ffffff\" stroke-width=\"4\" \
+             paint-order=\"stroke\">{text} µm</text>",
             middle + radius * c,
             middle - radius * s + 4.0
         );

@@ -1,19 +1,30 @@
 //! Plots and HTML pages of a run folder, a calibration or a study.
 //!
-//! In: a [`RunView`] (job, folder, sample), a calibration, rings measured. Out: one self-contained
-//! page and the files beside it. [`html`] makes pages, [`plot`] charts; a report is a file of
+//! In: a [`RunView`] (job, folder, sample), a calibration, frames or rings measured. Out: one
+//! self-contained page and the files beside it. [`html`] makes pages, [`plot`] charts (`marks`:
+//! their series, `picture`: frames), in the `colours` of both schemes; a report is a file of
 //! sections, each a function of a page and its data (`shaft_report`, `form_report`, `axis_report`,
-//! `probe_report`, `sample`, `budget_words`). A new section is a file and one call in the report it
-//! belongs to.
+//! `probe_report`, `sample`, `budget_words`, for `measure_report` `measured_frames`,
+//! `measured_setup`, `measured_charts`, `measured_series` and `reason_words`). A new section is a
+//! file and one call in the report it belongs to.
 
 mod axis_report;
 mod budget_words;
 mod calibration_report;
+mod colours;
 mod error;
 mod form_report;
 pub(crate) mod html;
+mod marks;
+pub(crate) mod measure_report;
+mod measured_charts;
+mod measured_frames;
+mod measured_series;
+mod measured_setup;
+mod picture;
 pub(crate) mod plot;
 mod probe_report;
+mod reason_words;
 mod run_report;
 mod sample;
 mod shaft_report;

@@ -1,47 +1,47 @@
 //! Line and scatter charts as SVG text, in one look for all reports.
+//!
+//! In: series of points with a name and a [`Mark`]. Out: an `<svg>` that states in words what it
+//! shows. The axes are `plotters`' own; grid, series (`marks`) and legend are a path each, with the
+//! classes of `colours`, so that a page shows them in its reader's scheme.
 
+use std::fmt::Write as _;
 use std::ops::Range;
 
-use plotters::coord::ranged1d::ValueFormatter;
+use plotters::coord::ranged1d::{BoldPoints, ValueFormatter};
 use plotters::prelude::*;
 
-/// Colours that colour-blind readers can distinguish (Okabe and Ito; a brown in place of their
-/// yellow), in order of use.
-pub(crate) const PALETTE: [RGBColor; 8] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(60, 60, 60),
-    RGBColor(122, 62, 24),
-];
+use super::colours;
+use super::html::escape;
+use super::marks::{self, Stroke};
 
 const WIDTH: u32 = 860;
 const HEIGHT: u32 = 380;
 /// Margin around the axes, px.
 const MARGIN: u32 = 12;
-const X_LABELS: u32 = 42;
-const Y_LABELS: u32 = 66;
+const X_LABELS: u32 = 44;
+const Y_LABELS: u32 = 72;
+/// Most labels on an axis where none is stated.
+const MOST_LABELS: usize = 11;
 /// Height of a line of the legend, px.
 const LEGEND_LINE: u32 = 20;
 /// Left end of the legend, at the y axis, px.
-const LEGEND_LEFT: i32 = 78;
+const LEGEND_LEFT: i32 = 84;
 /// Width of a mark and of the gap behind a name, px.
-const LEGEND_MARK: i32 = 26;
+const LEGEND_MARK: i32 = 28;
 const LEGEND_GAP: i32 = 18;
-/// Opacity of a band.
-const PALE: f64 = 0.2;
 /// Approximate width of a letter, px.
 const LETTER: f64 = 7.0;
+/// Number of dots of a series above which they are small.
+const MANY_DOTS: usize = 150;
+/// Colour of [`Chart::band`].
+const BAND_COLOUR: usize = 2;
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mark {
-    /// A line through the points.
+    /// A line through the points; where there are several, with some dots of its own shape.
     Line,
-    /// A thin, pale line for context.
+    /// A thin, dotted line for context.
     Faint,
     /// A dashed line: a limit or a reference.
     Dashed,
@@ -49,6 +49,8 @@ pub(crate) enum Mark {
     Dots,
     /// A line with dots.
     LineDots,
+    /// Upright bars: pairs of their ends.
+    Bars,
     /// A pale area between two lines: the points along the one and back along the other.
     Band,
 }
@@ -64,6 +66,12 @@ pub(crate) fn band(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Vec
     outline
 }
 
+/// The ends of bars about points (x, y, half height).
+pub(crate) fn bars(points: impl Iterator<Item = (f64, f64, f64)>) -> Vec<(f64, f64)> {
+    let usable = points.filter(|p| p.1.is_finite() && p.2.is_finite());
+    usable.flat_map(|(x, y, half)| [(x, y - half), (x, y + half)]).collect()
+}
+
 /// One series of a chart. Points that are not finite break a line.
 #[derive(Clone, Debug)]
 pub(crate) struct Series {
@@ -73,7 +81,7 @@ pub(crate) struct Series {
     pub points: Vec<(f64, f64)>,
     /// How it is drawn.
     pub mark: Mark,
-    /// Index into [`PALETTE`], wrapping.
+    /// Number of its colour, shape and dash; colours come again after eight.
     pub colour: usize,
 }
 
@@ -83,15 +91,23 @@ impl Series {
         Self { name: name.into(), points, mark, colour }
     }
 
-    /// Its colour and line style.
-    fn style(&self) -> (RGBColor, ShapeStyle) {
-        let colour = PALETTE[self.colour % PALETTE.len()];
-        let style = match self.mark {
-            Mark::Faint => colour.mix(0.35).stroke_width(1),
-            Mark::Dashed => colour.stroke_width(1),
-            _ => colour.stroke_width(2),
-        };
-        (colour, style)
+    /// The stroke of its line.
+    fn stroke(&self) -> Stroke {
+        match self.mark {
+            Mark::Dashed => Stroke::Dashed,
+            Mark::Faint => Stroke::Dotted,
+            _ => Stroke::Full,
+        }
+    }
+
+    /// What it shows, in words.
+    fn words(&self) -> String {
+        let ys = || self.points.iter().map(|p| p.1).filter(|y| y.is_finite());
+        let (low, high) = ys().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), y| (l.min(y), h.max(y)));
+        if low > high {
+            return format!("{}: no value", self.name);
+        }
+        format!("{}: {} to {}", self.name, tidy(low), tidy(high))
     }
 }
 
@@ -103,26 +119,30 @@ struct LegendEntry<'a> {
 }
 
 impl LegendEntry<'_> {
-    fn draw(&self, area: &Area<'_>) -> Result<(), String> {
-        let (colour, style) = self.series.style();
-        let y = (LEGEND_LINE * self.line) as i32 + 8;
-        let ends = |from: i32, to: i32| PathElement::new([(self.x + from, y), (self.x + to, y)], style);
-        if self.series.mark == Mark::Band {
-            let shade = Rectangle::new([(self.x, y - 6), (self.x + 20, y + 6)], colour.mix(PALE).filled());
-            area.draw(&shade).map_err(|e| e.to_string())?;
-        }
-        let lines = match self.series.mark {
-            Mark::Dots | Mark::Band => Vec::new(),
-            Mark::Dashed => vec![ends(0, 5), ends(8, 13), ends(16, 20)],
-            _ => vec![ends(0, 20)],
+    /// Its mark and name; `shaped`: lines have dots of their own shape.
+    fn svg(&self, shaped: bool) -> String {
+        let (x, y) = (f64::from(self.x), f64::from(HEIGHT + LEGEND_LINE * self.line + 8));
+        let Series { mark, colour, .. } = *self.series;
+        let mut svg = match mark {
+            Mark::Band => {
+                marks::area(&[(x, y - 6.0), (x + 22.0, y - 6.0), (x + 22.0, y + 6.0), (x, y + 6.0)], colour)
+            }
+            Mark::Bars => marks::bars(&[(x + 11.0, y + 6.0), (x + 11.0, y - 6.0)], colour),
+            Mark::Dots => String::new(),
+            _ => marks::line(&[vec![(x, y), (x + 22.0, y)]], colour, self.series.stroke()),
         };
-        lines.iter().try_for_each(|line| area.draw(line)).map_err(|e| e.to_string())?;
-        if matches!(self.series.mark, Mark::Dots | Mark::LineDots) {
-            area.draw(&Circle::new((self.x + 10, y), 3, colour.filled())).map_err(|e| e.to_string())?;
+        if matches!(mark, Mark::Dots | Mark::LineDots) || mark == Mark::Line && shaped {
+            svg += &marks::dots(std::iter::once((x + 11.0, y)), colour, false);
         }
-        let font = ("sans-serif", 13).into_font().color(&BLACK.mix(0.85));
-        let name = Text::new(self.series.name.clone(), (self.x + LEGEND_MARK, y - 6), font);
-        area.draw(&name).map_err(|e| e.to_string())
+        let _ = writeln!(
+            svg,
+            "<text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"13\" fill=\"{}\">{}</text>",
+            self.x + LEGEND_MARK,
+            y + 4.5,
+            colours::LIGHT.ink,
+            escape(&self.series.name)
+        );
+        svg
     }
 }
 
@@ -141,7 +161,7 @@ pub(crate) struct Chart {
     pub band: Option<(f64, f64)>,
     /// Whether y is logarithmic (points at or below 0 are left out).
     pub log_y: bool,
-    /// Limits of y; from the data where absent.
+    /// Limits of y, beyond which nothing is drawn; from the data where absent.
     pub y_range: Option<(f64, f64)>,
     /// Most labels on the x axis, where fewer than usual are needed (whole numbers).
     pub x_labels: Option<usize>,
@@ -155,18 +175,46 @@ impl Chart {
     /// # Errors
     /// Where the drawing fails, as text.
     pub(crate) fn to_svg(&self) -> Result<String, String> {
-        let mut svg = String::new();
         let legend = self.legend();
-        let lines = legend.last().map_or(0, |entry| entry.line + 1);
-        {
-            let height = HEIGHT + LEGEND_LINE * lines;
-            let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
-            let (plot, below) = root.split_vertically(HEIGHT);
-            if self.log_y { self.draw_log(&plot) } else { self.draw_linear(&plot) }?;
-            legend.iter().try_for_each(|entry| entry.draw(&below))?;
+        let height = HEIGHT + LEGEND_LINE * legend.last().map_or(0, |entry| entry.line + 1);
+        let mut axes = String::new();
+        let grid = {
+            let root = SVGBackend::with_string(&mut axes, (WIDTH, HEIGHT)).into_drawing_area();
+            let grid = if self.log_y { self.draw_log(&root) } else { self.draw_linear(&root) }?;
             root.present().map_err(|e| e.to_string())?;
+            grid
+        };
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {WIDTH} {height}\" \
+             width=\"{WIDTH}\" height=\"{height}\">\n<desc>{}</desc>\n<rect class=\"paper\" width=\"{WIDTH}\" height=\"{height}\" fill=\"{}\"/>\n",
+            escape(&self.name()),
+            escape(&self.words()),
+            colours::LIGHT.paper
+        );
+        svg += &grid.lines();
+        svg += &plain(&axes);
+        svg += &self.drawn(&grid);
+        let shaped = self.is_shaped();
+        legend.iter().for_each(|entry| svg += &entry.svg(shaped));
+        Ok(svg + "</svg>\n")
+    }
+
+    /// Its name for who does not see it.
+    fn name(&self) -> String {
+        let axes = format!("{} over {}", self.y_label, self.x_label);
+        if self.title.is_empty() {
+            format!("Chart: {axes}")
+        } else {
+            format!("Chart: {}: {axes}", self.title)
         }
-        Ok(svg)
+    }
+
+    /// What it shows, in words.
+    fn words(&self) -> String {
+        let named = self.series.iter().filter(|s| !s.name.is_empty());
+        let mut words: Vec<String> = named.map(Series::words).collect();
+        words.extend(self.band.map(|(low, high)| format!("shaded: {} to {}", tidy(low), tidy(high))));
+        words.join("; ")
     }
 
     /// Names below the axes, clear of the curves, from left to right in as many lines as needed.
@@ -184,20 +232,30 @@ impl Chart {
         entries
     }
 
-    fn draw_linear(&self, root: &Area<'_>) -> Result<(), String> {
-        let (x, y) = self.ranges(false);
-        let mut builder = self.builder(root);
-        let mut chart = builder.build_cartesian_2d(x.clone(), y).map_err(|e| e.to_string())?;
-        self.mesh(&mut chart)?;
-        self.fill(&mut chart, &x)
+    /// Whether lines have dots of their own shape: where several of them differ in colour.
+    fn is_shaped(&self) -> bool {
+        let mut colours: Vec<usize> =
+            self.series.iter().filter(|s| s.mark == Mark::Line).map(|s| s.colour).collect();
+        colours.sort_unstable();
+        colours.dedup();
+        colours.len() > 1
     }
 
-    fn draw_log(&self, root: &Area<'_>) -> Result<(), String> {
+    fn draw_linear(&self, root: &Area<'_>) -> Result<Grid, String> {
+        let (x, y) = self.ranges(false);
+        let mut builder = self.builder(root);
+        let mut chart = builder.build_cartesian_2d(x.clone(), y.clone()).map_err(|e| e.to_string())?;
+        self.axes(&mut chart)?;
+        Ok(self.grid(&chart, (x, y)))
+    }
+
+    fn draw_log(&self, root: &Area<'_>) -> Result<Grid, String> {
         let (x, y) = self.ranges(true);
         let mut builder = self.builder(root);
-        let mut chart = builder.build_cartesian_2d(x.clone(), y.log_scale()).map_err(|e| e.to_string())?;
-        self.mesh(&mut chart)?;
-        self.fill(&mut chart, &x)
+        let scale = y.clone().log_scale();
+        let mut chart = builder.build_cartesian_2d(x.clone(), scale).map_err(|e| e.to_string())?;
+        self.axes(&mut chart)?;
+        Ok(self.grid(&chart, (x, y)))
     }
 
     fn builder<'a, 'b>(&self, root: &'a Area<'b>) -> ChartBuilder<'a, 'b, SVGBackend<'b>> {
@@ -209,68 +267,111 @@ impl Chart {
         builder
     }
 
-    fn mesh<'a, 'b: 'a, Y>(&self, chart: &mut Axes<'a, 'b, Y>) -> Result<(), String>
+    fn most_x_labels(&self) -> usize {
+        self.x_labels.unwrap_or(MOST_LABELS)
+    }
+
+    fn axes<'a, 'b: 'a, Y>(&self, chart: &mut Axes<'a, 'b, Y>) -> Result<(), String>
     where
         Y: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
     {
         chart
             .configure_mesh()
+            .disable_mesh()
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
-            .light_line_style(TRANSPARENT) // not drawn: white ones would be half of all lines
-            .bold_line_style(BLACK.mix(0.1))
-            .label_style(("sans-serif", 13))
-            .axis_desc_style(("sans-serif", 14))
+            .label_style(("sans-serif", 15))
+            .axis_desc_style(("sans-serif", 16))
             .x_label_formatter(&|v| tidy(*v))
             .y_label_formatter(&|v| tidy(*v))
-            .x_labels(self.x_labels.unwrap_or(11))
+            .x_labels(self.most_x_labels())
+            .y_labels(MOST_LABELS)
             .draw()
             .map_err(|e| e.to_string())
     }
 
-    fn fill<'a, 'b: 'a, Y>(&self, chart: &mut Axes<'a, 'b, Y>, x: &Range<f64>) -> Result<(), String>
+    /// Where the axes lie and where their labels stand.
+    fn grid<'a, 'b: 'a, Y>(&self, chart: &Axes<'a, 'b, Y>, (x, y): (Range<f64>, Range<f64>)) -> Grid
     where
         Y: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
     {
-        if let Some((low, high)) = self.band {
-            let shade = Rectangle::new([(x.start, low), (x.end, high)], PALETTE[2].mix(0.15).filled());
-            chart.draw_series(std::iter::once(shade)).map_err(|e| e.to_string())?;
+        let (left, bottom) = chart.backend_coord(&(x.start, y.start));
+        let (right, top) = chart.backend_coord(&(x.end, y.end));
+        let coordinates = chart.as_coord_spec();
+        let within = |range: &Range<f64>, v: &f64| (range.start..=range.end).contains(v);
+        let mut xs = coordinates.x_spec().key_points(BoldPoints(self.most_x_labels()));
+        xs.retain(|v| within(&x, v));
+        let mut ys = coordinates.y_spec().key_points(BoldPoints(MOST_LABELS));
+        ys.retain(|v| within(&y, v));
+        Grid {
+            left: f64::from(left),
+            right: f64::from(right),
+            top: f64::from(top),
+            bottom: f64::from(bottom),
+            x,
+            y,
+            log_y: self.log_y,
+            xs,
+            ys,
         }
-        for series in &self.series {
-            self.draw_one(chart, series)?;
-        }
-        Ok(())
     }
 
-    fn draw_one<'a, 'b: 'a, Y>(&self, chart: &mut Axes<'a, 'b, Y>, series: &Series) -> Result<(), String>
-    where
-        Y: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
-    {
-        let (colour, style) = series.style();
-        let usable = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && (!self.log_y || p.1 > 0.0);
-        if series.mark == Mark::Band {
-            let outline: Vec<(f64, f64)> = series.points.iter().copied().filter(usable).collect();
-            let shade = Polygon::new(outline, colour.mix(PALE).filled());
-            return chart.draw_series(std::iter::once(shade)).map(drop).map_err(|e| e.to_string());
+    /// Band and series, back to front.
+    fn drawn(&self, grid: &Grid) -> String {
+        let mut svg = String::new();
+        if let Some((low, high)) = self.band {
+            let (low, high) = (grid.clamped(low), grid.clamped(high));
+            let corners = [(grid.x.start, low), (grid.x.end, low), (grid.x.end, high), (grid.x.start, high)];
+            svg += &marks::area(&corners.map(|corner| grid.at(corner)), BAND_COLOUR);
         }
+        let shaped = self.is_shaped();
+        for series in &self.series {
+            svg += &self.one(grid, series, shaped);
+        }
+        svg
+    }
+
+    fn one(&self, grid: &Grid, series: &Series, shaped: bool) -> String {
+        let usable = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && (!self.log_y || p.1 > 0.0);
+        let inside = |p: &&(f64, f64)| usable(p) && grid.holds(p.1);
+        let colour = series.colour;
+        let at = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
+            points.iter().filter(|p| usable(p)).map(|p| grid.at(*p)).collect()
+        };
+        match series.mark {
+            Mark::Band if series.points.iter().any(usable) => {
+                return marks::area(&at(&series.points), colour);
+            }
+            Mark::Bars if series.points.iter().any(usable) => {
+                let ends: Vec<(f64, f64)> = series.points.iter().map(|p| (p.0, grid.clamped(p.1))).collect();
+                return marks::bars(&at(&ends), colour);
+            }
+            Mark::Band | Mark::Bars => return String::new(),
+            _ => {}
+        }
+        let mut svg = String::new();
+        let usable_runs = || series.points.split(|p| !usable(p)).filter(|run| !run.is_empty());
         if series.mark != Mark::Dots {
-            for run in series.points.split(|p| !usable(p)).filter(|run| !run.is_empty()) {
-                let points = run.iter().copied();
-                let drawn = if series.mark == Mark::Dashed {
-                    chart.draw_series(DashedLineSeries::new(points, 6, 4, style))
-                } else {
-                    chart.draw_series(LineSeries::new(points, style))
-                };
-                drawn.map_err(|e| e.to_string())?;
+            let runs: Vec<Vec<(f64, f64)>> = usable_runs().flat_map(|run| grid.within(run)).collect();
+            if !runs.is_empty() {
+                svg += &marks::line(&runs, colour, series.stroke());
             }
         }
-        if matches!(series.mark, Mark::Dots | Mark::LineDots) {
-            let radius = if series.points.len() > 150 { 1 } else { 3 };
-            let dots =
-                series.points.iter().filter(|p| usable(p)).map(|&p| Circle::new(p, radius, colour.filled()));
-            chart.draw_series(dots).map_err(|e| e.to_string())?;
+        let dots: Vec<(f64, f64)> = series.points.iter().filter(inside).map(|p| grid.at(*p)).collect();
+        let small = dots.len() > MANY_DOTS;
+        match series.mark {
+            _ if dots.is_empty() => {}
+            // Several series differ by the shape of their dots, however many these are.
+            Mark::Dots | Mark::LineDots => {
+                svg += &marks::dots(dots.into_iter(), colour, small && self.series.len() == 1);
+            }
+            Mark::Line if shaped => {
+                let some = marks::places(dots.len(), colour).map(|k| dots[k]);
+                svg += &marks::dots(some, colour, false);
+            }
+            _ => {}
         }
-        Ok(())
+        svg
     }
 
     fn ranges(&self, log: bool) -> (Range<f64>, Range<f64>) {
@@ -293,6 +394,91 @@ impl Chart {
         }
         (x0..x1, y0 - pad..y1 + pad)
     }
+}
+
+/// Where the axes lie in the picture, px, and the values at their labels.
+struct Grid {
+    left: f64,
+    right: f64,
+    top: f64,
+    bottom: f64,
+    x: Range<f64>,
+    y: Range<f64>,
+    log_y: bool,
+    xs: Vec<f64>,
+    ys: Vec<f64>,
+}
+
+impl Grid {
+    /// A point in px.
+    fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        let scale = |value: f64| if self.log_y { value.log10() } else { value };
+        let share = |value: f64, range: (f64, f64)| (value - range.0) / (range.1 - range.0);
+        let along = share(x, (self.x.start, self.x.end));
+        let up = share(scale(y), (scale(self.y.start), scale(self.y.end)));
+        (self.left + along * (self.right - self.left), self.bottom + up * (self.top - self.bottom))
+    }
+
+    /// A value moved to the nearer end of the y axis, where it lies beyond.
+    fn clamped(&self, y: f64) -> f64 {
+        y.clamp(self.y.start, self.y.end)
+    }
+
+    /// Whether a value lies between the ends of the y axis, but for rounding.
+    fn holds(&self, y: f64) -> bool {
+        let slack = 1e-9 * (self.y.end - self.y.start).abs();
+        (self.y.start - slack..=self.y.end + slack).contains(&y)
+    }
+
+    /// A line's runs in px, cut where they leave the range of y.
+    fn within(&self, run: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
+        let mut runs = vec![Vec::new()];
+        let mut last: Option<(f64, f64)> = None;
+        for &point in run {
+            let (was, is) = (last.is_some_and(|p| self.holds(p.1)), self.holds(point.1));
+            if let (Some(from), true) = (last, was != is) {
+                let border = if from.1.min(point.1) < self.y.start { self.y.start } else { self.y.end };
+                let x = from.0 + (point.0 - from.0) * (border - from.1) / (point.1 - from.1);
+                if let Some(open) = runs.last_mut() {
+                    open.push(self.at((x, border)));
+                }
+            }
+            match runs.last_mut() {
+                Some(open) if is => open.push(self.at(point)),
+                Some(open) if !open.is_empty() => runs.push(Vec::new()),
+                _ => {}
+            }
+            last = Some(point);
+        }
+        runs.retain(|run| !run.is_empty());
+        runs
+    }
+
+    /// Dotted lines at the labels, clear of the axes.
+    fn lines(&self) -> String {
+        let mut path = String::new();
+        let (left, right, top, bottom) = (self.left, self.right, self.top, self.bottom);
+        for x in self.xs.iter().map(|x| self.at((*x, self.y.start)).0).filter(|x| *x > left + 2.0) {
+            let _ = write!(path, "M{x:.0} {bottom}V{top}");
+        }
+        for y in self.ys.iter().map(|y| self.at((self.x.start, *y)).1).filter(|y| *y < bottom - 2.0) {
+            let _ = write!(path, "M{left} {y:.0}H{right}");
+        }
+        if path.is_empty() {
+            return path;
+        }
+        format!(
+            "<path class=\"rule\" d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\".8\" stroke-dasharray=\"1 5\"/>\n",
+            colours::LIGHT.rule
+        )
+    }
+}
+
+/// What stands inside the `<svg>` of the axes, without attributes that state a default.
+fn plain(svg: &str) -> String {
+    let from = svg.find('>').map_or(0, |end| end + 1);
+    let to = svg.rfind("</svg>").unwrap_or(svg.len());
+    svg.get(from..to).unwrap_or_default().replace(" opacity=\"1\"", "")
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
@@ -351,6 +537,9 @@ mod tests {
         let svg = chart.to_svg().unwrap();
         assert!(svg.contains("z / mm") && svg.contains("e / µm") && svg.contains("measured"));
         assert!(!svg.to_lowercase().contains("stroke=\"#ffffff\""), "invisible lines");
+        assert!(!svg.contains("opacity=\"0") && !svg.contains("points=\"\""), "{svg}");
+        let line = svg.split("class=\"s0\" d=\"").nth(1).unwrap().split('"').next().unwrap();
+        assert_eq!(line.matches('M').count(), 2, "a gap breaks the line: {line}");
         let log = Chart { log_y: true, ..chart }.to_svg().unwrap();
         assert_ne!(log, svg);
     }
@@ -361,7 +550,7 @@ mod tests {
         let outline = band(rows.into_iter());
         assert_eq!(outline, [(0.0, 1.5), (2.0, 3.25), (2.0, 2.75), (0.0, 0.5)]);
         let svg = Chart { series: vec![Series::new("U", Mark::Band, 0, outline)], ..Chart::default() };
-        assert!(svg.to_svg().unwrap().contains("<polygon"));
+        assert!(svg.to_svg().unwrap().contains("fill-opacity"));
     }
 
     #[test]
@@ -370,15 +559,9 @@ mod tests {
             (0..=64).map(|i| f64::from(i) * std::f64::consts::TAU / 64.0).map(|a| (a.cos(), a.sin()));
         let series = vec![Series::new("", Mark::Line, 0, circle.collect())];
         let svg = Chart { series, equal_axes: true, ..Chart::default() }.to_svg().unwrap();
-        let points = svg.split("<polyline").last().unwrap().split("points=\"").nth(1).unwrap();
-        let points: Vec<(f64, f64)> = points
-            .split('"')
-            .next()
-            .unwrap()
-            .split_whitespace()
-            .map(|p| p.split_once(',').unwrap())
-            .map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap()))
-            .collect();
+        let path = svg.split("class=\"s0\" d=\"M").nth(1).unwrap().split('"').next().unwrap();
+        let numbers: Vec<f64> = path.split_whitespace().map(|n| n.parse().unwrap()).collect();
+        let points: Vec<(f64, f64)> = numbers.chunks_exact(2).map(|p| (p[0], p[1])).collect();
         let size = |values: Vec<f64>| {
             let (low, high) = extent(values.into_iter());
             high - low
@@ -407,6 +590,56 @@ mod tests {
         let bare =
             Chart { series: vec![Series::new("", Mark::Line, 0, vec![(0.0, 0.0), (1.0, 1.0)])], ..chart };
         assert!(bare.to_svg().unwrap().contains(&format!("height=\"{HEIGHT}\"")));
+    }
+
+    #[test]
+    fn a_chart_is_a_picture_with_a_name_and_words() {
+        let series = vec![
+            Series::new("a<b", Mark::Dots, 0, vec![(0.0, -1.5), (1.0, 2.0)]),
+            Series::new("empty", Mark::Line, 1, vec![(0.0, f64::NAN)]),
+        ];
+        let chart = Chart { x_label: "z / mm".into(), y_label: "e / µm".into(), series, ..Chart::default() };
+        let svg = Chart { band: Some((-1.0, 1.0)), ..chart }.to_svg().unwrap();
+        assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
+        assert_eq!((svg.matches("<svg").count(), svg.matches("</svg>").count()), (1, 1));
+        assert!(svg.contains("role=\"img\" aria-label=\"Chart: e / µm over z / mm\""), "{svg}");
+        assert!(svg.contains("a&lt;b: -1.5 to 2; empty: no value; shaded: -1 to 1"), "{svg}");
+    }
+
+    #[test]
+    fn lines_differ_by_shape_where_there_are_several() {
+        let line = |k: usize| {
+            Series::new(format!("{k}"), Mark::Line, k, (0..30).map(|i| (f64::from(i), k as f64)).collect())
+        };
+        let one = Chart { series: vec![line(0)], ..Chart::default() };
+        assert!(!one.is_shaped() && !one.to_svg().unwrap().contains("class=\"f0\""));
+        let two = Chart { series: vec![line(0), line(1)], ..Chart::default() };
+        let svg = two.to_svg().unwrap();
+        assert!(svg.contains("class=\"f0\"") && svg.contains("class=\"f1\""), "{svg}");
+    }
+
+    #[test]
+    fn a_line_ends_at_the_border_of_a_given_range() {
+        let grid = Grid {
+            left: 0.0,
+            right: 100.0,
+            top: 0.0,
+            bottom: 100.0,
+            x: 0.0..10.0,
+            y: 0.0..1.0,
+            log_y: false,
+            xs: Vec::new(),
+            ys: Vec::new(),
+        };
+        let runs = grid.within(&[(0.0, 0.5), (2.0, 1.5), (4.0, 1.5), (6.0, 0.5)]);
+        assert_eq!(runs, [vec![(0.0, 50.0), (10.0, 0.0)], vec![(50.0, 0.0), (60.0, 50.0)]]);
+        assert_eq!(grid.at((5.0, 0.25)), (50.0, 75.0));
+    }
+
+    #[test]
+    fn bars_are_pairs_of_ends() {
+        let ends = bars([(1.0, 5.0, 2.0), (2.0, f64::NAN, 1.0)].into_iter());
+        assert_eq!(ends, [(1.0, 3.0), (1.0, 7.0)]);
     }
 
     #[test]

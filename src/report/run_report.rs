@@ -5,11 +5,13 @@ use super::axis_report::axis_section;
 use super::budget_words::{BUDGET_HEADER, budget_rows, budget_words};
 use super::error::ReportError;
 use super::form_report::form_section;
-use super::html::Page;
+use super::html::{Page, Tone};
 use super::plot::{Chart, Mark, Series};
 use super::shaft_report::{forces, turn_picture};
 use super::{probe_report, sample};
+use crate::cell::frame_of_pass;
 use crate::closed_loop::{Sample, part_verdict};
+use crate::conformity::part_verdict::PartConformity;
 use crate::control::ControllerName;
 use crate::gauge::Calibration;
 use crate::gauge::budget::{Contribution, Shape, Share, WidthReading};
@@ -144,9 +146,10 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
         .passes
         .iter()
         .map(|p| {
-            let beside = reference
-                .and_then(|r| r.passes.iter().find(|q| q.pass == p.pass))
-                .map_or("–".to_owned(), |q| um(q.true_max_abs_error_mm));
+            let beside = reference.map_or_else(String::new, |r| {
+                let same = r.passes.iter().find(|q| q.pass == p.pass);
+                same.map_or("–".to_owned(), |q| um(q.true_max_abs_error_mm))
+            });
             vec![
                 p.pass.to_string(),
                 format!("{:.4}", p.nominal_mm),
@@ -169,12 +172,12 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
         "without control: true max |e| / µm",
         "decision",
     ];
-    page.heading("Passes").table(&header, &table);
+    page.heading("Passes").filled_columns(&header, &table);
     let finished = rows.passes.len() == view.job.part.passes();
     let last = profile_of(rows.passes.len() as u32, &rows.stations);
     let verdict = part_verdict(&view.job.part, &last).filter(|_| finished);
     if let (Some(verdict), Some(tolerance)) = (verdict, view.job.part.tolerance) {
-        page.text(&format!(
+        let text = format!(
             "Finished part: {}. {} of {} stations are proven to lie within {} {:+.3}/{:+.3} mm (ISO 14253-1, {} %).",
             verdict.words(),
             verdict.conforming,
@@ -183,7 +186,13 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
             tolerance.upper_mm,
             tolerance.lower_mm,
             100.0 * view.job.part.conformance_probability
-        ));
+        );
+        let tone = match verdict.part() {
+            PartConformity::Conforms => Tone::Good,
+            PartConformity::NotProven => Tone::Open,
+            PartConformity::Violates => Tone::Bad,
+        };
+        page.verdict(tone, &text);
     }
 }
 
@@ -212,7 +221,8 @@ fn error_along_z(page: &mut Page, rows: &Rows, reference: Option<&Rows>) -> Resu
         series,
         ..Chart::default()
     };
-    draw(page, &chart, "Measured diameter error per station and pass; pale: the same job without control.")
+    let beside = if reference.is_some() { "; dotted: the same job without control" } else { "" };
+    draw(page, &chart, &format!("Measured diameter error per station and pass{beside}."))
 }
 
 /// The passes after the first, where errors are too small for the chart of all.
@@ -245,10 +255,12 @@ fn corrected_passes(page: &mut Page, job: &Job, rows: &Rows) -> Result<(), Repor
         band,
         ..Chart::default()
     };
+    let shaded =
+        if band.is_some() { " Shaded: the finished part's tolerance about the last pass's aim." } else { "" };
     draw(
         page,
         &chart,
-        "The corrected passes alone: measured (dots) and true (pale lines). Shaded: the finished part's tolerance about the last pass's aim.",
+        &format!("The passes after the first alone: measured (dots) and true (dotted lines).{shaded}"),
     )?;
     Ok(())
 }
@@ -274,7 +286,8 @@ fn convergence(
         ..Chart::default()
     };
     page.heading("Convergence");
-    draw(page, &chart, "Largest true error over all stations after each pass, with and without control.")
+    let both = if reference.is_some() { ", with and without control" } else { "" };
+    draw(page, &chart, &format!("Largest true error over all stations after each pass{both}."))
 }
 
 fn offsets(page: &mut Page, rows: &[OffsetRow]) -> Result<(), ReportError> {
@@ -310,7 +323,7 @@ fn decisions(page: &mut Page, record: &ControlRecord) {
                 let master = o
                     .master_deviation_mm
                     .map_or_else(String::new, |d| format!(", master {:+.2} µm", d * 1e3));
-                format!("scan up to frame {} of {}, {}{master}", o.scan, o.of.part, o.of.tool)
+                format!("scan up to frame {} of {}, {}{master}", frame_of_pass(o.scan), o.of.part, o.of.tool)
             });
             let why = [p.alarm.as_ref().map(|a| format!("ALARM: {a}")), p.reason.clone()];
             vec![
@@ -326,7 +339,8 @@ fn decisions(page: &mut Page, record: &ControlRecord) {
     if record.stock.is_some() {
         page.text("The stock was scanned before the first pass.");
     }
-    page.table(&["after pass", "decision", "reason", "judged by", "remarks"], &rows);
+    let header = ["after pass", "decision", "reason", "judged by", "remarks"];
+    page.filled_columns(&header, &rows);
 }
 
 fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {

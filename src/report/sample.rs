@@ -1,12 +1,13 @@
 //! Figures of a frame with its edges.
 
 use std::fmt::Write as _;
-use std::io::Cursor;
 
-use image::{GrayImage, ImageFormat};
+use image::GrayImage;
 
 use super::html::{Page, base64};
+use super::picture::{Stretch, encode, picture};
 use super::plot::{Chart, Mark, Series};
+use crate::cell::frame_of_pass;
 use crate::closed_loop::Sample;
 use crate::frame::FrameView;
 use crate::gauge::Edge;
@@ -45,7 +46,9 @@ pub(crate) fn figures(page: &mut Page, sample: &Sample) -> Result<Vec<(String, V
     let png = encode(&overview)?;
     let overlay = overview_svg(&sample, &png, &overview, step);
     page.heading("A frame and its edges");
-    page.figure(&overlay, "A frame of the last pass with both edges of every column.");
+    let caption =
+        format!("Frame {} of the last pass with both edges of every column.", frame_of_pass(frame_id));
+    page.figure(&overlay, &caption);
     if let Some((svg, caption)) = magnified(&sample, &stretch)? {
         page.figure(&svg, &caption);
     }
@@ -63,55 +66,11 @@ pub(crate) fn figures(page: &mut Page, sample: &Sample) -> Result<Vec<(String, V
     ])
 }
 
-/// Grey values to 8 bit, between the frame's 0.1 % and 99.9 % quantiles.
-struct Stretch {
-    low: f32,
-    scale: f32,
-}
-
-impl Stretch {
-    fn of(view: &FrameView<'_>) -> Self {
-        let mut values: Vec<f32> = (0..view.rows())
-            .step_by(7)
-            .flat_map(|r| (0..view.columns()).step_by(7).filter_map(move |c| view.get(r, c)))
-            .collect();
-        values.sort_by(f32::total_cmp);
-        let at = |share: f64| {
-            values.get(((values.len() as f64 * share) as usize).min(values.len().saturating_sub(1))).copied()
-        };
-        let (low, high) = (at(0.001).unwrap_or(0.0), at(0.999).unwrap_or(255.0));
-        Self { low, scale: 245.0 / (high - low).max(1.0) }
-    }
-
-    fn grey(&self, counts: f32) -> u8 {
-        ((counts - self.low) * self.scale).clamp(0.0, 255.0) as u8
-    }
-}
-
-fn picture(
-    view: &FrameView<'_>,
-    stretch: &Stretch,
-    from: (usize, usize),
-    size: (usize, usize),
-    step: usize,
-) -> GrayImage {
-    let (rows, columns) = (size.0.div_ceil(step), size.1.div_ceil(step));
-    GrayImage::from_fn(columns as u32, rows as u32, |c, r| {
-        let (row, column) = (from.0 + r as usize * step, from.1 + c as usize * step);
-        image::Luma([view.get(row, column).map_or(0, |v| stretch.grey(v))])
-    })
-}
-
-fn encode(image: &GrayImage) -> Result<Vec<u8>, String> {
-    let mut bytes = Cursor::new(Vec::new());
-    image.write_to(&mut bytes, ImageFormat::Png).map_err(|e| e.to_string())?;
-    Ok(bytes.into_inner())
-}
-
 fn overview_svg(sample: &Picture<'_>, png: &[u8], image: &GrayImage, step: usize) -> String {
     let (width, height) = image.dimensions();
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\">\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"Frame with the measured edges\" \
+         viewBox=\"0 0 {width} {height}\" width=\"{width}\">\
          <image href=\"data:image/png;base64,{}\" width=\"{width}\" height=\"{height}\"/>",
         base64(png)
     );
@@ -153,7 +112,8 @@ fn magnified(sample: &Picture<'_>, stretch: &Stretch) -> Result<Option<(String, 
     let png = encode(&image)?;
     let (width, height) = (CROP.0 as f64 * ZOOM, CROP.1 as f64 * ZOOM);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\">\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"Magnified part of the frame with the measured edge\" \
+         viewBox=\"0 0 {width} {height}\" width=\"{width}\">\
          <image style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\" width=\"{width}\" height=\"{height}\"/>",
         base64(&png)
     );

@@ -38,8 +38,8 @@ pub(crate) fn turn_picture(
     page.figure(
         &picture,
         &format!(
-            "A turn of the last pass as the camera sees it: outline and axis, deviations drawn {times:.0} times as large as the shaft's \
-             length; blue the measured diameter."
+            "A turn of the last pass as the camera sees it: outline by the measured diameter and dashed axis, deviations drawn {times:.0} times as \
+             large as the shaft's length; dotted: the spindle's axis."
         ),
     );
     Some(("plots/turn.svg".to_owned(), picture.into_bytes()))
@@ -113,17 +113,22 @@ fn turn(axis: &[&TrueAxisRow], stations: &[&StationRow], nominal_mm: f64) -> (St
         d
     };
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" role=\"img\"><line x1=\"{left}\" y1=\"{middle}\" \
-         x2=\"{}\" y2=\"{middle}\" stroke=\"#999\" stroke-dasharray=\"6 4\"/>",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"The shaft over a turn: outline and axis\">\
+         <rect class=\"paper\" width=\"{}\" height=\"{}\" fill=\"#ffffff\"/>\
+         <line class=\"rule\" x1=\"{left}\" y1=\"{middle}\" x2=\"{}\" y2=\"{middle}\" stroke=\"#8c8c8c\" stroke-dasharray=\"2 4\"/>",
+        SIZE.0,
+        SIZE.1,
         SIZE.0,
         SIZE.1,
         left + width
     );
-    for (side, colour) in [(1.0, "#0072b2"), (0.0, "#d55e00"), (-1.0, "#0072b2")] {
+    let outline = "class=\"s0\" stroke=\"#0072b2\"";
+    let own_axis = "class=\"s1\" stroke=\"#d55e00\" stroke-dasharray=\"8 4\"";
+    for (side, look) in [(1.0, outline), (0.0, own_axis), (-1.0, outline)] {
         let values: Vec<String> = phis.iter().map(|phi| path(side, *phi)).collect();
         let _ = write!(
             svg,
-            "<path fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\" d=\"{}\"><animate attributeName=\"d\" dur=\"{TURN_S}s\" \
+            "<path fill=\"none\" {look} stroke-width=\"2\" d=\"{}\"><animate attributeName=\"d\" dur=\"{TURN_S}s\" \
              repeatCount=\"indefinite\" values=\"{}\"/></path>",
             values[0],
             values.join(";")

@@ -1,12 +1,9 @@
 //! Rings of known size: the table of the methods, and a picture of every part that departs.
 
 use std::fmt::Write as _;
-use std::io::Cursor;
-
-use image::{GrayImage, ImageFormat, Luma};
 
 use super::html::{Page, base64, escape};
-use crate::frame::FrameView;
+use super::picture::{encode, thumbnail};
 use crate::gauge::ring::{EdgeCircle, PointOrigin};
 use crate::studies::washers::{Comparison, MethodFigures, Outlier, Part, SIDES, WashersStudy};
 
@@ -45,7 +42,7 @@ pub(crate) fn washers_page(
         "Split by number (every second part): scale and offset from one half, residuals of the other. The intervals are a bootstrap's over \
          the parts and hold together at 95 %; where one holds zero, these parts show no difference between the gauge and a level crossing.",
     );
-    let header = ["figure", "ours / µm", "level crossing / µm", "difference / µm", ""];
+    let header = ["figure", "ours / µm", "level crossing / µm", "difference / µm", "verdict"];
     page.table(&header, &study.comparisons.iter().map(comparison_row).collect::<Vec<_>>());
     page.heading("Parts");
     let rows: Vec<Vec<String>> = (0..study.names.len()).map(|k| part_row(study, k)).collect();
@@ -79,7 +76,7 @@ pub(crate) fn washers_page(
 fn caption(outlier: &Outlier) -> String {
     format!(
         "{}, {} diameter: machine − gauge {:+.1} µm, machine − level crossing {:+.1} µm. Departures from the circle {MAGNIFIED} times \
-         larger; blue what was fitted, orange what was refused as burr or dirt (the ball feels it).",
+         larger; the line goes through every point, dots are what was refused as burr or dirt (the ball feels it).",
         outlier.name, SIDES[outlier.side], outlier.residual_um[0], outlier.residual_um[1]
     )
 }
@@ -132,12 +129,17 @@ fn picture(study: &WashersStudy, outlier: &Outlier, part: &Part) -> Result<Strin
         _ => &ring.outer,
     };
     let view = part.frame.view();
-    let step = view.columns().div_ceil(WIDTH).max(1);
-    let png = base64(&thumbnail(&view, step)?);
-    let (width, height) = (view.columns().div_ceil(step), view.rows().div_ceil(step));
+    let step = view.rows().max(view.columns()).div_ceil(WIDTH).max(1);
+    let image = thumbnail(&view, WIDTH);
+    let png = base64(&encode(&image)?);
+    let (width, height) = image.dimensions();
+    let name = escape(&outlier.name);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" font-family=\"sans-serif\" font-size=\"13\">\
-         <image href=\"data:image/png;base64,{png}\" width=\"{width}\" height=\"{height}\" opacity=\"0.45\"/>"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{name}: outline of the {} edge\" \
+         viewBox=\"0 0 {width} {height}\" width=\"{width}\" font-family=\"sans-serif\" font-size=\"13\">\
+         <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\
+         <image href=\"data:image/png;base64,{png}\" width=\"{width}\" height=\"{height}\" opacity=\"0.2\"/>",
+        SIDES[outlier.side]
     );
     let scale = 1.0 / step as f64;
     let [x, y] = edge.centre_px.map(|v| (v + 0.5) * scale);
@@ -149,10 +151,8 @@ fn picture(study: &WashersStudy, outlier: &Outlier, part: &Part) -> Result<Strin
     );
     let _ = write!(
         svg,
-        "<text x=\"8\" y=\"18\" fill=\"#222\">{}: {} {:+.1} µm</text></svg>",
-        escape(&outlier.name),
-        SIDES[outlier.side],
-        outlier.residual_um[0]
+        "<text x=\"8\" y=\"18\" style=\"fill:#222222\" stroke=\"#ffffff\" stroke-width=\"4\" paint-order=\"stroke\">{name}: {} {:+.1} µm</text></svg>",
+        SIDES[outlier.side], outlier.residual_um[0]
     );
     Ok(svg)
 }
@@ -170,24 +170,8 @@ fn outline(edge: &EdgeCircle, scale: f64) -> String {
         let [x, y] = at(k);
         let _ = write!(line, "{x:.1},{y:.1} ");
         if point.origin != PointOrigin::Fitted {
-            let _ = write!(dots, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.2\" fill=\"#d55e00\"/>");
+            let _ = write!(dots, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.2\" fill=\"#a02c00\"/>");
         }
     }
     format!("<polygon points=\"{line}\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"1.2\"/>{dots}")
-}
-
-/// Every step-th pixel as an 8-bit PNG.
-fn thumbnail(view: &FrameView<'_>, step: usize) -> Result<Vec<u8>, String> {
-    let full = view.format().full_scale().map_or(255.0, f32::from);
-    let image = GrayImage::from_fn(
-        view.columns().div_ceil(step) as u32,
-        view.rows().div_ceil(step) as u32,
-        |c, r| {
-            let value = view.get(r as usize * step, c as usize * step).unwrap_or(0.0);
-            Luma([(255.0 * value / full).clamp(0.0, 255.0) as u8])
-        },
-    );
-    let mut bytes = Cursor::new(Vec::new());
-    image.write_to(&mut bytes, ImageFormat::Png).map_err(|e| e.to_string())?;
-    Ok(bytes.into_inner())
 }

@@ -4,90 +4,19 @@ use std::collections::HashMap;
 use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use thiserror::Error;
-
-use super::decode::{Wanted, decode_wanted, pages};
-use super::error::DecodeError;
+use super::decode::{Wanted, pages};
 use super::extension::is_image_extension;
 use super::frame_table::{FrameInfo, FrameTable, TableError};
 use super::natural_order::natural;
 use super::raster::Channel;
-use super::scale::FileScale;
+use super::read_error::{LARGEST_FILE, ReadError};
+use super::stored::{Arrival, StoredFrame, Taken, Undecoded};
 use crate::frame::{Frame, FrameMeta, FrameSource, SourceError};
 
-/// Largest file read, bytes: an f32 frame of the largest size decoded.
-const LARGEST_FILE: u64 = 1 << 31;
 /// Rows of a table that a notice names one by one.
 const NAMED_ROWS: usize = 5;
-
-/// Why a file has no frame.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum ReadError {
-    /// It cannot be read.
-    #[error("{path}: {cause}")]
-    Io {
-        /// The file or folder.
-        path: String,
-        /// The system's message.
-        cause: std::io::Error,
-    },
-    /// It is not a grey frame.
-    #[error("{path}: {cause}")]
-    Decode {
-        /// The file.
-        path: String,
-        /// Why.
-        cause: DecodeError,
-    },
-    /// It is larger than any recording of one frame.
-    #[error("{path}: more than {LARGEST_FILE} bytes; split the stack into files")]
-    TooLarge {
-        /// The file.
-        path: String,
-    },
-    /// A folder without images.
-    #[error("{path}: no image in this folder; PNG, TIFF, JPEG, BMP or PGM files are needed")]
-    NoImages {
-        /// The folder.
-        path: String,
-    },
-    /// A `frames.csv` that cannot be parsed.
-    #[error(transparent)]
-    Table(#[from] TableError),
-    /// A table without a row for the frame.
-    #[error("{path}: {table} has no row for frame {frame}; add one, or move the table away")]
-    NoRow {
-        /// The file.
-        path: String,
-        /// The table.
-        table: String,
-        /// The frame.
-        frame: String,
-    },
-    /// The file's own scale differs from the table's.
-    #[error("{path}: {what}")]
-    Scale {
-        /// The file.
-        path: String,
-        /// Both scales.
-        what: String,
-    },
-}
-
-/// A frame, the name of its file (with its page: `stack#3`), and what the file's own tags state.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StoredFrame {
-    /// The file's stem; `stem#page`, counted from 0, where the file has several pages.
-    pub stem: String,
-    /// The frame.
-    pub frame: Frame,
-    /// Scale of the table or of the file's own tags.
-    pub scale: Option<FileScale>,
-    /// Changes made to the values of the file, in words.
-    pub changed: Vec<String>,
-}
 
 /// Images of a folder in the order of the numbers in their names.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -136,7 +65,7 @@ pub(crate) fn out_of_order(images: &[PathBuf]) -> Option<(String, String)> {
 }
 
 /// The images of a folder, in alphabetical order.
-fn images_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+pub(super) fn images_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut images = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
@@ -151,7 +80,7 @@ fn images_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(images)
 }
 
-fn name(path: &Path) -> String {
+pub(super) fn name(path: &Path) -> String {
     path.file_name().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
 }
 
@@ -163,7 +92,7 @@ fn stem(path: &Path) -> String {
 #[derive(Debug)]
 struct Open {
     path: PathBuf,
-    content: Result<Vec<u8>, ReadError>,
+    content: Result<Arc<Vec<u8>>, ReadError>,
     pages: Vec<u64>,
     page: usize,
 }
@@ -213,41 +142,97 @@ impl FileFrames {
     /// Reads the next frame; `None` at the end. After an error the next call continues with the
     /// next one.
     pub fn next_stored(&mut self) -> Option<Result<StoredFrame, ReadError>> {
+        self.next_undecoded().map(|(_, read)| read.and_then(Undecoded::decode))
+    }
+
+    /// As [`Self::next_stored`], to be decoded elsewhere.
+    pub(super) fn next_undecoded(&mut self) -> Option<(Arrival, Result<Undecoded, ReadError>)> {
         self.open_next()?;
         let mut open = self.open.take()?;
-        let read = match &open.content {
-            Ok(bytes) => self.read(&open, bytes),
-            Err(_) => match std::mem::replace(&mut open.content, Ok(Vec::new())) {
-                Err(error) => Err(error),
-                Ok(_) => return None,
-            },
+        let mut arrival = Arrival { stem: open.stem(), ..Arrival::default() };
+        let content = match &open.content {
+            Ok(bytes) => Ok(Arc::clone(bytes)),
+            Err(_) => std::mem::replace(&mut open.content, Ok(Arc::default())),
         };
+        let read = content.and_then(|content| self.read(&open, content, &mut arrival));
         open.page += 1;
         self.given += 1;
         if open.page < open.pages.len() {
             self.open = Some(open);
         }
-        Some(read)
+        Some((arrival, read))
+    }
+
+    /// All frames, to be decoded elsewhere, each with the notes on its file.
+    pub(crate) fn undecoded(mut self) -> impl Iterator<Item = Taken> + Send {
+        std::iter::from_fn(move || {
+            let (mut arrival, read) = self.next_undecoded()?;
+            arrival.notices = self.take_notices();
+            Some(Ok((arrival, read)))
+        })
+    }
+
+    /// Continues with another file, the frames counted on; what was still open is left.
+    pub(super) fn turn_to(&mut self, path: PathBuf) {
+        (self.paths, self.next, self.open) = (vec![path], 0, None);
+    }
+
+    /// As if no more than so many frames had been given: the open file is left, to be looked at again.
+    pub(super) fn take_back(&mut self, given: u64) {
+        (self.given, self.open) = (given, None);
+    }
+
+    /// Frames given so far.
+    pub(super) fn given(&self) -> u64 {
+        self.given
+    }
+
+    /// Reads the tables of frames anew.
+    pub(super) fn forget_tables(&mut self) {
+        self.tables.clear();
+    }
+
+    /// Whether no table has a row for an image so far.
+    pub(super) fn has_no_table(&self) -> bool {
+        self.tables.values().all(FrameTable::is_empty)
+    }
+
+    /// The last page of the file that a frame was the first of.
+    pub(super) fn last_page(&self, first: &Undecoded) -> Undecoded {
+        let mut last = first.clone();
+        if let Some(place) = self.open.as_ref().and_then(|open| open.pages.last()) {
+            last.wanted.place = Some(*place);
+        }
+        last
+    }
+
+    /// Whether more pages of the open file are to come.
+    pub(super) fn has_pages(&self) -> bool {
+        self.open.is_some()
     }
 
     fn open_next(&mut self) -> Option<()> {
         if self.open.is_none() {
             let path = self.paths.get(self.next)?.clone();
             self.next += 1;
-            let content = bytes_of(&path);
+            let content = bytes_of(&path).map(Arc::new);
             let pages = content.as_ref().map_or_else(|_| vec![0], |bytes| pages(bytes));
             self.open = Some(Open { path, content, pages, page: 0 });
         }
         Some(())
     }
 
-    fn read(&mut self, open: &Open, bytes: &[u8]) -> Result<StoredFrame, ReadError> {
-        let path = open.path.display().to_string();
-        let stem = open.stem();
-        let info = self.info(&open.path, &stem)?;
+    fn read(
+        &mut self,
+        open: &Open,
+        content: Arc<Vec<u8>>,
+        arrival: &mut Arrival,
+    ) -> Result<Undecoded, ReadError> {
+        let info = self.info(&open.path, &arrival.stem)?;
+        arrival.device_t_ns = info.t_ns;
         let meta = FrameMeta {
-            frame_id: stem.parse().unwrap_or(self.given),
-            t_ns: info.t_ns,
+            frame_id: arrival.stem.parse().unwrap_or(self.given),
+            t_ns: info.t_ns.unwrap_or(0),
             exposure_us: info.exposure_us,
             angle_deg: info.angle_deg,
             z_mm: info.z_mm,
@@ -258,19 +243,14 @@ impl FileFrames {
             channel: self.channel,
             place: open.pages.get(open.page).copied(),
         };
-        let decoded = decode_wanted(bytes, &wanted, meta)
-            .map_err(|cause| ReadError::Decode { path: page_name(open), cause })?;
-        let mut scale = decoded.scale;
-        if let Some(um_per_px) = info.um_per_px {
-            let table = format!("frames.csv (row {})", info.row);
-            let own = scale.as_ref().map_or(Ok(()), |own| own.check(um_per_px, &table));
-            own.map_err(|what| ReadError::Scale {
-                path,
-                what: format!("{what}; correct the one that is wrong"),
-            })?;
-            scale = Some(FileScale::stated(um_per_px, table));
-        }
-        Ok(StoredFrame { stem, frame: decoded.frame, scale, changed: decoded.changed })
+        Ok(Undecoded {
+            stem: arrival.stem.clone(),
+            named: page_name(open),
+            content,
+            wanted,
+            meta,
+            stated: info.um_per_px.map(|um_per_px| (um_per_px, info.row)),
+        })
     }
 
     /// The row of a frame; the default where there is no table.
@@ -298,8 +278,10 @@ fn page_name(open: &Open) -> String {
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
     let io = |cause| ReadError::Io { path: path.display().to_string(), cause };
-    let mut bytes = Vec::new();
     let file = fs::File::open(path).map_err(io)?;
+    // As much as the file has, so that its bytes are not copied from one place to a larger one.
+    let size = file.metadata().map_or(0, |m| m.len()).min(LARGEST_FILE);
+    let mut bytes = Vec::with_capacity(size as usize);
     file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(io)?;
     if bytes.len() as u64 > LARGEST_FILE {
         return Err(ReadError::TooLarge { path: path.display().to_string() });

@@ -28,7 +28,7 @@ pub(crate) struct FrameInfo {
     /// Name of the frame: the file's stem.
     pub frame: String,
     /// Start of exposure, ns.
-    pub t_ns: u64,
+    pub t_ns: Option<u64>,
     /// Machine z of the central column, mm.
     pub z_mm: f64,
     /// Spindle angle, degrees.
@@ -218,7 +218,7 @@ impl Fields<'_> {
         }
         Ok(FrameInfo {
             frame,
-            t_ns: self.whole("t_ns")?.unwrap_or(0),
+            t_ns: self.whole("t_ns")?,
             z_mm: self.number("z_mm")?.unwrap_or(0.0),
             angle_deg: self.number("angle_deg")?.unwrap_or(0.0),
             exposure_us: self.number("exposure_us")?.unwrap_or(0.0),
@@ -343,7 +343,10 @@ mod tests {
         }
         // The same row twice adds nothing.
         assert!(parsed(b"frame,z_mm\na,1\na,1\n").is_ok());
-        assert_eq!(parsed(b"frame,t_ns\na,1.2E+09\n").unwrap().of("a").map(|a| a.t_ns), Some(1_200_000_000));
+        assert_eq!(
+            parsed(b"frame,t_ns\na,1.2E+09\n").unwrap().of("a").and_then(|a| a.t_ns),
+            Some(1_200_000_000)
+        );
     }
 
     #[test]

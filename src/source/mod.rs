@@ -1,38 +1,52 @@
 //! Frames from files and folders.
 //!
 //! In: a file or folder (`folder`, in the order of `natural_order`, with `frame_table` where there
-//! is a `frames.csv`). Out: frames with their scale and encoding. `decode` chooses the reader of a
-//! format (`png`, `tiff`, `jpeg`, `bmp`, `pnm`); each returns a `raster` of channels, which
-//! `depth`, `transfer`, `orientation`, `packed` and `relaid` convert to the pixels of a frame. A
-//! new format is a file with a function from bytes to a raster, an entry in `decode` and one in
-//! `extension`.
+//! is a `frames.csv`), a folder that a camera drops images into (`follow`), images one after another
+//! on a stream (`piped`, by `split`). Out: frames with their scale and encoding (`stored`), decoded
+//! on other threads where `ahead` is asked. `decode` chooses the reader of a format (`png`, `tiff`,
+//! `jpeg`, `bmp`, `pnm`); each returns a `raster` of channels, which `depth`, `transfer`,
+//! `orientation`, `packed` and `relaid` convert to the pixels of a frame. A new format is a file with
+//! a function from bytes to a raster, an entry in `decode` and one in `extension`; it comes on a
+//! stream where `split` finds its end.
 
+mod ahead;
 mod bmp;
 mod decode;
 mod depth;
 mod error;
 mod extension;
 mod folder;
+mod follow;
 mod frame_table;
+mod host_clock;
 mod ifd;
 mod jpeg;
 mod natural_order;
 mod orientation;
 mod packed;
+mod piped;
 mod png;
 mod pnm;
 mod raster;
+mod read_error;
 mod relaid;
 mod scale;
+mod split;
+mod stored;
 mod tiff;
 mod transfer;
 
 pub use self::{
     decode::{Wanted, decode, decode_wanted},
     error::DecodeError,
-    folder::{FileFrames, StoredFrame},
+    folder::FileFrames,
     raster::Channel,
     scale::FileScale,
+    stored::StoredFrame,
 };
+pub(crate) use ahead::Ahead;
 pub(crate) use folder::{list_images, listing, out_of_order};
+pub(crate) use follow::Follow;
+pub(crate) use piped::Piped;
 pub(crate) use scale::SAME_SCALE;
+pub(crate) use stored::Arrival;

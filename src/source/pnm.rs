@@ -38,6 +38,12 @@ pub(super) fn begins(bytes: &[u8]) -> bool {
 
 /// Offset of the end of the first image, if it is a raw one.
 fn end(bytes: &[u8]) -> Option<usize> {
+    length(bytes).filter(|end| *end <= bytes.len())
+}
+
+/// Length of the raw image whose header begins here, whether or not its pixels are there; `None` as
+/// long as the header is not whole, and of plain images, whose digits state none.
+pub(super) fn length(bytes: &[u8]) -> Option<usize> {
     let mut words = Words { bytes, at: 2 };
     let kind = *bytes.get(1)?;
     let header = Header::of(kind, &mut words).ok()?;
@@ -48,7 +54,8 @@ fn end(bytes: &[u8]) -> Option<usize> {
         b'f' | b'F' => 4 * row_samples,
         _ => row_samples * if header.maxval < 256 { 1 } else { 2 },
     };
-    words.data(row_bytes * header.rows).ok().map(|data| words.at + data.len())
+    // The white space that ends the header is part of it.
+    (words.at <= bytes.len()).then_some(words.at + row_bytes * header.rows)
 }
 
 /// Reads the image that begins with `P1` to `P7`, `Pf` or `PF`.

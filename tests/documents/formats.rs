@@ -115,7 +115,7 @@ fn parquet_columns(path: &Path) -> Vec<String> {
 
 /// Tables in CSV and Parquet: heading in files.md and columns produced.
 fn produced_tables(work: &Work) -> Vec<(&'static str, Vec<String>)> {
-    work.run("measure out/frames/frames --um-per-px file --edges edges.csv");
+    work.run("measure out/frames/frames --um-per-px file --edges edges.csv --csv diameters.csv");
     std::fs::write(work.path("esf.csv"), work.run("optics esf configs/head_telecentric_25.toml")).unwrap();
     let of_run = ["passes", "stations", "offsets", "axis", "truth_axis", "form", "part_form"];
     let names = [
@@ -136,6 +136,7 @@ fn produced_tables(work: &Work) -> Vec<(&'static str, Vec<String>)> {
         ("frames.csv", "out/frames/frames.csv"),
         ("truth.csv", "out/frames/truth.csv"),
         ("edges.csv", "edges.csv"),
+        ("diameters.csv", "diameters.csv"),
         ("esf.csv", "esf.csv"),
         ("deflection.csv", "out/line/deflection.csv"),
         ("axis.csv of study deflection", "out/line/axis.csv"),

@@ -4,13 +4,12 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-use indicatif::ProgressBar;
-
 use crate::cli::failure::Failure;
-use crate::cli::terminal::progress;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
-use crate::source::{Channel, FileFrames, FileScale, SAME_SCALE, StoredFrame, listing, out_of_order};
+use crate::source::{
+    Ahead, Arrival, Channel, FileFrames, FileScale, SAME_SCALE, StoredFrame, listing, out_of_order,
+};
 
 /// How far a camera's nominal scale may lie from a calibrated one: makers specify the magnification
 /// of lenses to about 1 %.
@@ -26,6 +25,13 @@ pub(crate) struct FrameArgs {
     /// another one.
     #[arg(long)]
     ignore_file_scale: bool,
+}
+
+impl FrameArgs {
+    /// The channel of colour images.
+    pub(crate) fn channel(&self) -> Option<Channel> {
+        self.channel
+    }
 }
 
 /// `--um-per-px`: a scale, or the files' own.
@@ -103,47 +109,51 @@ fn own_scale(stored: &StoredFrame) -> Result<f64, String> {
 
 /// The frames of a command, one after another.
 pub(crate) struct Frames<'a> {
-    source: FileFrames,
+    source: Ahead,
     args: &'a FrameArgs,
     calibration: Option<&'a Calibration>,
     scale: Option<ScaleArgument>,
     said: HashSet<String>,
-    bar: ProgressBar,
-}
-
-impl Drop for Frames<'_> {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
-    }
+    /// Why the source ended before its end.
+    broken: Option<String>,
 }
 
 impl<'a> Frames<'a> {
-    /// Frames of these files, to be measured by this calibration; `scale` is the command line's
-    /// own.
+    /// Frames of a source, to be measured by this calibration; `scale` is the command line's own.
     pub(crate) fn new(
-        paths: Vec<PathBuf>,
+        source: Ahead,
         args: &'a FrameArgs,
         calibration: Option<&'a Calibration>,
         scale: Option<ScaleArgument>,
     ) -> Self {
-        let bar = progress::bar(paths.len() as u64, "measuring", "files");
-        let source = FileFrames::new(paths).of_channel(args.channel);
-        Self { source, args, calibration, scale, said: HashSet::new(), bar }
+        Self { source, args, calibration, scale, said: HashSet::new(), broken: None }
     }
 
-    /// The next frame with its name, or why it cannot be read.
-    pub(crate) fn next_frame(&mut self) -> Option<(String, Result<Frame, String>)> {
-        let stem = self.source.next_stem()?;
-        let read = self.source.next_stored()?;
-        self.bar.inc(1);
-        for notice in self.source.take_notices() {
+    /// The next frame with its name and times, or why it cannot be read.
+    pub(crate) fn next_frame(&mut self) -> Option<(Arrival, Result<Frame, String>)> {
+        let (arrival, read) = match self.source.next_frame()? {
+            Ok(next) => next,
+            Err(error) => {
+                self.broken = Some(error.to_string());
+                return None;
+            }
+        };
+        for notice in &arrival.notices {
             tracing::warn!("{notice}");
         }
         let frame = read.map_err(|e| e.to_string()).and_then(|stored| {
-            self.checked(&stored).map_err(|e| format!("frame {stem}: {e}"))?;
+            self.checked(&stored).map_err(|e| format!("frame {}: {e}", arrival.stem))?;
             Ok(stored.frame)
         });
-        Some((stem, frame))
+        Some((arrival, frame))
+    }
+
+    /// Why the source ended before its end, if it did.
+    ///
+    /// # Errors
+    /// A source that failed.
+    pub(crate) fn check_ended(&self) -> Result<(), Failure> {
+        self.broken.as_ref().map_or(Ok(()), |why| Err(Failure::fail(why)))
     }
 
     /// Logs changes of grey values at their first occurrence; refuses a scale or encoding other

@@ -10,7 +10,8 @@ pub(crate) struct JudgeArgs {
     /// Tolerance of the part as on its drawing: "25 h6", "Ø25 ±0.01", "25 0/-0.013", "24.987..25",
     /// with (E) or (GN) where --turn is given; exit code 1 unless every value is proven good: each
     /// frame's largest diameter, its local sizes (means over about 65 columns, or over the stations
-    /// of --station-mm) and its mean.
+    /// of --station-mm) and its mean. Judged HH or LL: proven to lie above or below the limits; HI
+    /// or LO: proven neither good nor bad, above or below the middle; GO: proven good.
     #[arg(long, value_name = "T")]
     tolerance: Option<Tolerance>,
     /// Probability of conformity to both limits behind GO (ISO 14253-1).
@@ -27,7 +28,8 @@ pub(crate) struct JudgeArgs {
     /// Least width of a stretch that counts for the largest diameter, mm along the axis.
     #[arg(long, value_name = "MM", value_parser = length, conflicts_with = "stretch_columns")]
     stretch_mm: Option<f64>,
-    /// Averages successive frames: moving:N, median:N or recursive:W.
+    /// Averages the means of successive frames: moving:N, median:N or recursive:W; in the table and
+    /// the files it stands beside the frame's own mean, and it is judged in its place.
     #[arg(long, value_name = "HOW", value_parser = averaging)]
     average: Option<Averaging>,
     /// Coverage factor k of the expanded uncertainties; without it that of 95.45 % at the effective
@@ -92,6 +94,11 @@ impl JudgeArgs {
         ]
         .into_iter()
         .find_map(|(given, name)| given.then_some(name))
+    }
+
+    /// Whether the budgets are printed.
+    pub(crate) fn shows_budgets(&self) -> bool {
+        self.budget
     }
 
     /// The settings stated here.

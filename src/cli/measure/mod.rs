@@ -1,17 +1,24 @@
 //! `shadowgauge measure`: edges and diameters of frames in files.
 //!
-//! In: frames (`frames`), a calibration and conditions, an edge-spread function (`esf_argument`).
-//! Out: a table (`table`, `statistics`, `turn`, `words`) or JSON, edges as CSV (`edges_file`),
-//! times (`timing`). This file turns arguments into settings, frames into a
-//! [`Stream`](crate::measurement::Stream) and what comes out into text; what is measured is in
+//! In: frames (`frames`) of files, a folder that is followed or stdin (`input`), a calibration and
+//! conditions, an edge-spread function (`esf_argument`). Out, as the frames come (`results`): a table
+//! (`table`, `statistics`, `turn`, `words`, `legend`) or JSON (`document`), edges as CSV
+//! (`edges_file`), diameters as CSV and a report (`leaves`, `csv_file`); times (`timing`). This file turns arguments into settings and frames into a
+//! [`Stream`](crate::measurement::Stream); what is measured is in
 //! [`measurement`](crate::measurement), where a new result goes too.
 
 mod choice;
+mod csv_file;
+mod document;
 mod edges_file;
 pub(super) mod esf_argument;
 mod frames;
+mod input;
 mod judge_args;
-pub(crate) mod ring;
+mod leaves;
+mod legend;
+mod results;
+mod ring;
 mod statistics;
 mod table;
 mod timing;
@@ -21,36 +28,38 @@ mod words;
 
 use std::fs;
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use self::choice::ChoiceArgs;
-use self::edges_file::{FrameRows, claim_edges, write_rows};
+use self::document::{Lines, Whole};
+use self::edges_file::{EdgesFile, claim_output};
 use self::esf_argument::esf_model;
-use self::frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
+use self::frames::{FrameArgs, Frames, ScaleArgument, scale_argument, scale_of_files};
+use self::input::{Input, InputArgs};
 use self::judge_args::JudgeArgs;
-use self::table::{print_series, print_table};
-use self::warnings::{report_frames, report_refusals, report_uncalibrated, report_unlearnt};
+use self::leaves::{Inputs, Leaves, LeavesArgs, MeasuredBy};
+use self::legend::Legend;
+use self::results::{Printed, Results, head};
+use self::warnings::{report_uncalibrated, report_unlearnt};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
+use crate::cli::terminal::output;
 use crate::files::OutputFile;
 use crate::frame::{Frame, FrameView};
 use crate::gauge::calibration::{Conditions, Date, GivenConditions};
 use crate::gauge::ring::RingSettings;
-use crate::gauge::{Calibration, EsfModel, FrameEdges, Gauge, GaugeSettings, Polarity};
+use crate::gauge::{Calibration, EsfModel, Gauge, GaugeSettings, Polarity};
 use crate::measurement::{
-    Document, MeasureError, MeasureSettings, Measurement, Stream, conditions, edge_model, known_conditions,
-    prepared,
+    MeasureError, MeasureSettings, Series, Stream, conditions, edge_model, known_conditions, prepared,
 };
-use crate::profile::Reason;
 
 /// Arguments of `shadowgauge measure`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct MeasureArgs {
-    /// Images, stacks or folders of images (grey PNG, TIFF, JPEG, BMP, PGM), in this order; a
-    /// folder's by the numbers in their names.
-    #[arg(required = true)]
-    input: Vec<PathBuf>,
+    #[command(flatten)]
+    input: InputArgs,
     /// Scale, µm per pixel, when there is no calibration; `file` takes that of frames.csv or of the
     /// files' own tags.
     #[arg(long, value_name = "S|file", conflicts_with = "calibration", value_parser = scale_argument)]
@@ -83,7 +92,9 @@ pub(crate) struct MeasureArgs {
     /// Writes both edges of every column to this CSV file; `-` is stdout, in place of the table.
     #[arg(long, value_name = "FILE.csv")]
     edges: Option<PathBuf>,
-    /// Prints JSON.
+    #[command(flatten)]
+    leaves: LeavesArgs,
+    /// Prints JSON: one document; of a stream (--follow, -) a line a frame and one of the series.
     #[arg(long)]
     json: bool,
     /// What the part looks like: a shaft from the side, or a ring or disc seen end-on (radial
@@ -109,7 +120,7 @@ pub(crate) struct MeasureArgs {
     /// (.toml). Without it the calibration's, else gaussian.
     #[arg(long, value_name = "NAME|FILE")]
     esf: Option<String>,
-    /// Threads (default: all cores).
+    /// Threads that measure, and as many that decode meanwhile (default: all cores).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Measures N frames from memory, cycling through those given, and reports the time; with
@@ -192,96 +203,141 @@ impl MeasureArgs {
 /// # Errors
 /// Exit 2 for settings out of range; 3 for unreadable files and where no frame can be measured.
 pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
-    let paths = paths(&args.input)?;
-    let calibration = calibration(args, &paths)?;
+    let input = Input::of(&args.input)?;
+    check_stream(args, &input)?;
+    let calibration = calibration(args, input.files())?;
     let conditions = stated_conditions(args, calibration.as_ref())?;
     if let (None, Some(name)) = (&calibration, args.judge.needs_scale()) {
         return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
     }
     let esf = stated_edge_model(args, calibration.as_ref())?;
     let gauge = Gauge::calibrated(args.gauge_settings(esf), calibration.as_ref()).map_err(failure)?;
-    let instrument = Instrument { gauge, calibration, conditions, settings: args.settings() };
+    // The report shows a budget.
+    let budget = args.judge.shows_budgets() || args.leaves.has_report() && calibration.is_some();
+    let settings = MeasureSettings { budget, ..args.settings() };
+    let instrument = Instrument { gauge, calibration, conditions, settings };
     if args.shape == Shape::Ring {
-        return rings(args, &instrument, paths);
+        return rings(args, &instrument, input);
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.map_or(0, usize::from))
         .build()
         .map_err(Failure::fail)?;
-    pool.install(|| measure_all(args, &instrument, paths))
+    pool.install(|| measure_all(args, &instrument, input))
 }
 
-/// One frame of the command.
-struct Measured {
-    measurement: Measurement,
-    /// Its edges, where these are written.
-    edges: Option<FrameEdges>,
-    /// The frame itself, where it is timed.
-    frame: Option<Frame>,
+/// Refuses what needs all frames before the first is measured, of a stream.
+fn check_stream(args: &MeasureArgs, input: &Input) -> Result<(), Failure> {
+    if !input.is_stream() {
+        return Ok(());
+    }
+    if args.bench.is_some() {
+        return Err(Failure::refuse("--bench measures files that are there, not a stream (--follow, -)"));
+    }
+    if args.um_per_px == Some(ScaleArgument::File) {
+        return Err(Failure::refuse(
+            "--um-per-px file takes the scale of the first file; of a stream (--follow, -) state it, for instance 17.4",
+        ));
+    }
+    Ok(())
 }
 
-impl Measured {
-    fn rows(&self) -> FrameRows<'_> {
-        let reason = self.measurement.refusal.as_ref().map_or(Reason::Unreadable, |refusal| refusal.reason);
-        let result = self.edges.as_ref().ok_or(reason);
-        FrameRows { stem: &self.measurement.frame, columns: self.measurement.columns, result }
+/// Threads that decode: as many as measure.
+fn decoding_threads(args: &MeasureArgs) -> usize {
+    let all = || std::thread::available_parallelism().map_or(1, usize::from);
+    args.threads.map_or_else(all, usize::from)
+}
+
+/// Measures a frame, or counts why it cannot be read; gives the frame back.
+fn measure_one(stream: &mut Stream, stem: &str, read: Result<Frame, String>) -> Option<Frame> {
+    match read.and_then(|frame| stream.prepared(stem, frame).map_err(|error| error.to_string())) {
+        Ok(frame) => {
+            // What a refused frame is refused for stands in its measurement.
+            let _ = stream.push_prepared(stem, &frame.meta, &frame.view());
+            Some(frame)
+        }
+        Err(why) => {
+            stream.push_unreadable(stem, why);
+            None
+        }
     }
 }
 
-/// Measures every frame of the source.
-fn measure_each(args: &MeasureArgs, stream: &mut Stream, source: &mut Frames<'_>) -> Vec<Measured> {
-    let mut all = Vec::new();
-    while let Some((stem, read)) = source.next_frame() {
-        let prepared =
-            read.and_then(|frame| stream.prepared(&stem, frame).map_err(|error| error.to_string()));
-        let frame = match prepared {
-            Ok(frame) => {
-                // What a refused frame is refused for stands in its measurement.
-                let _ = stream.push_prepared(&stem, &frame.meta, &frame.view());
-                Some(frame).filter(|_| args.bench.is_some())
+/// How the frames of a stream of measurements are printed.
+fn printed(args: &MeasureArgs, is_stdout_taken: bool, is_stream: bool, stream: &Stream) -> Printed {
+    match (args.json, args.bench.is_some()) {
+        (true, _) if is_stream => Printed::Lines(Lines::default()),
+        (true, true) => Printed::Timed(Vec::new()),
+        (true, false) => Printed::Whole(Whole::new(head(stream.conditions()))),
+        _ if is_stdout_taken => Printed::Nothing,
+        _ => {
+            let settings = args.judge.settings();
+            Printed::Table {
+                coverage_factor: settings.coverage_factor,
+                probability: settings.conformance_probability,
+                averages: settings.averages(),
+                has_header: false,
+                legend: Legend::default(),
             }
-            Err(why) => {
-                stream.push_unreadable(&stem, why);
-                None
-            }
-        };
-        let edges = stream.edges().filter(|_| args.edges.is_some()).cloned();
-        all.push(Measured { measurement: stream.measurement().clone(), edges, frame });
+        }
     }
-    all
 }
 
-fn measure_all(args: &MeasureArgs, instrument: &Instrument, paths: Vec<PathBuf>) -> CommandResult {
-    let edges = args.edges.as_deref();
-    let edges = edges.map(|path| claim_edges(path, &paths, args.other_inputs(), args.json)).transpose()?;
-    let edges_on_stdout = edges.as_ref().is_some_and(OutputFile::is_stdout);
-    let mut source = Frames::new(paths, &args.frames, instrument.calibration.as_ref(), args.um_per_px);
+fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandResult {
+    let (edges, is_stream) = (args.edges.as_deref(), input.is_stream());
+    let claim = |path| claim_output("--edges", path, input.files(), args.other_inputs(), args.json);
+    let edges = edges.map(claim).transpose()?;
+    let mut leaves = begin_leaves(args, instrument, &input)?;
+    let is_stdout_taken = leaves.is_stdout() || edges.as_ref().is_some_and(OutputFile::is_stdout);
     let mut stream = instrument.stream()?;
-    let all = measure_each(args, &mut stream, &mut source);
-    let each = || all.iter().map(|measured| &measured.measurement);
-    report_refusals(each())?;
+    let edges = edges.map(|file| EdgesFile::begin(file, is_stream)).transpose()?;
+    let mut results = Results::new(printed(args, is_stdout_taken, is_stream, &stream), edges, is_stream);
+    if is_stream {
+        report_uncalibrated(&stream);
+    }
+    let opened = input.open(args.frames.channel(), decoding_threads(args))?;
+    let stop = opened.stop.clone();
+    let mut frames =
+        Frames::new(opened.frames, &args.frames, instrument.calibration.as_ref(), args.um_per_px);
+    let mut kept = Vec::new();
+    while let Some((arrival, read)) = frames.next_frame() {
+        let frame = measure_one(&mut stream, &arrival.stem, read);
+        leaves.add(&mut stream, frame.as_ref())?;
+        kept.extend(frame.filter(|_| args.bench.is_some()));
+        results.frame(&stream, &arrival)?;
+        if is_stream && output::has_failed() {
+            break;
+        }
+    }
+    if !stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+        && let Err(none) = results.check_measured().or_else(|none| frames.check_ended().and(Err(none)))
+    {
+        // Why every frame was refused is what these show.
+        leaves.finish(&Series::default())?;
+        return Err(none);
+    }
     report_unlearnt(&stream);
-    if let Some(file) = edges {
-        file.write_with(|out| {
-            write_rows(out, all.iter().map(Measured::rows)).map_err(|e| match e.into_kind() {
-                csv::ErrorKind::Io(cause) => cause,
-                other => std::io::Error::other(format!("{other:?}")),
-            })
-        })?;
-    }
-    let bench = args.bench.map(|count| bench(args, instrument, &all, count)).transpose()?;
-    report_uncalibrated(&stream);
-    report_frames(each());
+    results.finish_edges()?;
+    let bench = args.bench.map(|count| bench(args, instrument, &kept, count)).transpose()?;
     let series = stream.finish().map_err(failure)?;
-    series.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
-    let frames: Vec<Measurement> = all.into_iter().map(|measured| measured.measurement).collect();
-    let document = json!(Document { frames: &frames, series: &series, bench });
-    if args.json {
-        say_line!("{document}");
-    } else if !edges_on_stdout {
-        print(args, &document, &frames);
-    }
+    leaves.finish(&series)?;
+    results.end(&series, bench);
+    frames.check_ended()?;
     Ok(if series.all_good() { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+/// The files of `--csv` and `--report`, claimed.
+fn begin_leaves(args: &MeasureArgs, instrument: &Instrument, input: &Input) -> Result<Leaves, Failure> {
+    let (named, others) = (args.input.named(), args.other_inputs());
+    let (json, is_stream) = (args.json, input.is_stream());
+    let inputs = Inputs { named: &named, images: input.files(), others, json, is_stream };
+    let by = MeasuredBy {
+        calibration: instrument.calibration.as_ref(),
+        conditions: &instrument.conditions,
+        settings: &instrument.settings,
+        shows_budgets: args.judge.shows_budgets(),
+    };
+    Leaves::begin(&args.leaves, &inputs, &by)
 }
 
 fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {
@@ -292,11 +348,10 @@ fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {
 fn bench(
     args: &MeasureArgs,
     instrument: &Instrument,
-    all: &[Measured],
+    frames: &[Frame],
     count: u32,
 ) -> Result<Value, Failure> {
-    let views: Vec<FrameView<'_>> =
-        all.iter().filter_map(|m| m.frame.as_ref()).map(|frame| view(args, frame)).collect();
+    let views: Vec<FrameView<'_>> = frames.iter().map(|frame| view(args, frame)).collect();
     // The views are laid level already, and frames by the thousand are no turn.
     let tolerance = instrument.settings.tolerance.filter(|t| !t.criterion.needs_turn());
     let settings = MeasureSettings { vertical: false, turn: false, tolerance, ..instrument.settings.clone() };
@@ -311,20 +366,8 @@ fn bench(
     Ok(timing::benchmark(&instrument.gauge, level.stream()?, &views, count))
 }
 
-/// Tables of the frames, their budgets and the results over all of them.
-fn print(args: &MeasureArgs, document: &Value, frames: &[Measurement]) {
-    let Value::Object(keys) = document else { return };
-    print_table(keys.get("frames").and_then(Value::as_array).map_or(&[], Vec::as_slice), keys.get("bench"));
-    for frame in frames {
-        let Some(budget) = &frame.budget else { continue };
-        say_line!("\nbudget of the largest diameter of frame {}", frame.frame);
-        say!("{}", budget.to_table(args.judge.settings().coverage_factor));
-    }
-    print_series(keys);
-}
-
 /// Measures rings; files without a readable frame give a warning, or an error if none is left.
-fn rings(args: &MeasureArgs, instrument: &Instrument, paths: Vec<PathBuf>) -> CommandResult {
+fn rings(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandResult {
     if args.edges.is_some()
         || args.bench.is_some()
         || args.vertical
@@ -332,28 +375,39 @@ fn rings(args: &MeasureArgs, instrument: &Instrument, paths: Vec<PathBuf>) -> Co
     {
         return Err(Failure::refuse("--edges, --bench, --vertical and --esf belong to --shape shaft"));
     }
-    if let Some(name) = args.judge.needs_scale().or(args.choice.given()) {
+    if let Some(name) = args.judge.needs_scale().or(args.choice.given()).or(args.leaves.given()) {
         return Err(Failure::refuse(format!("{name} belongs to --shape shaft")));
     }
     let mut settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };
     settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
     let calibration = instrument.calibration.as_ref();
-    let mut source = Frames::new(paths, &args.frames, calibration, args.um_per_px);
-    let (mut frames, mut first_error) = (Vec::new(), None);
-    while let Some((stem, read)) = source.next_frame() {
-        let frame = read
-            .and_then(|frame| prepared(&stem, frame, calibration, args.vertical).map_err(|e| e.to_string()));
-        match frame {
-            Ok(frame) => frames.push((stem, frame)),
-            Err(error) => {
-                tracing::warn!("{error}");
-                first_error.get_or_insert(error);
+    let json = args.json.then(|| if input.is_stream() { ring::Json::lines() } else { ring::Json::whole() });
+    let opened = input.open(args.frames.channel(), decoding_threads(args))?;
+    let mut source = Frames::new(opened.frames, &args.frames, calibration, args.um_per_px);
+    let (mut first_error, mut readable) = (None, 0_usize);
+    let frames = std::iter::from_fn(|| {
+        while let Some((arrival, read)) = source.next_frame() {
+            let frame = read.and_then(|frame| {
+                prepared(&arrival.stem, frame, calibration, args.vertical).map_err(|e| e.to_string())
+            });
+            match frame {
+                Ok(frame) => {
+                    readable += 1;
+                    return Some((arrival, frame));
+                }
+                Err(error) => {
+                    tracing::warn!("{error}");
+                    first_error.get_or_insert(error);
+                }
             }
         }
-    }
+        None
+    });
+    let measured = ring::run(frames, &settings, calibration.map(|c| (c, &instrument.conditions)), json);
+    source.check_ended()?;
     match first_error {
-        Some(error) if frames.is_empty() => Err(Failure::fail(error)),
-        _ => ring::run(frames, &settings, calibration.map(|c| (c, &instrument.conditions)), args.json),
+        Some(error) if readable == 0 => Err(Failure::fail(error)),
+        _ => measured,
     }
 }
 

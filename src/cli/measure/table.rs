@@ -1,4 +1,4 @@
-//! The table of `measure`, one line per frame.
+//! The table of `measure`, one line a frame, as the frames come.
 
 use serde_json::Value;
 
@@ -7,9 +7,11 @@ use super::turn::turn_table;
 use super::words::{judged_by, stretch_text};
 use crate::gauge::stated::stated;
 
-pub(super) fn print_table(figures: &[Value], bench: Option<&Value>) {
+/// The names of the columns, with that of the average where frames are averaged.
+pub(super) fn print_header(averages: bool) {
+    let average = if averages { format!(" {:>12} {:>10}", "average mm", "u mm") } else { String::new() };
     say_line!(
-        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:>15} {:<28} flags",
+        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10}{average} {:>15} {:<28} flags",
         "frame",
         "columns",
         "valid",
@@ -19,35 +21,39 @@ pub(super) fn print_table(figures: &[Value], bench: Option<&Value>) {
         "over columns",
         "judged by"
     );
-    let of = |f: &Value, value: &str, u: &str| match (f[value].as_f64(), f[u].as_f64()) {
+}
+
+/// The row of a frame.
+pub(super) fn print_row(f: &Value, averages: bool) {
+    let of = |value: &str, u: &str| match (f[value].as_f64(), f[u].as_f64()) {
         (Some(value), Some(u)) => stated(value, u),
         _ => ["-", "-"].map(str::to_owned),
     };
-    for f in figures {
-        let [max_px, _] = of(f, "max_diameter_px", "u_max_px");
-        let [max_mm, u_mm] = of(f, "max_diameter_mm", "u_max_mm");
-        let flags = f["flags"].as_object().map_or_else(String::new, |flags| {
-            flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
-        });
-        say_line!(
-            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:>15} {:<28} {flags}",
-            f["frame"].as_str().unwrap_or(""),
-            f["columns"],
-            f["valid"],
-            max_px,
-            max_mm,
-            u_mm,
-            stretch_text(f),
-            judged_by(f),
-        );
-    }
-    if let Some(bench) = bench {
-        say_line!("bench: {bench}");
-    }
+    let [max_px, _] = of("max_diameter_px", "u_max_px");
+    let [max_mm, u_mm] = of("max_diameter_mm", "u_max_mm");
+    let [average_mm, u_average] = of("average_mm", "u_average_mm");
+    let average = if averages { format!(" {average_mm:>12} {u_average:>10}") } else { String::new() };
+    let flags = f["flags"].as_object().map_or_else(String::new, |flags| {
+        flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
+    });
+    say_line!(
+        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10}{average} {:>15} {:<28} {flags}",
+        f["frame"].as_str().unwrap_or(""),
+        f["columns"],
+        f["valid"],
+        max_px,
+        max_mm,
+        u_mm,
+        stretch_text(f),
+        judged_by(f),
+    );
 }
 
 /// The results over all frames.
-pub(super) fn print_series(out: &serde_json::Map<String, Value>) {
+pub(super) fn print_series(out: &serde_json::Map<String, Value>, bench: Option<&Value>) {
+    if let Some(bench) = bench {
+        say_line!("bench: {bench}");
+    }
     if let Some(statistics) = out.get("statistics").filter(|s| s["count"].as_u64() > Some(1)) {
         say_line!("{}", statistics_line(statistics));
     }

@@ -3,24 +3,59 @@
 use crate::cli::failure::Failure;
 use crate::measurement::{Measurement, Stream};
 
-/// Warns of refused frames; fails with the first one's reason where none could be measured.
-pub(super) fn report_refusals<'a>(frames: impl Iterator<Item = &'a Measurement>) -> Result<(), Failure> {
-    let (mut count, mut refusals) = (0, Vec::new());
-    for frame in frames {
-        count += 1;
-        refusals.extend(frame.refusal.as_ref().map(|refusal| refusal.why.as_str()));
+/// Warnings of the frames as they come, and how many of them could not be measured.
+#[derive(Debug, Default)]
+pub(super) struct FrameWarnings {
+    frames: usize,
+    refused: usize,
+    /// Why the first frame was refused, if it was.
+    first_refusal: Option<String>,
+    has_no_zone: bool,
+}
+
+impl FrameWarnings {
+    /// Counts a frame; whether one could be measured so far.
+    pub(super) fn count(&mut self, frame: &Measurement) -> bool {
+        self.frames += 1;
+        if let Some(refusal) = &frame.refusal {
+            self.refused += 1;
+            self.first_refusal.get_or_insert_with(|| refusal.why.clone());
+        }
+        self.refused < self.frames
     }
-    if refusals.len() == count {
-        let first = refusals.first().copied().unwrap_or("no frame");
-        return Err(match refusals.len() {
+
+    /// Warns of a frame; that no uncertainty proves conformity once.
+    pub(super) fn report(&mut self, frame: &Measurement) {
+        if let Some(refusal) = &frame.refusal {
+            tracing::warn!("{}", refusal.why);
+        }
+        for warning in &frame.warnings {
+            if warning.is_of_image() {
+                tracing::warn!("frame {}: {warning}", frame.frame);
+            } else {
+                tracing::warn!("frame {}: {warning}", frame.frame_id);
+            }
+        }
+        for jump in &frame.jumps {
+            tracing::warn!("frame {}: {jump}", frame.frame_id);
+        }
+        if let (Some(error), false) = (&frame.acceptance_zone, self.has_no_zone) {
+            tracing::warn!("{error}");
+            self.has_no_zone = true;
+        }
+    }
+
+    /// Fails with the first frame's reason where none could be measured.
+    pub(super) fn check_measured(&self) -> Result<(), Failure> {
+        if self.refused < self.frames {
+            return Ok(());
+        }
+        let first = self.first_refusal.as_deref().unwrap_or("no frame");
+        Err(match self.frames {
             0 | 1 => Failure::fail(first),
             n => Failure::fail(format!("none of {n} frames can be measured; the first: {first}")),
-        });
+        })
     }
-    for text in refusals {
-        tracing::warn!("{text}");
-    }
-    Ok(())
 }
 
 /// Warns where an edge-spread function could not be determined from the frame.
@@ -40,26 +75,5 @@ pub(super) fn report_uncalibrated(stream: &Stream) {
             "scale and edge offset are not calibrated: U does not hold their uncertainty, and what is judged with it is \
              only as good as they are; --calibration states both"
         );
-    }
-}
-
-/// The warnings of every frame in their order; that no uncertainty proves conformity once.
-pub(super) fn report_frames<'a>(frames: impl Iterator<Item = &'a Measurement>) {
-    let mut no_zone_told = false;
-    for frame in frames {
-        for warning in &frame.warnings {
-            if warning.is_of_image() {
-                tracing::warn!("frame {}: {warning}", frame.frame);
-            } else {
-                tracing::warn!("frame {}: {warning}", frame.frame_id);
-            }
-        }
-        for jump in &frame.jumps {
-            tracing::warn!("frame {}: {jump}", frame.frame_id);
-        }
-        if let (Some(error), false) = (&frame.acceptance_zone, no_zone_told) {
-            tracing::warn!("{error}");
-            no_zone_told = true;
-        }
     }
 }

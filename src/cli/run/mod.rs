@@ -22,7 +22,7 @@ use crate::run_folder::RunFolder;
 use self::finished::Finished;
 use self::recorder::{Recorded, Recorder};
 use crate::cli::failure::{CommandResult, Failure, folder_failure};
-use crate::cli::interrupt;
+use crate::cli::process::interrupt;
 
 /// Folder of the uncontrolled run below the controlled one.
 pub(crate) const REFERENCE_FOLDER: &str = "without_control";

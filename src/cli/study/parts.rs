@@ -127,8 +127,7 @@ fn write(folder: &StudyFolder, job: &Job, study: &PartsStudy) -> Result<(), Fail
         [(1, "After the first pass", "first_pass.svg"), (passes, "Finished parts", "last_pass.svg")]
     {
         let svg = errors(study, pass)?;
-        page.heading(title)
-            .figure(&svg, "Largest true error of every part; dots: without and with learning.");
+        page.heading(title).figure(&svg, "Largest true error of every part, without and with learning.");
         folder.write(name, svg.as_bytes())?;
     }
     page.heading("Individuals charts");
@@ -138,8 +137,9 @@ fn write(folder: &StudyFolder, job: &Job, study: &PartsStudy) -> Result<(), Fail
             &svg,
             &format!(
                 "{}: mean deviation of the finished part from its aim, as measured; dashed: centre and 3σ limits from the mean \
-                 moving range. Shaded: tolerance.",
-                way(s.learning)
+                 moving range.{}",
+                way(s.learning),
+                if job.part.tolerance.is_some() { " Shaded: tolerance." } else { "" }
             ),
         );
         let name = if s.learning { "individuals_learning.svg" } else { "individuals_alone.svg" };

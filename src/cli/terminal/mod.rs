@@ -1,6 +1,8 @@
-//! What a command shows on a terminal besides its output: its log on stderr, where a warning that
-//! repeats is written once (`log`), and how far it is (`progress`). Both share the terminal's
-//! lines.
+//! What a command writes: its results to stdout (`output`); on stderr its log, where a warning that
+//! repeats is written once (`log`), and how far it is (`progress`), which share the terminal's lines.
+
+#[macro_use]
+pub(super) mod output;
 
 pub(super) mod log;
-pub(crate) mod progress;
+pub(super) mod progress;

@@ -244,6 +244,7 @@ pub(crate) struct AxisAverager {
     /// What each burst of frames shows of a station.
     row: StationRow<Bursts<Sums>>,
     zero: AxisZero,
+    stands: bool,
 }
 
 /// What a station's middles show over the angles.
@@ -276,7 +277,13 @@ struct Fit {
 impl AxisAverager {
     /// Stations by their middles, ascending, and their common length.
     pub(crate) fn new(z_mm: Vec<f64>, station_mm: f64, zero: AxisZero) -> Self {
-        Self { row: StationRow::new(z_mm, station_mm), zero }
+        Self { row: StationRow::new(z_mm, station_mm), zero, stands: false }
+    }
+
+    /// For frames that are all taken at one place: what they show is summed up angle by angle, in
+    /// memory that does not grow with their number. The result is the same.
+    pub(crate) fn standing(self) -> Self {
+        Self { stands: true, ..self }
     }
 
     /// Adds a frame's columns.
@@ -301,7 +308,7 @@ impl AxisAverager {
         let half = 0.5 * self.row.station_mm();
         for (station, sums) in of_frame {
             let bursts = self.row.sums(station);
-            match sums.narrow {
+            match sums.narrow || self.stands {
                 true => bursts.join(angle, meta.z_mm, &sums),
                 false => bursts.add(angle, meta.z_mm, &sums, half),
             }

@@ -65,6 +65,7 @@ struct Sums {
 #[derive(Clone, Debug)]
 pub(crate) struct TurnAverager {
     row: StationRow<StationSums>,
+    stands: bool,
 }
 
 /// What is gathered of a station.
@@ -180,7 +181,13 @@ struct Section {
 impl TurnAverager {
     /// Stations by their middles, ascending, and their common length.
     pub(crate) fn new(z_mm: Vec<f64>, station_mm: f64) -> Self {
-        Self { row: StationRow::new(z_mm, station_mm) }
+        Self { row: StationRow::new(z_mm, station_mm), stands: false }
+    }
+
+    /// For frames that are all taken at one place: what they show is summed up angle by angle, in
+    /// memory that does not grow with their number. The result is the same.
+    pub(crate) fn standing(self) -> Self {
+        Self { stands: true, ..self }
     }
 
     /// Adds a frame's diameters.
@@ -203,7 +210,7 @@ impl TurnAverager {
         let half = 0.5 * self.row.station_mm();
         for (station, middles) in of_frame {
             let bursts = &mut self.row.sums(station).middles;
-            match diameters.columns.len() < StreamLimits::get().least_columns {
+            match diameters.columns.len() < StreamLimits::get().least_columns || self.stands {
                 true => bursts.join(angle, meta.z_mm, &middles),
                 false => bursts.add(angle, meta.z_mm, &middles, half),
             }

@@ -13,11 +13,10 @@
 //! it is taken off; a t of which only limits are known is in the uncertainty. What stands still
 //! towards the camera is not seen: it belongs to the conditions' `axis_y_mm` and its limits.
 
-use super::axis_line::{AxisLine, TurningOffset};
+use super::axis_line::{AxisLine, AxisStation, TurningOffset};
 use super::column_diameters::ColumnDiameters;
 use crate::frame::FrameMeta;
 use crate::gauge::calibration::gauge_calibration::Calibration;
-use crate::numerics::neighbours::neighbours;
 use crate::profile::{Diameter, DiameterProfile, Reading};
 
 /// The telecentricity error of a lens, 1/mm: positive where what comes closer looks smaller.
@@ -50,21 +49,44 @@ impl Telecentricity {
     }
 }
 
+/// What turns towards the camera, to be taken out of the diameters of a scan.
+#[derive(Clone, Debug)]
+pub(crate) struct DepthCorrection {
+    axis: AxisLine,
+    /// By station, the mean of y over the angles of the scan, mm.
+    mean_mm: Vec<f64>,
+    telecentricity: Telecentricity,
+}
+
+impl DepthCorrection {
+    /// By the axis of a scan with frames at these spindle angles.
+    pub(crate) fn new(axis: AxisLine, angle_deg: &[f64], telecentricity: Telecentricity) -> Self {
+        let mean = |s: &AxisStation| s.turning.map_or(0.0, |turning| mean_depth_mm(&turning, angle_deg));
+        Self { mean_mm: axis.stations.iter().map(mean).collect(), axis, telecentricity }
+    }
+
+    /// Takes y out of the diameters of a frame.
+    pub(crate) fn apply(&self, meta: &FrameMeta, diameters: &mut ColumnDiameters) {
+        for column in 0..diameters.columns.len() {
+            let Some(station) = nearest(&self.axis, diameters.z_mm(meta, column)) else { continue };
+            let Some(turning) = self.axis.stations[station].turning else { continue };
+            let Reading::Value(d) = &mut diameters.columns[column].reading else { continue };
+            let (_, y_mm) = turning.at(meta.angle_deg);
+            *d = self.telecentricity.applied(d, y_mm, self.mean_mm[station], turning.u_mm);
+        }
+    }
+}
+
 /// Takes y out of the diameters of every frame of a scan.
+#[cfg(test)]
 pub(crate) fn correct_frames(
     frames: &mut [(FrameMeta, ColumnDiameters)],
     axis: &AxisLine,
     telecentricity: Telecentricity,
 ) {
     let angles: Vec<f64> = frames.iter().map(|(meta, _)| meta.angle_deg).collect();
-    for (meta, diameters) in frames {
-        for column in 0..diameters.columns.len() {
-            let Some(turning) = nearest(axis, diameters.z_mm(meta, column)) else { continue };
-            let Reading::Value(d) = &mut diameters.columns[column].reading else { continue };
-            let (_, y_mm) = turning.at(meta.angle_deg);
-            *d = telecentricity.applied(d, y_mm, mean_depth_mm(&turning, &angles), turning.u_mm);
-        }
-    }
+    let correction = DepthCorrection::new(axis.clone(), &angles, telecentricity);
+    frames.iter_mut().for_each(|(meta, diameters)| correction.apply(meta, diameters));
 }
 
 /// Takes the mean of y over the angles of a scan out of its stations.
@@ -75,7 +97,8 @@ pub(crate) fn correct_profile(
     telecentricity: Telecentricity,
 ) {
     for station in &mut profile.stations {
-        let Some(turning) = nearest(axis, station.z_mm) else { continue };
+        let near = nearest(axis, station.z_mm);
+        let Some(turning) = near.and_then(|near| axis.stations[near].turning) else { continue };
         let Reading::Value(d) = &mut station.reading else { continue };
         let mean_mm = mean_depth_mm(&turning, angle_deg);
         *d = telecentricity.applied(d, mean_mm, mean_mm, turning.u_mm);
@@ -87,9 +110,10 @@ fn mean_depth_mm(turning: &TurningOffset, angle_deg: &[f64]) -> f64 {
     angle_deg.iter().map(|angle| turning.at(*angle).1).sum::<f64>() / angle_deg.len().max(1) as f64
 }
 
-/// What turns at the station nearest to z.
-fn nearest(axis: &AxisLine, z_mm: f64) -> Option<TurningOffset> {
-    let (before, after) = neighbours(&axis.stations, |s| s.z_mm < z_mm);
-    let near = before.into_iter().chain(after);
-    near.min_by(|a, b| (a.z_mm - z_mm).abs().total_cmp(&(b.z_mm - z_mm).abs()))?.turning
+/// The station nearest to z, by its place in the list.
+fn nearest(axis: &AxisLine, z_mm: f64) -> Option<usize> {
+    let after = axis.stations.partition_point(|s| s.z_mm < z_mm);
+    let near = after.checked_sub(1).into_iter().chain((after < axis.stations.len()).then_some(after));
+    let off = |index: &usize| (axis.stations[*index].z_mm - z_mm).abs();
+    near.min_by(|a, b| off(a).total_cmp(&off(b)))
 }

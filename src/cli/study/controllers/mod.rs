@@ -18,7 +18,7 @@ use crate::config;
 use crate::control::ControllerName;
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
-use crate::report::plot::{Chart, Mark, Series};
+use crate::report::plot::{Chart, Mark, Series, bars};
 use crate::studies::controllers::{self, Contestant, ControllerStudy};
 
 const CONFIG: &str = include_str!("../../../../configs/controllers.toml");
@@ -134,11 +134,9 @@ fn error_chart(study: &ControllerStudy) -> Chart {
         };
         series.push(Series::new(c.controller.clone(), Mark::LineDots, i, line(|p| p.mean_mm)));
         let half = |p: &controllers::PassSummary| p.interval_mm.unwrap_or(0.0);
-        for p in &c.passes {
-            let x = f64::from(p.pass);
-            let ends = vec![(x, (p.mean_mm - half(p)) * 1e3), (x, (p.mean_mm + half(p)) * 1e3)];
-            series.push(Series::new("", Mark::Line, i, ends));
-        }
+        let intervals = c.passes.iter().filter(|p| p.interval_mm.is_some());
+        let ends = bars(intervals.map(|p| (f64::from(p.pass), p.mean_mm * 1e3, half(p) * 1e3)));
+        series.push(Series::new("", Mark::Bars, i, ends));
     }
     Chart {
         x_label: "pass".to_owned(),

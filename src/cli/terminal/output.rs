@@ -6,7 +6,7 @@ use std::fmt::Arguments;
 use std::io::{Error, ErrorKind, Write as _, stdout};
 use std::sync::OnceLock;
 
-use super::failure::Failure;
+use crate::cli::failure::Failure;
 
 static FIRST_ERROR: OnceLock<Error> = OnceLock::new();
 
@@ -22,6 +22,11 @@ fn keep(result: Result<(), Error>) {
         // Only the first one is reported.
         let _ = FIRST_ERROR.set(error);
     }
+}
+
+/// Whether nothing more can be written: then a stream need not be measured on.
+pub(crate) fn has_failed() -> bool {
+    FIRST_ERROR.get().is_some()
 }
 
 /// Reports a failed write. A closed pipe (`… | head -1`) is not a failure.
@@ -42,7 +47,7 @@ pub(crate) fn finish() -> Result<(), Failure> {
 
 /// As `print!`, without its panic.
 macro_rules! say {
-    ($($text:tt)*) => { $crate::cli::output::write(::std::format_args!($($text)*)) };
+    ($($text:tt)*) => { $crate::cli::terminal::output::write(::std::format_args!($($text)*)) };
 }
 
 /// As `println!`, without its panic.

@@ -1,6 +1,8 @@
-//! Workarounds for graphics drivers: their messages on stderr, and crashes at the end of the
-//! process.
+//! The process: workarounds for graphics drivers (their messages on stderr, crashes at the end of
+//! the process), and Ctrl-C (`interrupt`).
 #![expect(unsafe_code, reason = "two calls of the C library that the standard library has no safe form of")]
+
+pub(super) mod interrupt;
 
 use std::io::Write as _;
 use std::path::Path;

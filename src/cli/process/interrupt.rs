@@ -5,14 +5,14 @@
 
 use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, Once, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, Once, PoisonError};
 
-use super::process::end_at_once;
+use super::end_at_once;
 
 /// Exit code of a command that is interrupted: a shell's, 128 + SIGINT.
 const INTERRUPTED: u8 = 130;
 
-static REQUESTED: AtomicBool = AtomicBool::new(false);
+static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 static WORDS: Mutex<Option<String>> = Mutex::new(None);
 static INSTALLED: Once = Once::new();
 
@@ -22,12 +22,11 @@ pub(crate) fn end_with(words: String) {
     install();
 }
 
-/// Whether Ctrl-C was pressed. From the first call on the command that asks ends by itself; a
+/// What becomes true at Ctrl-C. From the first call on the command that asks ends by itself; a
 /// second Ctrl-C ends it at once.
-#[allow(dead_code, reason = "for commands that end a stream themselves")]
-pub(crate) fn requested() -> bool {
+pub(crate) fn requested() -> Arc<AtomicBool> {
     install();
-    REQUESTED.load(Ordering::Relaxed)
+    Arc::clone(&REQUESTED)
 }
 
 fn install() {

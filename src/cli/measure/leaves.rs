@@ -1,0 +1,171 @@
+//! What leaves `measure` beside its table: `--csv` and `--report`.
+//!
+//! In: every frame as it is measured, then the series. Out: both files, each whole or not at all.
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use super::csv_file::DiameterRows;
+use super::edges_file::claim_output;
+use crate::cli::failure::Failure;
+use crate::files::{OpenOutput, OutputFile};
+use crate::frame::Frame;
+use crate::gauge::Calibration;
+use crate::gauge::calibration::{Conditions, Date};
+use crate::measurement::{MeasureSettings, Series, Stream};
+use crate::report::measure_report::{MeasureReport, MeasureSetup};
+
+/// Files for people and for other programs.
+#[derive(Debug, clap::Args)]
+pub(crate) struct LeavesArgs {
+    /// Writes the diameters in mm with U and judgement to this CSV file: a row a frame, and with
+    /// --station-mm a row a station; `-` is stdout, in place of the table.
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Writes a report to this HTML file: verdict, values with U and limits, what was refused and
+    /// why, calibration, budget; it needs nothing beside it and prints on A4.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+}
+
+impl LeavesArgs {
+    /// The first option given, if any.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        [(self.csv.is_some(), "--csv"), (self.report.is_some(), "--report")]
+            .into_iter()
+            .find_map(|(given, name)| given.then_some(name))
+    }
+
+    /// Whether a report is asked for, which shows a budget.
+    pub(super) fn has_report(&self) -> bool {
+        self.report.is_some()
+    }
+}
+
+/// The files that no output may be, and whether stdout takes a document already.
+#[derive(Clone, Debug)]
+pub(super) struct Inputs<'a> {
+    /// The inputs as they were named.
+    pub(super) named: &'a [PathBuf],
+    /// The images of all of them.
+    pub(super) images: &'a [PathBuf],
+    /// Files read beside the frames.
+    pub(super) others: Vec<PathBuf>,
+    /// Whether `--json` goes to stdout.
+    pub(super) json: bool,
+    /// Whether frames come one by one, so that each row is given on at once.
+    pub(super) is_stream: bool,
+}
+
+/// With what the frames are measured.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MeasuredBy<'a> {
+    pub(super) calibration: Option<&'a Calibration>,
+    pub(super) conditions: &'a Conditions,
+    pub(super) settings: &'a MeasureSettings,
+    /// Whether the budgets that the report needs were asked for by themselves too.
+    pub(super) shows_budgets: bool,
+}
+
+/// Both files while frames are measured.
+#[derive(Debug)]
+pub(super) struct Leaves {
+    csv: Option<DiameterRows<OpenOutput>>,
+    report: Option<(OutputFile, MeasureReport)>,
+    is_stdout: bool,
+    is_stream: bool,
+    shows_budgets: bool,
+}
+
+impl Leaves {
+    /// Claims the files before anything is measured.
+    ///
+    /// # Errors
+    /// Exit 2 for a file that is an input, stdout twice, diameters without a scale; 3 for one that
+    /// cannot be written.
+    pub(super) fn begin(
+        args: &LeavesArgs,
+        inputs: &Inputs<'_>,
+        by: &MeasuredBy<'_>,
+    ) -> Result<Self, Failure> {
+        let calibration = match (args.given(), by.calibration) {
+            (Some(name), None) => {
+                return Err(Failure::refuse(format!(
+                    "{name} needs millimetres: give --calibration or --um-per-px"
+                )));
+            }
+            (_, calibration) => calibration,
+        };
+        let claim = |name: &str, path: &Path| {
+            claim_output(name, path, inputs.images, inputs.others.clone(), inputs.json)
+        };
+        let csv = args.csv.as_ref().map(|path| claim("--csv", path)).transpose()?;
+        let report = args.report.as_ref().map(|path| claim("--report", path)).transpose()?;
+        let named: Vec<String> = inputs.named.iter().map(|path| path.display().to_string()).collect();
+        let page = calibration.map(|calibration| {
+            MeasureReport::begin(&MeasureSetup {
+                inputs: &named,
+                date: Date::of(SystemTime::now()),
+                calibration,
+                conditions: by.conditions,
+                settings: by.settings,
+            })
+        });
+        let is_stdout = csv.iter().chain(&report).any(OutputFile::is_stdout);
+        let begin = |file: OutputFile| {
+            DiameterRows::begin(file.begin()?, by.settings.factor_of_means()).map_err(Failure::fail)
+        };
+        Ok(Self {
+            csv: csv.map(begin).transpose()?,
+            report: report.zip(page),
+            is_stdout,
+            is_stream: inputs.is_stream,
+            shows_budgets: by.shows_budgets,
+        })
+    }
+
+    /// Whether one of them is stdout, which then has no table.
+    pub(super) fn is_stdout(&self) -> bool {
+        self.is_stdout
+    }
+
+    /// Adds the frame that the stream measured last; a budget that the report alone needs is taken
+    /// out of it.
+    ///
+    /// # Errors
+    /// Exit 3 for a row that CSV cannot represent.
+    pub(super) fn add(&mut self, stream: &mut Stream, frame: Option<&Frame>) -> Result<(), Failure> {
+        if let Some(rows) = &mut self.csv {
+            rows.add(stream.measurement()).map_err(Failure::fail)?;
+            if self.is_stream {
+                rows.flush().map_err(Failure::fail)?;
+            }
+        }
+        if let Some((_, report)) = &mut self.report {
+            report.add(stream.measurement(), frame);
+        }
+        if !self.shows_budgets {
+            stream.leave_out_budget();
+        }
+        Ok(())
+    }
+
+    /// Writes both.
+    ///
+    /// # Errors
+    /// Exit 3 where a chart cannot be drawn, or the disk or the permissions refuse.
+    pub(super) fn finish(self, series: &Series) -> Result<(), Failure> {
+        // The page is made before either file appears.
+        let page = self
+            .report
+            .map(|(file, report)| Ok::<_, Failure>((file, report.finish(series).map_err(Failure::fail)?)));
+        let page = page.transpose()?;
+        if let Some(rows) = self.csv {
+            rows.finish().map_err(Failure::fail)?.finish()?;
+        }
+        if let Some((file, html)) = page {
+            file.write(html.as_bytes())?;
+        }
+        Ok(())
+    }
+}
