@@ -95,7 +95,7 @@ enum Shown {
 /// What is to be done with the first file of the queue.
 enum Found {
     /// Its first frame.
-    Frame((Arrival, Result<Undecoded, ReadError>)),
+    Frame(Box<(Arrival, Result<Undecoded, ReadError>)>),
     /// It may be written still.
     Unfinished,
     /// It was taken away.
@@ -175,13 +175,14 @@ impl Follow {
         self.frames.turn_to(path.to_owned());
         let Some((arrival, frame)) = self.frames.next_undecoded() else { return Found::Gone };
         match self.shown(&frame) {
-            Shown::All => Found::Frame((arrival, frame)),
+            Shown::All => Found::Frame(Box::new((arrival, frame))),
             // Some decoders fill up what is missing.
             Shown::Part if is_last => {
                 let cause = damaged("the file ends within it and is not written any more");
-                Found::Frame((arrival, Err(ReadError::Decode { path: path.display().to_string(), cause })))
+                let path = path.display().to_string();
+                Found::Frame(Box::new((arrival, Err(ReadError::Decode { path, cause }))))
             }
-            Shown::Unknown if is_last => Found::Frame((arrival, frame)),
+            Shown::Unknown if is_last => Found::Frame(Box::new((arrival, frame))),
             _ => {
                 self.frames.take_back(given);
                 Found::Unfinished
@@ -225,7 +226,7 @@ impl Follow {
                 Found::Gone => self.leave_first(),
                 Found::Frame(frame) => {
                     self.leave_first();
-                    return Some(frame);
+                    return Some(*frame);
                 }
             }
         }
