@@ -273,7 +273,7 @@ const LOOPS: [&[(&str, &str)]; 8] = [
     ],
     // a macro by its bare name
     &[
-        ("src/cli/output.rs", "use super::failure::Failure; macro_rules! say { () => {} }"),
+        ("src/cli/process/mod.rs", "use super::failure::Failure; macro_rules! say { () => {} }"),
         ("src/cli/failure.rs", "pub struct Failure; fn f() { say!() }"),
     ],
 ];

@@ -48,8 +48,8 @@ impl Part {
 }
 
 impl LoopJob {
-    /// Checks the part, the camera's field and the scan. A contour has diameters of its own: whether
-    /// they fit is checked frame by frame.
+    /// Checks the part, the camera's field and the scan. A contour has diameters of its own:
+    /// whether they fit is checked frame by frame.
     fn check_drawn(&self, has_contour: bool) -> Result<(), SettingError> {
         self.part.check_drawn()?;
         self.field.check()?;

@@ -55,6 +55,8 @@ const EXAMPLES: &[Examples] = &[
         "measure",
         &[
             "shadowgauge measure frame.png --um-per-px 17.4",
+            "shadowgauge measure frames --um-per-px 17.4 --tolerance \"25 h6\" --csv diameters.csv --report report.html",
+            "shadowgauge measure --follow incoming --um-per-px 17.4 --idle-s 60",
             "shadowgauge measure out/frames/frames --um-per-px file --edges edges.csv",
             "shadowgauge measure frames --calibration bench.json --tolerance \"25 h6\" --json",
             "shadowgauge measure washer.png --um-per-px 20 --shape ring",
