@@ -1,5 +1,5 @@
-//! `measure` on streams, from outside: frames come out as they go in, each once, in memory that does
-//! not grow with their number.
+//! `measure` on streams, from outside: frames come out as they go in, each once, in memory that
+//! does not grow with their number.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::io::{BufRead as _, BufReader, Cursor, Write as _};

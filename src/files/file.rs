@@ -121,7 +121,8 @@ impl OutputFile {
     }
 }
 
-/// An output that is being written. Dropped before it is finished, it leaves the old file as it was.
+/// An output that is being written. Dropped before it is finished, it leaves the old file as it
+/// was.
 #[derive(Debug)]
 pub(crate) struct OpenOutput {
     named: PathBuf,

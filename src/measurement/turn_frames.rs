@@ -4,8 +4,8 @@
 //! frame is there: its columns are kept until then. A camera that stands shows it in every frame:
 //! after [`KEPT`] frames at one place the columns of these are summed up by section and spindle
 //! angle, those of every further frame at once, and the memory does not grow any more. The sums are
-//! those that the kept columns would give, but for one thing: what turns towards the camera is taken
-//! off by the axis of the kept frames, some revolutions, not by that of all.
+//! those that the kept columns would give, but for one thing: what turns towards the camera is
+//! taken off by the axis of the kept frames, some revolutions, not by that of all.
 
 use super::error::MeasureError;
 use crate::frame::FrameMeta;

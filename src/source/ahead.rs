@@ -1,8 +1,8 @@
 //! Frames decoded ahead on other threads, in the order of their source and in bounded memory.
 //!
-//! One thread reads the source, some decode, and whoever calls [`Ahead::next_frame`] gets the frames
-//! in their order. A place in the queue is taken before a frame is decoded: as many frames as there
-//! are places are held at once, whatever the source delivers.
+//! One thread reads the source, some decode, and whoever calls [`Ahead::next_frame`] gets the
+//! frames in their order. A place in the queue is taken before a frame is decoded: as many frames
+//! as there are places are held at once, whatever the source delivers.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};

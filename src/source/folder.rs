@@ -177,7 +177,8 @@ impl FileFrames {
         (self.paths, self.next, self.open) = (vec![path], 0, None);
     }
 
-    /// As if no more than so many frames had been given: the open file is left, to be looked at again.
+    /// As if no more than so many frames had been given: the open file is left, to be looked at
+    /// again.
     pub(super) fn take_back(&mut self, given: u64) {
         (self.given, self.open) = (given, None);
     }

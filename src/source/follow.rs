@@ -1,10 +1,11 @@
 //! A folder that a camera drops images into: each image once, as soon as it is whole.
 //!
-//! The folder is listed again and again. New names are taken in their natural order; one whose image
-//! is not whole yet holds back those after it, as frames of a series have an order. A PNG, BMP or
-//! JPEG is whole once its own end is there. Other formats state none: they are whole once two looks
-//! found the same file and its last page can be decoded. Where a `frames.csv` lies beside the images,
-//! its row is part of a frame. What stays unfinished is given as it is, to be refused by its error.
+//! The folder is listed again and again. New names are taken in their natural order; one whose
+//! image is not whole yet holds back those after it, as frames of a series have an order. A PNG,
+//! BMP or JPEG is whole once its own end is there. Other formats state none: they are whole once
+//! two looks found the same file and its last page can be decoded. Where a `frames.csv` lies beside
+//! the images, its row is part of a frame. What stays unfinished is given as it is, to be refused
+//! by its error.
 //!
 //! A folder of a network drive sends no notices to whom it is mounted; looking works anywhere.
 

@@ -1,9 +1,10 @@
-//! A stream of bytes into the images in it, one after another, by what each format states of its own
-//! length. Nothing is read beyond the end of an image, so that it is given as soon as it is whole.
+//! A stream of bytes into the images in it, one after another, by what each format states of its
+//! own length. Nothing is read beyond the end of an image, so that it is given as soon as it is
+//! whole.
 //!
-//! PNG: chunks up to `IEND` (PNG, third edition, 5.3). Raw PNM: header and samples (Netpbm). BMP: the
-//! size in its header. JPEG: segments, and entropy-coded data up to the next marker, to `EOI` (T.81
-//! B.1). TIFF states nothing of the kind, nor do plain PNM.
+//! PNG: chunks up to `IEND` (PNG, third edition, 5.3). Raw PNM: header and samples (Netpbm). BMP:
+//! the size in its header. JPEG: segments, and entropy-coded data up to the next marker, to `EOI`
+//! (T.81 B.1). TIFF states nothing of the kind, nor do plain PNM.
 
 use std::io::{self, BufRead, Read as _};
 

@@ -76,8 +76,8 @@ impl Lines {
     }
 }
 
-/// The line of a frame. Files and images on a pipe do not show whether frames were lost before them,
-/// and one that is not whole is no frame.
+/// The line of a frame. Files and images on a pipe do not show whether frames were lost before
+/// them, and one that is not whole is no frame.
 fn line(mut frame: Value, arrival: &Arrival, sequence: u64) -> Value {
     if let Value::Object(keys) = &mut frame {
         keys.insert("sequence".to_owned(), sequence.into());

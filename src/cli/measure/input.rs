@@ -22,8 +22,8 @@ pub(crate) struct InputArgs {
     /// and its kin, BMP, JPEG).
     #[arg(required_unless_present = "follow", conflicts_with = "follow")]
     input: Vec<PathBuf>,
-    /// Folder that a camera drops images into: each is measured once, as soon as it is whole. Ends on
-    /// Ctrl-C or by --idle-s.
+    /// Folder that a camera drops images into: each is measured once, as soon as it is whole. Ends
+    /// on Ctrl-C or by --idle-s.
     #[arg(long, value_name = "DIR")]
     follow: Option<PathBuf>,
     /// Ends --follow after S seconds without a new image.

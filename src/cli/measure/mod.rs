@@ -1,9 +1,9 @@
 //! `shadowgauge measure`: edges and diameters of frames in files.
 //!
 //! In: frames (`frames`) of files, a folder that is followed or stdin (`input`), a calibration and
-//! conditions, an edge-spread function (`esf_argument`). Out, as the frames come (`results`): a table
-//! (`table`, `statistics`, `turn`, `words`) or JSON (`document`), edges as CSV (`edges_file`);
-//! times (`timing`). This file turns arguments into settings and frames into a
+//! conditions, an edge-spread function (`esf_argument`). Out, as the frames come (`results`): a
+//! table (`table`, `statistics`, `turn`, `words`) or JSON (`document`), edges as CSV
+//! (`edges_file`); times (`timing`). This file turns arguments into settings and frames into a
 //! [`Stream`](crate::measurement::Stream); what is measured is in
 //! [`measurement`](crate::measurement), where a new result goes too.
 
