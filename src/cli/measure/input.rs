@@ -27,7 +27,7 @@ pub(crate) struct InputArgs {
     #[arg(long, value_name = "DIR")]
     follow: Option<PathBuf>,
     /// Ends --follow after S seconds without a new image.
-    #[arg(long, value_name = "S", requires = "follow", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds)]
     idle_s: Option<Duration>,
 }
 
@@ -70,6 +70,10 @@ impl Input {
     pub(crate) fn of(args: &InputArgs) -> Result<Self, Failure> {
         if let Some(folder) = &args.follow {
             return Ok(Self::Folder(folder.clone(), args.idle_s));
+        }
+        // Clap leaves the requirement out, because --follow excludes the inputs that are there.
+        if args.idle_s.is_some() {
+            return Err(Failure::refuse("--idle-s ends --follow DIR: give the folder by --follow"));
         }
         if !args.input.iter().any(|path| path == Path::new("-")) {
             return paths(&args.input).map(Self::Files);
