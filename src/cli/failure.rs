@@ -3,8 +3,8 @@
 use crate::files::OutputError;
 use crate::run_folder::RunFolderError;
 
-/// Exit codes and what each means; a command that is interrupted ends with the shell's 130, a stream
-/// with 0 or 1.
+/// Exit codes and what each means; a command that is interrupted ends with the shell's 130, a
+/// stream with 0 or 1.
 pub(crate) const EXIT_CODES: [(u8, &str); 4] = [
     (0, "done; where a tolerance is given, proven in tolerance"),
     (

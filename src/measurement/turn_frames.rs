@@ -267,8 +267,11 @@ mod tests {
             let noise = 1e-5 * ((index * 31 + c * 17) % 13) as f64;
             let d_mm = 20.0 + 1e-3 * along + 4e-3 * (2.0 * phi).cos() + noise;
             let value = Diameter { d_mm, u_random_mm: 1e-4, u_common_mm: 1e-3 + 1e-6 * along };
-            let reading =
-                if (c + index) % 29 == 0 { Reading::Gap(Reason::Residual) } else { Reading::Value(value) };
+            let reading = if (c + index).is_multiple_of(29) {
+                Reading::Gap(Reason::Residual)
+            } else {
+                Reading::Value(value)
+            };
             let middle_mm = 3.0 + 5e-3 * phi.cos() + 0.3 * noise;
             ColumnDiameter { reading, shared_mm: 2e-5, width_px: 200.0, middle_mm, u_middle_common_mm: 1e-4 }
         };

@@ -114,12 +114,12 @@ impl Fit {
             variance += points.sd[i] * points.sd[i];
         }
         let variance = variance / sums[0];
-        Some(Self::of_sums(Sums { middle, half, origin, sums, products, variance }))
+        Some(Self::of_sums(&Sums { middle, half, origin, sums, products, variance }))
     }
 
     /// The fit that has these sums.
-    pub(super) fn of_sums(of: Sums) -> Self {
-        let Sums { middle, half, origin, sums, products, variance } = of;
+    pub(super) fn of_sums(of: &Sums) -> Self {
+        let Sums { middle, half, origin, sums, products, variance } = *of;
         let n = sums[0];
         let line = (products[0] / n, 0.0);
         let mut fit = Self { n, middle, half, origin, sums, products, variance, line, parabola: None };

@@ -94,6 +94,9 @@ pub(crate) struct Largest {
     pub(crate) columns: (usize, usize),
 }
 
+/// Rounding of a mean by running sums, px: far below any uncertainty, far above 10⁻¹⁰ of a value.
+const ROUNDING: f64 = 1e-6;
+
 /// Whether a line ends at a point towards lower and towards higher columns.
 type Ends = (bool, bool);
 
@@ -182,6 +185,12 @@ impl Line {
             for from in (0..n - width).step_by(step).chain([n - width]) {
                 let (from, to) = (range.start + from, range.start + from + width);
                 if self.x[to - 1] - self.x[from] > width as f64 + limits.bridge_px {
+                    continue;
+                }
+                // A narrow stretch inside the line is represented by its mean alone.
+                let inside = width < limits.least_of_parabola && !(ends[from].0 || ends[to - 1].1);
+                let least_score = best.map_or(f64::NEG_INFINITY, |b| b.score);
+                if inside && sums.mean_bound(from, to, lambda) < least_score - ROUNDING {
                     continue;
                 }
                 let indices = (from + (from + parity) % 2..to).step_by(2);

@@ -43,6 +43,18 @@ impl<'a> RunningSums<'a> {
         Self { points, parity, first, middle, origin, sums, finite }
     }
 
+    /// Mean of the points of that parity in `from..to` less `lambda` of its standard uncertainties
+    /// by noise; infinite without any, or where a value is no number: then nothing is known.
+    pub(super) fn mean_bound(&self, from: usize, to: usize, lambda: f64) -> f64 {
+        let first = from + (from + self.parity) % 2;
+        if !self.finite || first >= to {
+            return f64::INFINITY;
+        }
+        let (at, count) = ((first - self.first) / 2, (to - first).div_ceil(2));
+        let ((v0, .., variance0), (v, .., variance)) = (self.sums[at], self.sums[at + count]);
+        self.origin + (v - v0 - lambda * (variance - variance0).max(0.0).sqrt()) / count as f64
+    }
+
     /// The fit to the points of that parity in `from..to`; `None` without any.
     pub(super) fn fit(&self, from: usize, to: usize) -> Option<Fit> {
         let first = from + (from + self.parity) % 2;
@@ -58,7 +70,7 @@ impl<'a> RunningSums<'a> {
         let (half, m) = ((0.5 * (high - low)).max(0.5), 0.5 * (low + high) - self.middle);
         let products = [v, (xv - m * v) / half, (xxv - m * (2.0 * xv - m * v)) / (half * half)];
         let n = count as f64;
-        Some(Fit::of_sums(Sums {
+        Some(Fit::of_sums(&Sums {
             middle: 0.5 * (low + high),
             half,
             origin: self.origin,
@@ -106,8 +118,11 @@ mod tests {
                     let (found, right) = (sums.fit(from, to), Fit::new(&points, indices));
                     let (Some(found), Some(right)) = (&found, &right) else {
                         assert!(found.is_none() && right.is_none(), "{parity} {width} {from}");
+                        assert!(sums.mean_bound(from, to, 1.0) == f64::INFINITY);
                         continue;
                     };
+                    let mean = sums.mean_bound(from, to, 1.5) - right.bound(Order::Mean, x[from], 1.5);
+                    assert!(mean.abs() < 1e-6, "{parity} {width} {from}: {mean}");
                     for order in [Order::Mean, Order::Line, Order::Parabola] {
                         for (share, lambda) in [(0.0, 0.0), (0.5, 2.0), (1.0, 3.0)] {
                             let at = x[from] + share * (x[to - 1] - x[from]);
