@@ -39,7 +39,7 @@ pub struct ScatterTest {
     pub freedom: f64,
     /// Quantile of χ² at the false-alarm probability, for readings that scatter as their u implies.
     pub chi2_limit: f64,
-    /// [`FALSE_ALARM_PROBABILITY`].
+    /// Probability that readings which scatter as their u implies exceed the limit: 10⁻³.
     pub false_alarm_probability: f64,
     /// Whether χ² lies beyond the limit.
     pub beyond_u: bool,
