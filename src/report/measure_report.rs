@@ -111,8 +111,11 @@ impl MeasureReport {
         if rows.iter().any(|row| row.largest.is_some()) {
             let svg = diameter_chart(rows, self.limits_mm).to_svg().map_err(ReportError::Draw)?;
             let refused = self.frames.refused_count();
-            let gaps =
-                if refused > 0 { format!(" {refused} refused frames have no value.") } else { String::new() };
+            let gaps = match refused {
+                0 => String::new(),
+                1 => " One refused frame has no value.".to_owned(),
+                _ => format!(" {refused} refused frames have no value."),
+            };
             page.figure(
                 &svg,
                 &format!("Largest diameter of every frame with its expanded uncertainty U.{gaps}"),
