@@ -2,8 +2,8 @@
 //! with U and limits, what was refused and why, the budget, the series.
 //!
 //! In: a [`MeasureSetup`], then frame by frame ([`MeasureReport::add`]), then the series. Out: one
-//! page ([`MeasureReport::finish`]). It keeps numbers (`measured_frames`), so that a series may be
-//! long.
+//! page ([`MeasureReport::finish`]). It keeps what it shows (`measured_frames`), so that a series
+//! may be of any length.
 
 use std::collections::BTreeSet;
 
@@ -11,19 +11,17 @@ use super::budget_words::{BUDGET_HEADER, budget_rows, budget_words};
 use super::error::ReportError;
 use super::html::{Page, Tone};
 use super::measured_charts::{diameter_chart, station_chart};
-use super::measured_frames::{FrameRow, MOST_PICTURES, MeasuredFrames, StationRow, Value};
+use super::measured_frames::{FrameRow, MOST_PICTURES, MOST_ROWS, MeasuredFrames, StationRow};
 use super::measured_series::{statistics, turn};
 pub(crate) use super::measured_setup::MeasureSetup;
 use super::measured_setup::{facts, is_uncalibrated, plain};
+use super::measured_values::Value;
 use super::reason_words::reason_words;
 use crate::conformity::Judgement;
 use crate::frame::Frame;
 use crate::gauge::stated::{decimals, rounded, stated};
 use crate::measurement::{Deciding, Judged, Measurement, Series, Verdict};
 use crate::profile::{Reading, Reason};
-
-/// Most rows of the table of frames and of that of stations: some ten pages of A4.
-const MOST_ROWS: usize = 400;
 
 /// A report under construction.
 #[derive(Clone, Debug)]
@@ -81,7 +79,7 @@ impl MeasureReport {
     }
 
     fn count_words(&self) -> String {
-        let (all, refused) = (self.frames.rows.len(), self.frames.refused_count());
+        let (all, refused) = (self.frames.count, self.frames.refused_count);
         format!("{all}, of which {refused} refused")
     }
 
@@ -106,11 +104,11 @@ impl MeasureReport {
 
     /// The chart and the table of the frames.
     fn values(&self, page: &mut Page) -> Result<(), ReportError> {
-        let rows = &self.frames.rows;
         page.heading("Frames");
-        if rows.iter().any(|row| row.largest.is_some()) {
-            let svg = diameter_chart(rows, self.limits_mm).to_svg().map_err(ReportError::Draw)?;
-            let refused = self.frames.refused_count();
+        if !self.frames.values.is_empty() {
+            let chart = diameter_chart(&self.frames.values, self.limits_mm);
+            let svg = chart.to_svg().map_err(ReportError::Draw)?;
+            let refused = self.frames.refused_count;
             let gaps = match refused {
                 0 => String::new(),
                 1 => " One refused frame has no value.".to_owned(),
@@ -121,13 +119,13 @@ impl MeasureReport {
                 &format!("Largest diameter of every frame with its expanded uncertainty U.{gaps}"),
             );
         }
-        let shown = shown(rows);
+        let shown = self.frames.shown();
         page.filled_columns(&FRAME_HEADER, &frame_rows(&shown));
-        if shown.len() < rows.len() {
+        if shown.len() < self.frames.count {
             page.text(&format!(
                 "{} of {} frames: first those that are not good or were refused. Every frame stands in the file of --csv.",
                 shown.len(),
-                rows.len()
+                self.frames.count
             ));
         }
         self.legend(page);
@@ -136,10 +134,8 @@ impl MeasureReport {
 
     /// Words that stand in the table: judgements, reasons, coverage factors.
     fn legend(&self, page: &mut Page) {
-        let rows = &self.frames.rows;
-        let factors = rows.iter().filter_map(|row| row.k);
-        let (low, high) = factors.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), k| (l.min(k), h.max(k)));
-        if low <= high {
+        let seen = &self.frames.words;
+        if let Some((low, high)) = seen.factors {
             let largest =
                 if high - low < 0.005 { format!("{low:.2}") } else { format!("{low:.2} to {high:.2}") };
             page.text(&format!(
@@ -149,24 +145,22 @@ impl MeasureReport {
         }
         let judged = |judgement: &Judgement| {
             let is = Verdict::Is(*judgement);
-            rows.iter().any(|row| row.verdict == is)
-                || self.frames.stations.iter().any(|s| station_verdict(s) == is)
+            seen.has(is) || self.frames.stations.iter().any(|s| station_verdict(s) == is)
         };
         let mut words: Vec<Vec<String>> = Judgement::ALL
             .iter()
             .filter(|judgement| judged(judgement))
             .map(|judgement| vec![judgement.as_str().to_owned(), judgement.meaning().to_owned()])
             .collect();
-        if rows.iter().any(|row| row.verdict == Verdict::NotProven) {
+        if seen.has(Verdict::NotProven) {
             words.push(
                 ["not proven", "a size was not measured, or may be another part's"]
                     .map(str::to_owned)
                     .to_vec(),
             );
         }
-        let flags = rows.iter().flat_map(|row| row.flags.iter().map(|(reason, _)| reason));
-        let reasons: BTreeSet<Reason> =
-            flags.chain(self.frames.stations.iter().filter_map(station_gap)).collect();
+        let mut reasons: BTreeSet<Reason> = seen.reasons.clone();
+        reasons.extend(self.frames.stations.iter().filter_map(station_gap));
         words.extend(
             reasons
                 .into_iter()
@@ -193,7 +187,7 @@ impl MeasureReport {
         let rows: Vec<Vec<String>> = shown
             .iter()
             .map(|s| {
-                let frame = self.frames.rows.get(s.frame).map_or("", |row| row.frame.as_str());
+                let frame = self.frames.station_frames.get(s.frame).map_or("", String::as_str);
                 let value = s.station.reading.value().map(|d| Value::of(d, self.k));
                 let [d, u] = places.cells(value);
                 let gap = station_gap(s).map_or_else(String::new, |reason| reason.as_str().to_owned());
@@ -210,7 +204,7 @@ impl MeasureReport {
     }
 
     fn refused(&self, page: &mut Page) {
-        let count = self.frames.refused_count();
+        let count = self.frames.refused_count;
         if count == 0 {
             return;
         }
@@ -272,16 +266,6 @@ const FRAME_HEADER: [&str; 12] = [
     "columns measured",
     "flags and remarks",
 ];
-
-/// The rows that are shown: all, or of many those that are not good, then the first good ones.
-fn shown(rows: &[FrameRow]) -> Vec<&FrameRow> {
-    if rows.len() <= MOST_ROWS {
-        return rows.iter().collect();
-    }
-    let is_odd = |row: &&FrameRow| row.refused.is_some() || row.verdict.severity() > 0;
-    let odd = rows.iter().filter(is_odd);
-    odd.chain(rows.iter().filter(|row| !is_odd(row))).take(MOST_ROWS).collect()
-}
 
 fn frame_rows(rows: &[&FrameRow]) -> Vec<Vec<String>> {
     let places = |pick: fn(&FrameRow) -> Option<Value>| Places::of(rows.iter().filter_map(|row| pick(row)));

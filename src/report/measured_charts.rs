@@ -1,14 +1,11 @@
 //! The charts of `measure`'s report: the largest diameter of every frame with U and limits, and the
 //! stations along z.
 
-use super::measured_frames::{FrameRow, MeasuredFrames, Value};
+use super::measured_frames::{MeasuredFrames, StationRow};
+use super::measured_values::{Group, MeasuredValues, Seen, Value};
 use super::plot::{Chart, Mark, Series, band, bars};
 use crate::measurement::Verdict;
 
-/// Most frames that have a dot and a bar each: bars of more touch one another.
-const MOST_BARS: usize = 250;
-/// Groups of frames beyond that, each a pixel or two of the chart.
-const GROUPS: usize = 400;
 /// Most frames whose stations are a line each: as many as there are colours.
 const MOST_LINES: usize = 8;
 /// Colours of limits and of frames without a judgement.
@@ -19,14 +16,9 @@ const VALUES: usize = 0;
 const KINDS: [(&str, u8, usize); 3] = [("GO", 0, 0), ("HI, LO or not proven", 1, 4), ("HH or LL", 2, 6)];
 
 /// The chart of the frames in their order; `limits_mm` are those of a tolerance.
-pub(super) fn diameter_chart(rows: &[FrameRow], limits_mm: Option<(f64, f64)>) -> Chart {
-    let found: Vec<(f64, Value, Verdict)> = rows
-        .iter()
-        .enumerate()
-        .filter_map(|(index, row)| Some(((index + 1) as f64, row.largest?, row.verdict)))
-        .collect();
-    let mut series = if found.len() > MOST_BARS { grouped(&found) } else { single(&found) };
-    if let (Some((lower, upper)), count) = (limits_mm, rows.len().max(2)) {
+pub(super) fn diameter_chart(values: &MeasuredValues, limits_mm: Option<(f64, f64)>) -> Chart {
+    let mut series = values.single().map_or_else(|| grouped(values.groups()), single);
+    if let (Some((lower, upper)), count) = (limits_mm, values.frames.max(2)) {
         let level = |mm: f64| vec![(1.0, mm), (count as f64, mm)];
         series.push(Series::new("limits", Mark::Dashed, LIMITS, level(upper)));
         series.push(Series::new("", Mark::Dashed, LIMITS, level(lower)));
@@ -35,13 +27,13 @@ pub(super) fn diameter_chart(rows: &[FrameRow], limits_mm: Option<(f64, f64)>) -
         x_label: "frame, in their order".to_owned(),
         y_label: "largest diameter / mm".to_owned(),
         series,
-        x_labels: Some(rows.len().clamp(1, 11)),
+        x_labels: Some(values.frames.clamp(1, 11)),
         ..Chart::default()
     }
 }
 
 /// A dot and a bar a frame, in a series a kind of judgement.
-fn single(found: &[(f64, Value, Verdict)]) -> Vec<Series> {
+fn single(found: &[Seen]) -> Vec<Series> {
     let ends = bars(found.iter().map(|(x, v, _)| (*x, v.d_mm, v.expanded_mm)));
     let mut series = vec![Series::new("U", Mark::Bars, VALUES, ends)];
     let of = |wanted: &dyn Fn(Verdict) -> bool| -> Vec<(f64, f64)> {
@@ -61,19 +53,11 @@ fn single(found: &[(f64, Value, Verdict)]) -> Vec<Series> {
 }
 
 /// Groups of neighbouring frames: from the least end of their U to the greatest, and their mean.
-fn grouped(found: &[(f64, Value, Verdict)]) -> Vec<Series> {
-    let size = found.len().div_ceil(GROUPS);
-    let (mut ends, mut means) = (Vec::new(), Vec::new());
-    for group in found.chunks(size) {
-        let n = group.len() as f64;
-        let x = group.iter().map(|f| f.0).sum::<f64>() / n;
-        let low = group.iter().map(|f| f.1.d_mm - f.1.expanded_mm).fold(f64::INFINITY, f64::min);
-        let high = group.iter().map(|f| f.1.d_mm + f.1.expanded_mm).fold(f64::NEG_INFINITY, f64::max);
-        ends.push((x, 0.5 * (low + high), 0.5 * (high - low)));
-        means.push((x, group.iter().map(|f| f.1.d_mm).sum::<f64>() / n));
-    }
+fn grouped(groups: &[Group]) -> Vec<Series> {
+    let ends = groups.iter().map(|g| (g.x(), 0.5 * (g.low_mm + g.high_mm), 0.5 * (g.high_mm - g.low_mm)));
+    let means = groups.iter().map(|g| (g.x(), g.mean_mm())).collect();
     vec![
-        Series::new("all values with U", Mark::Band, VALUES, band(ends.into_iter())),
+        Series::new("all values with U", Mark::Band, VALUES, band(ends)),
         Series::new("mean", Mark::Line, VALUES, means),
     ]
 }
@@ -81,7 +65,7 @@ fn grouped(found: &[(f64, Value, Verdict)]) -> Vec<Series> {
 /// The chart of the stations along z; `k` is the coverage factor of their U. `None` without a
 /// value.
 pub(super) fn station_chart(frames: &MeasuredFrames, k: f64, limits_mm: Option<(f64, f64)>) -> Option<Chart> {
-    let value = |s: &super::measured_frames::StationRow| {
+    let value = |s: &StationRow| {
         let value = s.station.reading.value().map(|d| Value::of(d, k));
         (s.station.z_mm, value.map_or(f64::NAN, |v| v.d_mm), value.map_or(f64::NAN, |v| v.expanded_mm))
     };
@@ -91,7 +75,7 @@ pub(super) fn station_chart(frames: &MeasuredFrames, k: f64, limits_mm: Option<(
     let mut series = Vec::new();
     if own.len() <= MOST_LINES {
         for (colour, &frame) in own.iter().enumerate() {
-            let name = frames.rows.get(frame).map_or("", |row| row.frame.as_str());
+            let name = frames.station_frames.get(frame).map_or("", String::as_str);
             let line = of(frame).map(|(z, d, _)| (z, d)).collect();
             series.push(Series::new("", Mark::Bars, colour, bars(of(frame))));
             series.push(Series::new(name, Mark::LineDots, colour, line));
@@ -119,46 +103,36 @@ pub(super) fn station_chart(frames: &MeasuredFrames, k: f64, limits_mm: Option<(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::Flags;
+    use crate::report::measured_values::MOST_GROUPS;
 
-    fn row(d_mm: f64, verdict: Verdict) -> FrameRow {
-        FrameRow {
-            frame: "f".to_owned(),
-            z_mm: None,
-            largest: Some(Value { d_mm, expanded_mm: 0.01 }),
-            k: Some(2.0),
-            mean: None,
-            average: None,
-            verdict,
-            judged: None,
-            valid: 1,
-            columns: 1,
-            flags: Flags::default(),
-            refused: None,
-            warnings: Vec::new(),
-        }
+    fn values(values: impl IntoIterator<Item = (f64, Verdict)>) -> MeasuredValues {
+        let mut all = MeasuredValues::default();
+        let value = |d_mm| Value { d_mm, expanded_mm: 0.01 };
+        values.into_iter().for_each(|(d_mm, verdict)| all.add(Some(value(d_mm)), verdict));
+        all
     }
 
     #[test]
     fn kinds_of_judgements_are_series_of_their_own_between_limits() {
         use crate::conformity::Judgement;
-        let rows = [Judgement::GO, Judgement::HI, Judgement::HH].map(|j| row(25.0, Verdict::Is(j)));
-        let chart = diameter_chart(&rows, Some((24.9, 25.1)));
+        let judged = [Judgement::GO, Judgement::HI, Judgement::HH].map(|j| (25.0, Verdict::Is(j)));
+        let chart = diameter_chart(&values(judged), Some((24.9, 25.1)));
         let names: Vec<&str> = chart.series.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, ["U", "GO", "HI, LO or not proven", "HH or LL", "limits", ""]);
         let svg = chart.to_svg().unwrap();
         assert!(svg.contains("limits: 25.1 to 25.1"), "{svg}");
-        let plain = diameter_chart(&[row(25.0, Verdict::NotJudged)], None);
+        let plain = diameter_chart(&values([(25.0, Verdict::NotJudged)]), None);
         let names: Vec<&str> = plain.series.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, ["U", "diameter"]);
     }
 
     #[test]
     fn a_long_series_is_a_band_of_bounded_size() {
-        let rows: Vec<FrameRow> =
-            (0..5000).map(|i| row(25.0 + f64::from(i % 7) * 1e-3, Verdict::NotJudged)).collect();
-        let chart = diameter_chart(&rows, None);
-        assert!(chart.series.iter().all(|s| s.points.len() <= 2 * GROUPS));
+        let chart = diameter_chart(
+            &values((0..5000).map(|i| (25.0 + f64::from(i % 7) * 1e-3, Verdict::NotJudged))),
+            None,
+        );
+        assert!(chart.series.iter().all(|s| s.points.len() <= 2 * MOST_GROUPS));
         let band = &chart.series[0].points;
         assert!(
             band.iter().any(|p| (p.1 - 25.016).abs() < 1e-9)

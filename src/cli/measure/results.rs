@@ -1,7 +1,8 @@
 //! The results of frames as they come: a table, a JSON document or a line a frame; edges; warnings.
 //!
 //! Of input that is finished nothing is written before a frame could be measured: where none can,
-//! there is the error alone. Of a stream every frame is written at once.
+//! there is the error alone. Of more than [`MOST_HELD`] refused frames before the first that is
+//! measured, and of a stream, every frame is written at once.
 
 use serde_json::{Map, Value, json};
 
@@ -15,6 +16,11 @@ use crate::gauge::FrameEdges;
 use crate::measurement::{Measurement, Series, Stream};
 use crate::profile::Reason;
 use crate::source::Arrival;
+
+/// Most refused frames that wait for one that can be measured: more than a person looks through,
+/// in some hundred kilobytes. Of a folder that holds more the first results are those that are
+/// refused.
+const MOST_HELD: usize = 1000;
 
 /// How frames are printed.
 pub(super) enum Printed {
@@ -115,7 +121,7 @@ impl Results {
     pub(super) fn frame(&mut self, stream: &Stream, arrival: &Arrival) -> Result<(), Failure> {
         let frame = stream.measurement();
         if !self.warnings.count(frame)
-            && let Some(held) = &mut self.held
+            && let Some(held) = self.held.as_mut().filter(|held| held.len() < MOST_HELD)
         {
             held.push((frame.clone(), arrival.clone()));
             return Ok(());

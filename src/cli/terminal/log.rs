@@ -1,6 +1,7 @@
 //! The log on stderr. In: events of the program. Out: a line each; a warning that repeats, for
-//! another frame or pass, is written once and counted, and the count is written at the end. With
-//! -v, or RUST_LOG, every line is written.
+//! another frame or pass, is written once and counted, and the count is written at the end. Of a
+//! long series whose warnings all differ the first [`MOST_KINDS`] are written, and how many more
+//! there were. With -v, or RUST_LOG, every line is written.
 
 use std::collections::HashMap;
 use std::io::{IsTerminal as _, Result, Write, stderr};
@@ -11,6 +12,10 @@ use tracing_subscriber::EnvFilter;
 use tracing_subscriber::fmt::MakeWriter;
 
 use super::progress::beside;
+
+/// Most kinds of warnings that are written and kept: some screens, more than a person reads of one
+/// command; a third of a megabyte.
+const MOST_KINDS: usize = 1000;
 
 /// Starts the log; `verbose` is the number of -v.
 pub(crate) fn start(verbose: u8) {
@@ -30,14 +35,21 @@ pub(crate) fn start(verbose: u8) {
 
 /// Writes how often the warnings that repeated were left out.
 pub(crate) fn finish() {
-    let mut said = SAID.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut repeated: Vec<(String, Count)> = said.drain().filter(|(_, count)| count.left_out > 0).collect();
+    let Kinds { counts, others } = std::mem::take(&mut *KINDS.lock().unwrap_or_else(PoisonError::into_inner));
+    let mut repeated: Vec<(String, Count)> =
+        counts.into_iter().filter(|(_, count)| count.left_out > 0).collect();
     repeated.sort_by_key(|(_, count)| count.order);
     for (text, Count { left_out, .. }) in repeated {
         let times = if left_out == 1 { "once more" } else { "times more" };
         let number = if left_out == 1 { String::new() } else { format!("{left_out} ") };
         // Where stderr cannot be written, the exit code remains.
         let _ = writeln!(stderr(), " WARN {number}{times} (-v shows each): {text}");
+    }
+    if others > 0 {
+        let _ = writeln!(
+            stderr(),
+            " WARN {others} more, unlike the {MOST_KINDS} kinds of warnings before them (-v shows each)"
+        );
     }
 }
 
@@ -48,16 +60,37 @@ struct Count {
     left_out: usize,
 }
 
-static SAID: LazyLock<Mutex<HashMap<String, Count>>> = LazyLock::new(Mutex::default);
+/// The warnings so far.
+#[derive(Debug, Default)]
+struct Kinds {
+    counts: HashMap<String, Count>,
+    /// Warnings of further kinds than are kept.
+    others: usize,
+}
 
-/// Whether a warning is the first of its kind; a later one is counted.
+static KINDS: LazyLock<Mutex<Kinds>> = LazyLock::new(Mutex::default);
+
+impl Kinds {
+    /// Whether a warning is the first of its kind, and of the kinds that are written; others are
+    /// counted.
+    fn is_first(&mut self, line: &str) -> bool {
+        let (kind, order) = (kind(line), self.counts.len());
+        if let Some(count) = self.counts.get_mut(kind) {
+            count.left_out += 1;
+            return false;
+        }
+        if order == MOST_KINDS {
+            self.others += 1;
+            return false;
+        }
+        self.counts.insert(kind.to_owned(), Count { order, left_out: 0 });
+        true
+    }
+}
+
+/// As [`Kinds::is_first`], of this command.
 fn is_first(line: &str) -> bool {
-    let mut said = SAID.lock().unwrap_or_else(PoisonError::into_inner);
-    let order = said.len();
-    let count = said.entry(kind(line).to_owned()).or_insert(Count { order, left_out: 0 });
-    let is_first = count.order == order;
-    count.left_out += usize::from(!is_first);
-    is_first
+    KINDS.lock().unwrap_or_else(PoisonError::into_inner).is_first(line)
 }
 
 /// A warning without the frame or pass that it begins or ends with.
@@ -119,8 +152,19 @@ mod tests {
 
     #[test]
     fn the_second_of_a_kind_is_counted() {
-        assert!(is_first(" WARN frame 1: a test of the count\n"));
-        assert!(!is_first(" WARN frame 2: a test of the count\n"));
-        assert!(is_first(" WARN frame 2: another test of the count\n"));
+        let mut kinds = Kinds::default();
+        assert!(kinds.is_first(" WARN frame 1: a test of the count\n"));
+        assert!(!kinds.is_first(" WARN frame 2: a test of the count\n"));
+        assert!(kinds.is_first(" WARN frame 2: another test of the count\n"));
+    }
+
+    #[test]
+    fn warnings_that_all_differ_take_bounded_memory() {
+        let mut kinds = Kinds::default();
+        let written = (0..5 * MOST_KINDS).filter(|k| kinds.is_first(&format!(" WARN {k} um off\n"))).count();
+        assert_eq!((written, kinds.counts.len(), kinds.others), (MOST_KINDS, MOST_KINDS, 4 * MOST_KINDS));
+        // One of the kinds that are kept is still counted as such.
+        assert!(!kinds.is_first(" WARN 7 um off\n"));
+        assert_eq!((kinds.counts["7 um off"].left_out, kinds.others), (1, 4 * MOST_KINDS));
     }
 }
