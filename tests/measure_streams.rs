@@ -1,104 +1,21 @@
-//! `measure` on streams, from outside: frames come out as they go in, each once, in memory that
-//! does not grow with their number.
+//! `measure` on streams, from outside: frames come out as they go in, each once. `walk_streams`
+//! has long ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
-use std::io::{BufRead as _, BufReader, Cursor, Write as _};
+use std::io::Write as _;
 use std::path::Path;
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use image::{GrayImage, ImageFormat, Luma};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64;
 use serde_json::Value;
+
+use crate::streamed::{COLUMNS, ROWS, Running, WIDTH_PX, encoded, is_measured, pgm, picture, png};
 
 #[path = "support/program.rs"]
 mod program;
-
-/// Longest time until a line comes: a hundred times what it takes.
-const SOON: Duration = Duration::from_secs(20);
-const COLUMNS: u32 = 64;
-const ROWS: u32 = 96;
-/// Rows between both edges of the shadow.
-const WIDTH_PX: f64 = 36.1;
-
-/// A shadow from row 30.2 to 66.3 with soft edges and noise of its own.
-fn picture(seed: u64) -> GrayImage {
-    let mut random = Pcg64::seed_from_u64(seed);
-    let soft = |d: f64| 30.0 + 150.0 / (1.0 + (-2.0 * d).exp());
-    GrayImage::from_fn(COLUMNS, ROWS, |_, row| {
-        let row = f64::from(row);
-        let grey = if row < 48.0 { soft(30.2 - row) } else { soft(row - 30.2 - WIDTH_PX) };
-        Luma([grey as u8 + random.random_range(0..5_u8)])
-    })
-}
-
-fn encoded(picture: &GrayImage, format: ImageFormat) -> Vec<u8> {
-    let mut out = Cursor::new(Vec::new());
-    picture.write_to(&mut out, format).unwrap();
-    out.into_inner()
-}
-
-fn png(seed: u64) -> Vec<u8> {
-    encoded(&picture(seed), ImageFormat::Png)
-}
-
-fn pgm(picture: &GrayImage) -> Vec<u8> {
-    [format!("P5 {COLUMNS} {ROWS} 255\n").as_bytes(), picture.as_raw()].concat()
-}
-
-/// The program while it measures.
-struct Running {
-    child: Child,
-    stdin: Option<ChildStdin>,
-    lines: Receiver<String>,
-}
-
-impl Running {
-    fn start(arguments: &[&str]) -> Self {
-        let mut command = Command::new(program::path());
-        command.arg("measure").args(arguments).env("NO_COLOR", "1");
-        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
-        let mut child = command.spawn().unwrap();
-        let (give, lines) = channel();
-        let out = BufReader::new(child.stdout.take().unwrap());
-        std::thread::spawn(move || out.lines().map_while(Result::ok).all(|line| give.send(line).is_ok()));
-        let stdin = child.stdin.take();
-        Self { child, stdin, lines }
-    }
-
-    fn send(&mut self, bytes: &[u8]) {
-        let stdin = self.stdin.as_mut().unwrap();
-        stdin.write_all(bytes).and_then(|()| stdin.flush()).unwrap();
-    }
-
-    fn line(&self) -> String {
-        self.lines.recv_timeout(SOON).expect("a line, soon")
-    }
-
-    fn json(&self) -> Value {
-        serde_json::from_str(&self.line()).unwrap()
-    }
-
-    /// Closes its input and gives its exit code with what it prints on.
-    fn end(mut self) -> (Option<i32>, Vec<String>) {
-        drop(self.stdin.take());
-        let code = self.child.wait().unwrap().code();
-        (code, self.lines.iter().collect())
-    }
-
-    /// The most memory that it has had so far, kB.
-    fn most_kb(&self) -> u64 {
-        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
-        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
-        line.split_whitespace().next().unwrap().parse().unwrap()
-    }
-}
-
-fn is_measured(frame: &Value) -> bool {
-    frame["max_diameter_px"].as_f64().is_some_and(|width| (width - WIDTH_PX).abs() < 0.5)
-}
+#[path = "support/streamed.rs"]
+mod streamed;
 
 fn written(folder: &Path, count: u64) {
     for seed in 0..count {
@@ -282,41 +199,4 @@ fn where_no_frame_can_be_measured_there_is_the_error_alone() {
         assert!(output.stdout.is_empty() && !edges.exists(), "{more:?}");
         assert!(program::said(&output).contains("none of 2 frames"), "{}", program::said(&output));
     }
-}
-
-/// Growth of the memory from `first` to 3000 frames, kB, and the series.
-fn growth_kb(arguments: &[&str], first: usize) -> (u64, Value) {
-    // Sixteen pictures over and over: drawing takes longer than measuring.
-    let pictures: Vec<Vec<u8>> = (0..16).map(|seed| pgm(&picture(seed))).collect();
-    let mut running = Running::start(&[&["-", "--json", "--um-per-px", "10"], arguments].concat());
-    let mut most_kb = [0; 2];
-    for (piece, most) in [0..first, first..3000].into_iter().zip(&mut most_kb) {
-        // Lines are read by a thread of their own while images are sent.
-        piece.clone().for_each(|index| running.send(&pictures[index % 16]));
-        for _ in piece {
-            let frame = running.json();
-            assert!(is_measured(&frame), "{frame}");
-        }
-        *most = running.most_kb();
-    }
-    let (code, rest) = running.end();
-    assert_eq!((code, rest.len()), (Some(0), 1), "{rest:?}");
-    (most_kb[1] - most_kb[0], serde_json::from_str(&rest[0]).unwrap())
-}
-
-#[test]
-fn memory_does_not_grow_with_the_number_of_frames() {
-    let (growth_kb, series) = growth_kb(&[], 500);
-    assert!(growth_kb < 1024, "{growth_kb} kB");
-    assert_eq!(series["statistics"]["count"], 3000);
-}
-
-#[test]
-fn a_turn_of_a_camera_that_stands_takes_no_more_memory_either() {
-    let (growth_kb, series) = growth_kb(&["--turn", "--angle-step", "22.5"], 1500);
-    assert!(growth_kb < 1024, "{growth_kb} kB");
-    let sections = series["turn"]["sections"].as_array().unwrap();
-    assert_eq!((sections.len(), &sections[0]["angles"]), (1, &16.into()));
-    let size_mm = sections[0]["gg_mm"].as_f64().unwrap();
-    assert!((size_mm - 1e-2 * WIDTH_PX).abs() < 5e-3, "{size_mm}");
 }

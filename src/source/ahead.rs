@@ -11,7 +11,9 @@ use std::time::Duration;
 
 use super::error::damaged;
 use super::read_error::ReadError;
+use super::spare::Spare;
 use super::stored::{Arrival, StoredFrame, Taken, Undecoded};
+use crate::frame::Frame;
 
 /// Frames held beyond one a decoding thread: one that is decoded and waits, so that the gauge never
 /// does, and one that is read meanwhile.
@@ -32,12 +34,20 @@ type Work = (Undecoded, SyncSender<Stored>);
 #[derive(Debug)]
 pub(crate) struct Ahead {
     places: Receiver<Place>,
+    spare: Spare,
     stop: Option<Arc<AtomicBool>>,
 }
 
 impl Ahead {
-    /// Begins to read a source and to decode its frames on so many threads. Where `stop` is given
-    /// and becomes true, there are no more frames.
+    /// Spare memory for a source whose frames are decoded on so many threads.
+    pub(crate) fn spare(threads: usize) -> Spare {
+        // One more is measured meanwhile.
+        Spare::of(threads + SPARE + 1)
+    }
+
+    /// Begins to read a source and to decode its frames on so many threads, in the spare memory
+    /// that the source takes as well. Where `stop` is given and becomes true, there are no more
+    /// frames.
     ///
     /// # Errors
     /// A system without another thread.
@@ -45,17 +55,18 @@ impl Ahead {
         source: impl Iterator<Item = Taken> + Send + 'static,
         threads: usize,
         stop: Option<Arc<AtomicBool>>,
+        spare: Spare,
     ) -> std::io::Result<Self> {
         let (queue, places) = sync_channel(threads + SPARE);
         let (work, works) = channel();
         let works = Arc::new(Mutex::new(works));
         let named = |name: &str| std::thread::Builder::new().name(name.to_owned());
         for _ in 0..threads.max(1) {
-            let works = Arc::clone(&works);
-            named("decode").spawn(move || decode(&works))?;
+            let (works, spare) = (Arc::clone(&works), spare.clone());
+            named("decode").spawn(move || decode(&works, &spare))?;
         }
         named("read").spawn(move || read(source, &queue, &work))?;
-        Ok(Self { places, stop })
+        Ok(Self { places, spare, stop })
     }
 
     /// The next frame or why it cannot be read; the outer error ends the source.
@@ -67,6 +78,11 @@ impl Ahead {
             });
             (arrival, stored)
         }))
+    }
+
+    /// Takes back a frame, whose memory one of the next frames uses.
+    pub(crate) fn give_back(&self, frame: Frame) {
+        self.spare.take_buffer(frame.into_buffer());
     }
 
     fn next_place(&self) -> Option<Place> {
@@ -105,11 +121,11 @@ fn read(source: impl Iterator<Item = Taken>, queue: &SyncSender<Place>, work: &S
 }
 
 /// Decodes until there is nothing more to come.
-fn decode(works: &Mutex<Receiver<Work>>) {
+fn decode(works: &Mutex<Receiver<Work>>, spare: &Spare) {
     // The lock is held while a thread waits for work, not while it decodes.
     let next = || works.lock().ok()?.recv().ok();
     while let Some((undecoded, give)) = next() {
-        let _ = give.send(undecoded.decode());
+        let _ = give.send(undecoded.decode(spare));
     }
 }
 
@@ -140,7 +156,7 @@ mod tests {
     #[test]
     fn frames_come_in_their_order_at_any_number_of_threads() {
         for threads in [1, 2, 7] {
-            let mut ahead = Ahead::new((0..200).map(image), threads, None).unwrap();
+            let mut ahead = Ahead::new((0..200).map(image), threads, None, Ahead::spare(threads)).unwrap();
             for number in 0..200 {
                 let (arrival, stored) = ahead.next_frame().unwrap().unwrap();
                 assert_eq!(arrival.stem, number.to_string());
@@ -159,7 +175,7 @@ mod tests {
             count.fetch_add(1, Ordering::Relaxed);
             image(number)
         });
-        let mut ahead = Ahead::new(source, 2, None).unwrap();
+        let mut ahead = Ahead::new(source, 2, None, Ahead::spare(2)).unwrap();
         for taken in 1..=20 {
             assert!(ahead.next_frame().is_some());
             std::thread::sleep(Duration::from_millis(2));
@@ -171,7 +187,8 @@ mod tests {
     #[test]
     fn a_source_that_breaks_or_is_stopped_ends() {
         let broken = |_| Err(ReadError::NoImages { path: "x".to_owned() });
-        let mut ahead = Ahead::new((0..3).map(image).chain((3..9).map(broken)), 2, None).unwrap();
+        let mut ahead =
+            Ahead::new((0..3).map(image).chain((3..9).map(broken)), 2, None, Ahead::spare(2)).unwrap();
         assert_eq!((0..3).filter(|_| ahead.next_frame().unwrap().is_ok()).count(), 3);
         assert!(ahead.next_frame().unwrap().is_err() && ahead.next_frame().is_none());
         let stop = Arc::new(AtomicBool::new(false));
@@ -179,7 +196,7 @@ mod tests {
             std::thread::sleep(Duration::from_millis(5));
             image(0)
         });
-        let mut ahead = Ahead::new(endless, 1, Some(Arc::clone(&stop))).unwrap();
+        let mut ahead = Ahead::new(endless, 1, Some(Arc::clone(&stop)), Ahead::spare(1)).unwrap();
         assert!(ahead.next_frame().is_some());
         stop.store(true, Ordering::Relaxed);
         assert!(ahead.next_frame().is_none());

@@ -8,6 +8,7 @@
 use super::error::{DecodeError, damaged};
 use super::raster::{Channel, Raster};
 use super::scale::FileScale;
+use super::spare::Spare;
 use super::{bmp, depth, jpeg, orientation, png, pnm, tiff};
 use crate::frame::{Frame, FrameMeta, PixelFormat};
 
@@ -83,15 +84,28 @@ pub fn decode(bytes: &[u8], bit_depth: Option<u8>, meta: FrameMeta) -> Result<Fr
 /// transparent, encoded in an unsupported way, too large, or with values beyond the stated bit
 /// depth.
 pub fn decode_wanted(bytes: &[u8], wanted: &Wanted, meta: FrameMeta) -> Result<Decoded, DecodeError> {
+    decode_into(bytes, wanted, meta, &Spare::default())
+}
+
+/// As [`decode_wanted`], in spare memory where the format's reader takes some.
+///
+/// # Errors
+/// As [`decode_wanted`].
+pub(super) fn decode_into(
+    bytes: &[u8],
+    wanted: &Wanted,
+    meta: FrameMeta,
+    spare: &Spare,
+) -> Result<Decoded, DecodeError> {
     if bytes.is_empty() {
         return Err(DecodeError::Empty);
     }
     let format = format(bytes).ok_or(DecodeError::NotAnImage)?;
-    let raster = read(bytes, format, wanted.place)?;
+    let raster = read(bytes, format, wanted.place, spare)?;
     let (columns, rows, sample_bytes) = (raster.columns, raster.rows, raster.sample_bytes());
     let (values, stated) = raster.grey(wanted.channel)?;
     let sample_bytes = sample_bytes.max(stated.wider_bytes);
-    let settled = depth::settle(values, wanted.bit_depth, stated.significant_bits, stated.full_scale)?;
+    let settled = depth::settle(values, wanted.bit_depth, &stated)?;
     let depth::Depth { mut buffer, format: mut pixel_format, mut full_scale } = settled;
     let (mut meta, mut changed) = (meta, Vec::new());
     match &stated.transfer {
@@ -130,9 +144,9 @@ pub fn decode_wanted(bytes: &[u8], wanted: &Wanted, meta: FrameMeta) -> Result<D
     Ok(Decoded { frame, scale, changed, sample_bytes })
 }
 
-fn read(bytes: &[u8], format: Format, place: Option<u64>) -> Result<Raster, DecodeError> {
+fn read(bytes: &[u8], format: Format, place: Option<u64>, spare: &Spare) -> Result<Raster, DecodeError> {
     match format {
-        Format::Png => png::read(bytes),
+        Format::Png => png::read(bytes, spare),
         Format::Jpeg => jpeg::read(bytes),
         Format::Bmp => bmp::read(bytes),
         Format::Pnm => {

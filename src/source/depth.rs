@@ -4,6 +4,7 @@
 //! range): there the camera's own values are restored.
 
 use super::error::DecodeError;
+use super::raster::Stated;
 use crate::frame::{Buffer, PixelFormat};
 
 /// A frame's buffer with its format and its full scale.
@@ -14,20 +15,15 @@ pub(super) struct Depth {
     pub(super) full_scale: Option<f32>,
 }
 
-/// Determines format and full scale.
+/// Determines format and full scale; `table_bits` are those of `frames.csv`.
 ///
 /// # Errors
 /// Refuses unsupported bit depths, and values beyond the one stated in the table.
-pub(super) fn settle(
-    buffer: Buffer,
-    table_bits: Option<u8>,
-    significant_bits: Option<u8>,
-    full_scale: Option<f32>,
-) -> Result<Depth, DecodeError> {
+pub(super) fn settle(buffer: Buffer, table_bits: Option<u8>, stated: &Stated) -> Result<Depth, DecodeError> {
     match buffer {
-        Buffer::F32(values) => floats(values, table_bits, full_scale),
-        Buffer::U8(values) => Ok(octets(values, significant_bits, full_scale)),
-        Buffer::U16(values) => words(values, table_bits, significant_bits, full_scale),
+        Buffer::F32(values) => floats(values, table_bits, stated.full_scale),
+        Buffer::U8(values) => Ok(octets(values, stated.significant_bits, stated.full_scale)),
+        Buffer::U16(values) => words(values, table_bits, stated),
     }
 }
 
@@ -64,13 +60,9 @@ fn octets(mut values: Vec<u8>, significant: Option<u8>, full_scale: Option<f32>)
     Depth { buffer: Buffer::U8(values), format: PixelFormat::Mono8, full_scale: full }
 }
 
-fn words(
-    mut values: Vec<u16>,
-    table_bits: Option<u8>,
-    significant: Option<u8>,
-    full_scale: Option<f32>,
-) -> Result<Depth, DecodeError> {
-    let most = values.iter().copied().max().unwrap_or(0);
+fn words(mut values: Vec<u16>, table_bits: Option<u8>, stated: &Stated) -> Result<Depth, DecodeError> {
+    let (significant, full_scale) = (stated.significant_bits, stated.full_scale);
+    let most = stated.most.unwrap_or_else(|| values.iter().copied().fold(0, u16::max));
     if let Some(bits) = table_bits {
         let format = format_of(bits)?;
         if most > largest(bits) {
@@ -201,7 +193,8 @@ mod tests {
     use super::*;
 
     fn settled(values: &[u16], table: Option<u8>, significant: Option<u8>, full: Option<f32>) -> Depth {
-        settle(Buffer::U16(values.to_vec()), table, significant, full).unwrap()
+        let stated = Stated { significant_bits: significant, full_scale: full, ..Stated::default() };
+        settle(Buffer::U16(values.to_vec()), table, &stated).unwrap()
     }
 
     #[test]
@@ -243,7 +236,7 @@ mod tests {
         // One value that does not fit: nothing is restored.
         let odd = [0x1230_u16, 0x4560, 0x4561];
         assert_eq!(settled(&odd, None, Some(12), None).buffer, Buffer::U16(odd.to_vec()));
-        let beyond = settle(Buffer::U16(odd.to_vec()), Some(12), None, None).unwrap_err();
+        let beyond = settle(Buffer::U16(odd.to_vec()), Some(12), &Stated::default()).unwrap_err();
         assert_eq!(beyond, DecodeError::BeyondDepth { found: "17761".to_owned(), bits: 12 });
     }
 }

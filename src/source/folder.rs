@@ -1,6 +1,7 @@
 //! Frames in files: single images, stacks and folders, with the entries of `frames.csv`.
 
 use std::collections::HashMap;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -12,6 +13,7 @@ use super::frame_table::{FrameInfo, FrameTable, TableError};
 use super::natural_order::natural;
 use super::raster::Channel;
 use super::read_error::{LARGEST_FILE, ReadError};
+use super::spare::Spare;
 use super::stored::{Arrival, StoredFrame, Taken, Undecoded};
 use crate::frame::{Frame, FrameMeta, FrameSource, SourceError};
 
@@ -67,17 +69,36 @@ pub(crate) fn out_of_order(images: &[PathBuf]) -> Option<(String, String)> {
 /// The images of a folder, in alphabetical order.
 pub(super) fn images_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut images = Vec::new();
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        let extension = path.extension().map(|e| e.to_string_lossy().into_owned());
-        // Some systems leave a hidden `._name.png` beside every file.
-        let hidden = name(&path).starts_with('.');
-        if !hidden && path.is_file() && extension.is_some_and(|e| is_image_extension(&e)) {
-            images.push(path);
-        }
-    }
+    each_image(folder, |name| images.push(folder.join(name)))?;
     images.sort();
     Ok(images)
+}
+
+/// Lists a folder: the names of its images, in the order of the system. A file is asked for its
+/// kind only where the folder does not state it.
+pub(super) fn each_image(folder: &Path, mut take: impl FnMut(OsString)) -> std::io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        if is_image_name(&name) && is_file(&entry) {
+            take(name);
+        }
+    }
+    Ok(())
+}
+
+/// Some systems leave a hidden `._name.png` beside every file.
+fn is_image_name(name: &OsStr) -> bool {
+    let extension = Path::new(name).extension().map(OsStr::to_string_lossy);
+    !name.as_encoded_bytes().starts_with(b".") && extension.is_some_and(|e| is_image_extension(&e))
+}
+
+/// Whether an entry is a file, or a link to one.
+fn is_file(entry: &fs::DirEntry) -> bool {
+    match entry.file_type() {
+        Ok(kind) if !kind.is_symlink() => kind.is_file(),
+        _ => entry.path().is_file(),
+    }
 }
 
 pub(super) fn name(path: &Path) -> String {
@@ -114,6 +135,7 @@ pub struct FileFrames {
     channel: Option<Channel>,
     tables: HashMap<PathBuf, FrameTable>,
     notices: Vec<String>,
+    spare: Spare,
 }
 
 impl FileFrames {
@@ -126,6 +148,12 @@ impl FileFrames {
     #[must_use]
     pub fn of_channel(self, channel: Option<Channel>) -> Self {
         Self { channel, ..self }
+    }
+
+    /// Reads files into spare memory.
+    #[must_use]
+    pub(crate) fn reusing(self, spare: Spare) -> Self {
+        Self { spare, ..self }
     }
 
     /// Notes for the user on the files since the last call.
@@ -142,7 +170,8 @@ impl FileFrames {
     /// Reads the next frame; `None` at the end. After an error the next call continues with the
     /// next one.
     pub fn next_stored(&mut self) -> Option<Result<StoredFrame, ReadError>> {
-        self.next_undecoded().map(|(_, read)| read.and_then(Undecoded::decode))
+        let (_, read) = self.next_undecoded()?;
+        Some(read.and_then(|undecoded| undecoded.decode(&self.spare)))
     }
 
     /// As [`Self::next_stored`], to be decoded elsewhere.
@@ -216,7 +245,7 @@ impl FileFrames {
         if self.open.is_none() {
             let path = self.paths.get(self.next)?.clone();
             self.next += 1;
-            let content = bytes_of(&path).map(Arc::new);
+            let content = bytes_of(&path, self.spare.file()).map(Arc::new);
             let pages = content.as_ref().map_or_else(|_| vec![0], |bytes| pages(bytes));
             self.open = Some(Open { path, content, pages, page: 0 });
         }
@@ -277,12 +306,13 @@ fn page_name(open: &Open) -> String {
     if open.pages.len() > 1 { format!("{path}#{}", open.page) } else { path.to_string() }
 }
 
-fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
+/// All bytes of a file, in empty memory.
+fn bytes_of(path: &Path, mut bytes: Vec<u8>) -> Result<Vec<u8>, ReadError> {
     let io = |cause| ReadError::Io { path: path.display().to_string(), cause };
     let file = fs::File::open(path).map_err(io)?;
     // As much as the file has, so that its bytes are not copied from one place to a larger one.
     let size = file.metadata().map_or(0, |m| m.len()).min(LARGEST_FILE);
-    let mut bytes = Vec::with_capacity(size as usize);
+    bytes.reserve_exact(size as usize);
     file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(io)?;
     if bytes.len() as u64 > LARGEST_FILE {
         return Err(ReadError::TooLarge { path: path.display().to_string() });

@@ -9,7 +9,9 @@
 //!
 //! A folder of a network drive sends no notices to whom it is mounted; looking works anywhere.
 
-use std::collections::{HashSet, VecDeque};
+use std::collections::hash_map::Entry;
+use std::collections::{HashMap, VecDeque};
+use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,12 +19,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
 use super::error::damaged;
-use super::folder::{FileFrames, images_in, name};
+use super::folder::{FileFrames, each_image, name};
 use super::host_clock::host_t_ns;
 use super::natural_order::natural;
 use super::raster::Channel;
 use super::read_error::ReadError;
-use super::split::{Piece, next_image};
+use super::spare::Spare;
+use super::split::{Piece, is_whole_png, next_image};
 use super::stored::{Arrival, Taken, Undecoded};
 
 /// Time between two looks: a camera of 20 frames a second is followed frame by frame, and a look at
@@ -42,8 +45,10 @@ pub(crate) struct Follow {
     frames: FileFrames,
     idle: Option<Duration>,
     stop: Arc<AtomicBool>,
-    /// Names in the folder that were queued already.
-    known: HashSet<PathBuf>,
+    /// Names in the folder that were queued already, each with the last listing that found it:
+    /// about a hundred bytes a file that stays.
+    known: HashMap<OsString, u64>,
+    listings: u64,
     queue: VecDeque<PathBuf>,
     first: Look,
     last_new: Instant,
@@ -51,6 +56,7 @@ pub(crate) struct Follow {
     /// The tables of frames beside the images and above their folder.
     tables: [Option<Stamp>; 2],
     has_ended: bool,
+    spare: Spare,
 }
 
 /// Size of a file and time of its last change.
@@ -120,16 +126,23 @@ impl Follow {
             folder,
             idle,
             stop,
-            known: HashSet::new(),
+            known: HashMap::new(),
+            listings: 0,
             queue: VecDeque::new(),
             first: Look::none(),
             last_new: now,
             next_listing: now,
             tables: [None; 2],
             has_ended: false,
+            spare: Spare::default(),
         };
         this.list()?;
         Ok(this)
+    }
+
+    /// Reads files into spare memory.
+    pub(crate) fn reusing(self, spare: Spare) -> Self {
+        Self { frames: self.frames.reusing(spare.clone()), spare, ..self }
     }
 
     /// Queues the images that are new, in their natural order.
@@ -138,13 +151,21 @@ impl Follow {
         if begun < self.next_listing {
             return Ok(());
         }
-        let io = |cause| ReadError::Io { path: self.folder.display().to_string(), cause };
-        let there = images_in(&self.folder).map_err(io)?;
-        let mut new: Vec<PathBuf> =
-            there.iter().filter(|path| !self.known.contains(*path)).cloned().collect();
-        new.sort_by(|a, b| natural(&name(a), &name(b)));
+        self.listings += 1;
+        let listing = self.listings;
+        let Self { known, folder, .. } = &mut *self;
+        let mut new = Vec::new();
+        let listed = each_image(folder, |name| match known.entry(name) {
+            Entry::Occupied(mut last) => *last.get_mut() = listing,
+            Entry::Vacant(place) => {
+                new.push(folder.join(place.key()));
+                place.insert(listing);
+            }
+        });
+        listed.map_err(|cause| ReadError::Io { path: folder.display().to_string(), cause })?;
         // Only names that are still there: what was taken away takes no memory.
-        self.known = there.into_iter().collect();
+        known.retain(|_, last| *last == listing);
+        new.sort_by(|a: &PathBuf, b| natural(&name(a), &name(b)).then_with(|| a.cmp(b)));
         if !new.is_empty() {
             self.last_new = begun;
         }
@@ -194,13 +215,23 @@ impl Follow {
     /// What the first frame of a file shows of it.
     fn shown(&self, frame: &Result<Undecoded, ReadError>) -> Shown {
         let Ok(frame) = frame else { return Shown::Unknown };
-        match next_image(&mut frame.content.as_slice()) {
+        match is_whole_png(&frame.content) {
+            Some(true) => return Shown::All,
+            Some(false) => return Shown::Part,
+            None => {}
+        }
+        match next_image(&mut frame.content.as_slice(), Vec::new()) {
             Ok(Some(Piece::Whole(image))) if !image.starts_with(b"P") => Shown::All,
             Ok(Some(Piece::Cut)) => Shown::Part,
             // Several images may follow one another, and a TIFF does not state where it ends.
-            _ if self.first.is_settled() && self.frames.last_page(frame).decode().is_ok() => Shown::All,
+            _ if self.first.is_settled() && self.can_decode(self.frames.last_page(frame)) => Shown::All,
             _ => Shown::Unknown,
         }
+    }
+
+    fn can_decode(&self, frame: Undecoded) -> bool {
+        let decoded = frame.decode(&self.spare).map(|stored| stored.frame.into_buffer());
+        decoded.map(|buffer| self.spare.take_buffer(buffer)).is_ok()
     }
 
     /// Reads the tables of frames anew where they changed, or where none of their rows was that of
@@ -291,7 +322,7 @@ mod tests {
     fn stems(taken: impl Iterator<Item = Taken>) -> Vec<(String, bool)> {
         let one = |taken: Taken| {
             let (arrival, frame) = taken.unwrap();
-            (arrival.stem, frame.is_ok_and(|frame| frame.decode().is_ok()))
+            (arrival.stem, frame.is_ok_and(|frame| frame.decode(&Spare::default()).is_ok()))
         };
         taken.map(one).collect()
     }

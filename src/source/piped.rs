@@ -9,6 +9,7 @@ use super::error::{DecodeError, damaged};
 use super::host_clock::host_t_ns;
 use super::raster::Channel;
 use super::read_error::ReadError;
+use super::spare::Spare;
 use super::split::{Piece, SplitError, next_image};
 use super::stored::{Arrival, Taken, Undecoded};
 use crate::frame::FrameMeta;
@@ -22,12 +23,18 @@ pub(crate) struct Piped<R> {
     channel: Option<Channel>,
     given: u64,
     has_ended: bool,
+    spare: Spare,
 }
 
 impl<R: BufRead> Piped<R> {
     /// Images of `input`, which errors call `name`; of colour images this channel.
     pub(crate) fn new(input: R, name: &'static str, channel: Option<Channel>) -> Self {
-        Self { input, name, channel, given: 0, has_ended: false }
+        Self { input, name, channel, given: 0, has_ended: false, spare: Spare::default() }
+    }
+
+    /// Reads images into spare memory.
+    pub(crate) fn reusing(self, spare: Spare) -> Self {
+        Self { spare, ..self }
     }
 
     fn named(&self) -> String {
@@ -63,7 +70,7 @@ impl<R: BufRead> Iterator for Piped<R> {
         if self.has_ended {
             return None;
         }
-        let next = next_image(&mut self.input);
+        let next = next_image(&mut self.input, self.spare.file());
         self.has_ended = !matches!(next, Ok(Some(Piece::Whole(_))));
         match next {
             Ok(piece) => Some(self.taken(piece?)),

@@ -3,13 +3,14 @@
 
 use std::io::Cursor;
 
-use png::{BitDepth, ColorType, Decoder, Limits};
+use png::{BitDepth, ColorType, Decoder, Limits, Reader};
 
 use super::error::{DecodeError, check_size, damaged};
 use super::ifd::Exif;
 use super::packed::unpack;
 use super::raster::{Raster, Stated};
 use super::scale::FileScale;
+use super::spare::Spare;
 use super::transfer::Transfer;
 use crate::frame::Buffer;
 
@@ -18,8 +19,8 @@ const CHUNKS: usize = 256 << 10;
 /// A metre, µm.
 const METRE_UM: f64 = 1e6;
 
-/// Reads the image.
-pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
+/// Reads the image, its samples into spare memory.
+pub(super) fn read(bytes: &[u8], spare: &Spare) -> Result<Raster, DecodeError> {
     let mut decoder = Decoder::new(Cursor::new(bytes));
     decoder.set_ignore_text_chunk(true);
     let info = decoder.read_header_info().map_err(damaged)?;
@@ -32,7 +33,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
         return Err(DecodeError::Unsupported("an animated PNG; save each frame as a file".to_owned()));
     }
     let size = reader.output_buffer_size().ok_or(DecodeError::TooLarge { columns, rows })?;
+    let mut most = None;
     let samples = match reader.info().bit_depth {
+        BitDepth::Sixteen if !reader.info().interlaced => {
+            let (words, found) = words(&mut reader, spare.words(size / 2))?;
+            most = Some(found);
+            Buffer::U16(words)
+        }
         BitDepth::Sixteen => {
             let mut words = vec![0_u16; size / 2];
             reader.next_frame(bytemuck::cast_slice_mut(&mut words)).map_err(damaged)?;
@@ -40,7 +47,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
             Buffer::U16(words)
         }
         depth => {
-            let mut packed = vec![0; size];
+            let mut packed = spare.octets(size);
             reader.next_frame(&mut packed).map_err(damaged)?;
             let row_samples = columns as usize * reader.info().color_type.samples();
             if depth == BitDepth::Eight {
@@ -53,7 +60,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
     let info = reader.info();
     let (columns, rows) = (columns as usize, rows as usize);
     let colour = info.color_type;
-    let mut stated = stated(bytes, info)?;
+    let mut stated = Stated { most, ..stated(bytes, info)? };
     let (samples, channels) = if colour == ColorType::Indexed {
         stated.full_scale = None;
         stated.significant_bits = None;
@@ -92,8 +99,22 @@ fn stated(bytes: &[u8], info: &png::Info<'_>) -> Result<Stated, DecodeError> {
         transfer: transfer(bytes, info, exif)?,
         orientation: exif.orientation,
         scale: scale(bytes),
-        wider_bytes: 0,
+        ..Stated::default()
     })
+}
+
+/// The 16-bit samples, in empty memory, and the largest of them: row by row, while a row is in the
+/// cache.
+fn words(reader: &mut Reader<Cursor<&[u8]>>, mut words: Vec<u16>) -> Result<(Vec<u16>, u16), DecodeError> {
+    let columns = reader.info().width;
+    let row_bytes = reader.output_line_size(columns).ok_or_else(|| damaged("a row without an end"))?;
+    let (mut row, mut most) = (vec![0; row_bytes], 0);
+    while reader.read_row(&mut row).map_err(damaged)?.is_some() {
+        let begins = words.len();
+        words.extend(row.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])));
+        most = words[begins..].iter().copied().fold(most, u16::max);
+    }
+    Ok((words, most))
 }
 
 /// `cICP` before `iCCP` before `sRGB` before `gAMA` (PNG 13.13.2), and EXIF's colour space after

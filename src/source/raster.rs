@@ -46,6 +46,8 @@ pub(super) struct Stated {
     pub(super) orientation: Option<u64>,
     /// Scale.
     pub(super) scale: Option<FileScale>,
+    /// The largest 16-bit sample, where the reader has met it on the way.
+    pub(super) most: Option<u16>,
     /// Bytes of the samples at the file's own depth, where these are more than now.
     pub(super) wider_bytes: usize,
 }
@@ -65,7 +67,9 @@ impl Raster {
     /// # Errors
     /// Refuses colours without a chosen channel, and pixels that are not opaque.
     pub(super) fn grey(self, channel: Option<Channel>) -> Result<(Buffer, Stated), DecodeError> {
-        let Self { samples, columns, channels, planar, stated, .. } = self;
+        let Self { samples, columns, channels, planar, mut stated, .. } = self;
+        // That of all channels need not be in the one that is picked.
+        stated.most = stated.most.filter(|_| channels == 1);
         let layout = Layout { columns, channels, planar };
         let picked = match samples {
             Buffer::U8(v) => Buffer::U8(pick(v, layout, channel, u8::MAX)?),

@@ -40,17 +40,35 @@ impl From<io::Error> for SplitError {
     }
 }
 
-/// The next image, white space before it left out; `None` at the end of the stream.
+/// The next image, in empty memory, white space before it left out; `None` at the end of the
+/// stream.
 ///
 /// # Errors
 /// A stream that fails; bytes that begin no image whose end can be found.
-pub(super) fn next_image(input: &mut impl BufRead) -> Result<Option<Piece>, SplitError> {
+pub(super) fn next_image(input: &mut impl BufRead, bytes: Vec<u8>) -> Result<Option<Piece>, SplitError> {
     if !skip_space(input)? {
         return Ok(None);
     }
-    let mut image = Image { input, bytes: Vec::new() };
+    let mut image = Image { input, bytes };
     let whole = image.fill(2)? && image.read_on()?;
     Ok(Some(if whole { Piece::Whole(image.bytes) } else { Piece::Cut }))
+}
+
+/// Whether a PNG is there up to its own end; `None` of another format.
+pub(super) fn is_whole_png(bytes: &[u8]) -> Option<bool> {
+    let mut rest = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n")?;
+    // Length and name of a chunk, its data, their check sum.
+    while let [a, b, c, d, name @ ..] = rest
+        && let Some(name) = name.get(..4)
+    {
+        let size = (u32::from_be_bytes([*a, *b, *c, *d]) as usize).saturating_add(12);
+        let Some(after) = rest.get(size..) else { break };
+        if name == b"IEND" {
+            return Some(true);
+        }
+        rest = after;
+    }
+    Some(false)
 }
 
 /// Skips white space; whether anything follows.
@@ -227,7 +245,7 @@ mod tests {
     /// A reader that gives few bytes at a time.
     fn split(bytes: &[u8], capacity: usize) -> Vec<Piece> {
         let mut input = BufReader::with_capacity(capacity, bytes);
-        std::iter::from_fn(|| next_image(&mut input).unwrap()).collect()
+        std::iter::from_fn(|| next_image(&mut input, Vec::new()).unwrap()).collect()
     }
 
     #[test]
@@ -244,11 +262,11 @@ mod tests {
     fn an_image_is_given_before_anything_after_it_is_read() {
         for image in images() {
             let mut input = image.as_slice();
-            assert_eq!(next_image(&mut input).unwrap(), Some(Piece::Whole(image.clone())));
+            assert_eq!(next_image(&mut input, Vec::new()).unwrap(), Some(Piece::Whole(image.clone())));
             assert!(input.is_empty());
             let long = [image.as_slice(), b"P"].concat();
             let mut input = long.as_slice();
-            next_image(&mut input).unwrap();
+            next_image(&mut input, Vec::new()).unwrap();
             assert_eq!(input, b"P");
         }
     }
@@ -271,11 +289,11 @@ mod tests {
             (b"hello", "not an image"),
             (b"BM\0\0\0\0\0\0", "leaves its size open"),
         ] {
-            match next_image(&mut &bytes[..]) {
+            match next_image(&mut &bytes[..], Vec::new()) {
                 Err(SplitError::NoEnd(what)) => assert!(what.contains(word), "{what}"),
                 other => panic!("{other:?}"),
             }
         }
-        assert_eq!(next_image(&mut &b" \n"[..]).unwrap(), None);
+        assert_eq!(next_image(&mut &b" \n"[..], Vec::new()).unwrap(), None);
     }
 }

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use super::decode::{Wanted, decode_wanted};
+use super::decode::{Wanted, decode_into};
 use super::read_error::ReadError;
 use super::scale::FileScale;
+use super::spare::Spare;
 use crate::frame::{Frame, FrameMeta};
 
 /// A frame, the name of its file (with its page: `stack#3`), and what the file's own tags state.
@@ -55,14 +56,15 @@ pub(crate) struct Undecoded {
 }
 
 impl Undecoded {
-    /// Decodes the frame.
+    /// Decodes the frame, in spare memory; leaves that of its file where no other page needs it.
     ///
     /// # Errors
     /// An image that is no grey frame, or whose own scale differs from that of `frames.csv`.
-    pub(crate) fn decode(self) -> Result<StoredFrame, ReadError> {
+    pub(super) fn decode(self, spare: &Spare) -> Result<StoredFrame, ReadError> {
         let Self { stem, named, content, wanted, meta, stated } = self;
-        let decoded = decode_wanted(&content, &wanted, meta)
-            .map_err(|cause| ReadError::Decode { path: named.clone(), cause })?;
+        let decoded = decode_into(&content, &wanted, meta, spare);
+        Arc::try_unwrap(content).into_iter().for_each(|file| spare.take_file(file));
+        let decoded = decoded.map_err(|cause| ReadError::Decode { path: named.clone(), cause })?;
         let mut scale = decoded.scale;
         if let Some((um_per_px, row)) = stated {
             let table = format!("frames.csv (row {row})");

@@ -225,6 +225,7 @@ impl Page {
             transfer: self.transfer(tiff, directory, exif)?,
             orientation: exif.orientation,
             scale: scale(tiff, directory),
+            most: None,
         })
     }
 

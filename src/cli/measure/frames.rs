@@ -148,6 +148,11 @@ impl<'a> Frames<'a> {
         Some((arrival, frame))
     }
 
+    /// Takes back a frame, whose memory one of the next frames uses.
+    pub(crate) fn give_back(&self, frame: Frame) {
+        self.source.give_back(frame);
+    }
+
     /// Why the source ended before its end, if it did.
     ///
     /// # Errors

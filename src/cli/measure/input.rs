@@ -106,18 +106,21 @@ impl Input {
     /// A folder that cannot be listed; a system that refuses threads.
     pub(crate) fn open(self, channel: Option<Channel>, threads: usize) -> Result<Opened, Failure> {
         let stop = self.is_stream().then(interrupt::requested);
-        let ended = stop.clone();
+        let (ended, spare) = (stop.clone(), Ahead::spare(threads));
         let frames = match self {
             Self::Files(paths) => {
-                Ahead::new(FileFrames::new(paths).of_channel(channel).undecoded(), threads, ended)
+                let files = FileFrames::new(paths).of_channel(channel).reusing(spare.clone());
+                Ahead::new(files.undecoded(), threads, ended, spare)
             }
             Self::Folder(folder, idle) => {
                 let follow = Follow::new(folder, channel, idle, stop.clone().unwrap_or_default());
-                Ahead::new(follow.map_err(Failure::fail)?, threads, ended)
+                let follow = follow.map_err(Failure::fail)?.reusing(spare.clone());
+                Ahead::new(follow, threads, ended, spare)
             }
             Self::Stdin => {
                 let stdin = BufReader::with_capacity(PIPE, std::io::stdin());
-                Ahead::new(Piped::new(stdin, "stdin", channel), threads, ended)
+                let piped = Piped::new(stdin, "stdin", channel).reusing(spare.clone());
+                Ahead::new(piped, threads, ended, spare)
             }
         };
         Ok(Opened { frames: frames.map_err(Failure::fail)?, stop })

@@ -303,7 +303,10 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     while let Some((arrival, read)) = frames.next_frame() {
         let frame = measure_one(&mut stream, &arrival.stem, read);
         leaves.add(&mut stream, frame.as_ref())?;
-        kept.extend(frame.filter(|_| args.bench.is_some()));
+        match args.bench {
+            Some(_) => kept.extend(frame),
+            None => frame.into_iter().for_each(|frame| frames.give_back(frame)),
+        }
         results.frame(&stream, &arrival)?;
         if is_stream && output::has_failed() {
             break;
