@@ -25,6 +25,8 @@ const LOCAL_COLUMNS: f64 = 65.0;
 /// Length along z of what is compared from turn to turn without stations, mm: some columns of any
 /// lens.
 const TURN_STRETCH_MM: f64 = 1.0;
+/// Most jumps that a series lists beside those of its frames: half a megabyte.
+const MOST_JUMPS: usize = 10_000;
 
 /// About [`LOCAL_COLUMNS`], such that no remainder of a few columns is left at the end of a frame.
 fn local_columns(columns: usize) -> f64 {
@@ -47,6 +49,8 @@ pub(super) struct FollowedTurn {
     pub(super) frames: TurnFrames,
     history: TurnHistory,
     pub(super) jumps: Vec<Jump>,
+    /// Jumps beyond those kept.
+    pub(super) jumps_left_out: usize,
 }
 
 /// Follows the frames of one series.
@@ -118,6 +122,7 @@ impl Inspector {
                 frames: TurnFrames::default(),
                 history: TurnHistory::new(&plausibility, settings.station_mm.unwrap_or(TURN_STRETCH_MM)),
                 jumps: Vec::new(),
+                jumps_left_out: 0,
             },
             frames: 0,
             buffers: Buffers::default(),
@@ -280,7 +285,9 @@ impl Inspector {
         let refused = before - valid(diameters);
         out.flags.set(Reason::Implausible, refused);
         out.valid = out.valid.saturating_sub(refused);
-        self.turn.jumps.extend(&jumps);
+        let room = MOST_JUMPS.saturating_sub(self.turn.jumps.len()).min(jumps.len());
+        self.turn.jumps.extend(&jumps[..room]);
+        self.turn.jumps_left_out += jumps.len() - room;
         out.jumps = jumps;
     }
 

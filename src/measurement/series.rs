@@ -7,6 +7,7 @@ use super::error::MeasureError;
 use super::inspector::{Inspector, worse};
 use super::statistics::Statistics;
 use super::turn::{SectionUncertainty, TurnForm};
+use super::turn_frames::LeftOut;
 use super::turn_sizes::judge_turn;
 use crate::conformity::Judgement;
 use crate::gauge::calibration::Conditions;
@@ -65,6 +66,7 @@ impl Series {
         if inspector.settings.turn {
             let (form, left_out) = turn_form(&mut inspector)?;
             warnings.extend(left_out);
+            warnings.extend(jumps_word(inspector.turn.jumps_left_out));
             warnings.extend(scatter_word(&form.form));
             let judged = form.judged.as_ref().map(super::turn_sizes::TurnJudged::judgement);
             inspector.worst = judged.map_or(inspector.worst, |judged| worse(inspector.worst, judged));
@@ -78,8 +80,8 @@ impl Series {
     }
 }
 
-/// Form, sizes and axis over the revolution, and a warning on frames that are not in them.
-fn turn_form(inspector: &mut Inspector) -> Result<(TurnForm, Option<String>), MeasureError> {
+/// Form, sizes and axis over the revolution, and warnings on frames that are not in them.
+fn turn_form(inspector: &mut Inspector) -> Result<(TurnForm, Vec<String>), MeasureError> {
     let frames = std::mem::take(&mut inspector.turn.frames);
     let turn = frames.finish(&inspector.asked_of_turn()?)?;
     let common = |z_mm: f64| turn.common_mm(z_mm);
@@ -96,14 +98,29 @@ fn turn_form(inspector: &mut Inspector) -> Result<(TurnForm, Option<String>), Me
         judged,
         form: turn.form,
     };
-    Ok((form, (turn.elsewhere > 0).then(|| elsewhere_word(turn.elsewhere))))
+    Ok((form, left_out_words(turn.left_out)))
 }
 
-fn elsewhere_word(frames: usize) -> String {
-    format!(
-        "{frames} frames stand elsewhere along the part than the long series before them and are left out of the form over the turn: \
+fn left_out_words(LeftOut { elsewhere, beyond }: LeftOut) -> Vec<String> {
+    let of_elsewhere = format!(
+        "{elsewhere} frames stand elsewhere along the part than the long series before them and are left out of the form over the turn: \
          measure each place by itself, or give fewer frames of each"
-    )
+    );
+    let of_beyond = format!(
+        "the last {beyond} frames of the scan along the part are left out of the form over the turn: their columns are more than are kept \
+         (2 GiB); measure the part in pieces, or a smaller window of it"
+    );
+    let words = [(elsewhere, of_elsewhere), (beyond, of_beyond)];
+    words.into_iter().filter(|(frames, _)| *frames > 0).map(|(_, word)| word).collect()
+}
+
+fn jumps_word(left_out: usize) -> Option<String> {
+    let word = || {
+        format!(
+            "{left_out} further diameters contradict earlier turns and are listed with their frames alone"
+        )
+    };
+    (left_out > 0).then(word)
 }
 
 /// A warning where sections scatter by more than their form and their u explain.

@@ -1,7 +1,7 @@
 //! The frames of a revolution: what of them its form, its sizes and its axis need.
 //!
 //! Sections divide the length that all frames show together. A scan along z shows it once its last
-//! frame is there: its columns are kept until then. A camera that stands shows it in every frame:
+//! frame is there: its columns are kept until then, up to [`MOST_COLUMNS`]. A camera that stands shows it in every frame:
 //! after [`KEPT`] frames at one place the columns of these are summed up by section and spindle
 //! angle, those of every further frame at once, and the memory does not grow any more. The sums are
 //! those that the kept columns would give, but for one thing: what turns towards the camera is
@@ -18,6 +18,10 @@ use crate::gauge::{Calibration, ColumnDiameters};
 /// Frames at one place whose columns are kept: more than a scan takes at one field (720 in half
 /// degrees); 160 MB of frames of 2448 columns.
 const KEPT: usize = 1024;
+/// Most columns of a scan along the part that are kept: 2 GiB at 64 bytes, a half or a quarter of
+/// the memory of a computer beside a machine; 13 700 frames of 2448 columns, nineteen fields at half
+/// degrees.
+const MOST_COLUMNS: usize = 1 << 25;
 /// Columns of a section of an envelope: wide enough to suppress the noise of single columns, narrow
 /// enough to resolve a crest of that width.
 const ENVELOPE_COLUMNS: f64 = 8.0;
@@ -53,6 +57,9 @@ pub(super) struct TurnFrames {
     standing: Option<Gathered>,
     /// Frames that stand elsewhere than those that were summed up.
     elsewhere: usize,
+    kept_columns: usize,
+    /// Frames of a scan beyond those that are kept.
+    beyond: usize,
 }
 
 /// Form, sizes and axis of a revolution.
@@ -63,7 +70,16 @@ pub(super) struct TurnResults {
     pub(super) envelope: Option<Result<Envelope, String>>,
     /// By section of the form, its common standard uncertainty, mm.
     pub(super) common: Vec<(f64, Option<f64>)>,
+    pub(super) left_out: LeftOut,
+}
+
+/// Frames that are not in the form.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct LeftOut {
+    /// Those that stand elsewhere than a long series before them.
     pub(super) elsewhere: usize,
+    /// Those of a scan beyond the first that are kept.
+    pub(super) beyond: usize,
 }
 
 impl TurnResults {
@@ -84,6 +100,11 @@ impl TurnFrames {
             }
             return;
         }
+        if self.kept_columns + diameters.columns.len() > MOST_COLUMNS {
+            self.beyond += 1;
+            return;
+        }
+        self.kept_columns += diameters.columns.len();
         self.stands = if self.kept.is_empty() { Some(view) } else { self.stands.filter(|v| *v == view) };
         self.kept.push((meta.clone(), diameters.clone()));
         if self.kept.len() == KEPT && self.stands.is_some() {
@@ -104,7 +125,8 @@ impl TurnFrames {
         }
         let envelope = envelope.map(|envelope| envelope.envelope(asked.cutoff));
         let common = common.sums.iter().map(|s| (s.z_mm, s.mean_mm())).collect();
-        Ok(TurnResults { axis: axis.finish(), form, envelope, common, elsewhere: self.elsewhere })
+        let left_out = LeftOut { elsewhere: self.elsewhere, beyond: self.beyond };
+        Ok(TurnResults { axis: axis.finish(), form, envelope, common, left_out })
     }
 }
 
@@ -303,7 +325,7 @@ mod tests {
             }
             assert_eq!(found.common, right.common);
             assert_eq!(found.envelope, right.envelope);
-            assert!(found.envelope.is_some_and(|e| e.is_ok()) && found.elsewhere == 0);
+            assert!(found.envelope.is_some_and(|e| e.is_ok()) && found.left_out == LeftOut::default());
         }
     }
 
@@ -317,6 +339,13 @@ mod tests {
             scan.add(&meta, &d, &asked);
         }
         assert!(scan.standing.is_none() && scan.kept.len() == 2 * KEPT);
+        // One that has no room any more is counted, and the form is that of those before it.
+        scan.kept_columns = MOST_COLUMNS - 100;
+        for index in 2 * KEPT..2 * KEPT + 3 {
+            let (meta, d) = frame(index, 12.0);
+            scan.add(&meta, &d, &asked);
+        }
+        assert_eq!((scan.kept.len(), scan.beyond), (2 * KEPT + 1, 2));
         let mut stood = TurnFrames::default();
         for index in 0..KEPT + 5 {
             let (meta, d) = frame(index, if index < KEPT { 5.0 } else { 12.0 });

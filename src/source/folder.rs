@@ -93,11 +93,12 @@ fn is_image_name(name: &OsStr) -> bool {
     !name.as_encoded_bytes().starts_with(b".") && extension.is_some_and(|e| is_image_extension(&e))
 }
 
-/// Whether an entry is a file, or a link to one.
+/// Whether an entry is a file, or a link to one. A link to nothing is one that cannot be read: left
+/// out it would be a frame that nothing shows the lack of.
 fn is_file(entry: &fs::DirEntry) -> bool {
     match entry.file_type() {
         Ok(kind) if !kind.is_symlink() => kind.is_file(),
-        _ => entry.path().is_file(),
+        _ => fs::metadata(entry.path()).map_or(true, |found| found.is_file()),
     }
 }
 

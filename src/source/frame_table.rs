@@ -5,7 +5,7 @@
 //! fields; Excel's `sep=` line. Everything else is refused with its row number as in a spreadsheet:
 //! the header is row 1.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -129,13 +129,13 @@ impl FrameTable {
 
     /// Whether any row is that of one of these images (or of one of their pages).
     pub(super) fn knows_any(&self, stems: &[String]) -> bool {
-        let mut own = self.rows.values().map(|info| file_stem(&info.frame));
-        own.any(|name| stems.iter().any(|stem| key(stem) == key(name)))
+        let there: HashSet<String> = stems.iter().map(|stem| key(stem)).collect();
+        self.rows.values().any(|info| there.contains(&key(file_stem(&info.frame))))
     }
 
     /// Rows whose image is not among these.
     pub(super) fn without_image(&self, stems: &[String]) -> Vec<&FrameInfo> {
-        let known: std::collections::HashSet<String> = stems.iter().map(|stem| key(stem)).collect();
+        let known: HashSet<String> = stems.iter().map(|stem| key(stem)).collect();
         let missing = |info: &&FrameInfo| {
             !known.contains(&key(&info.frame)) && !known.contains(&key(file_stem(&info.frame)))
         };

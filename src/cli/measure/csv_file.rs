@@ -5,6 +5,8 @@
 
 use std::io::Write;
 
+use crate::cli::failure::Failure;
+use crate::files::OpenOutput;
 use crate::measurement::{Measurement, StationResult, Verdict};
 use crate::profile::{Diameter, Reading};
 
@@ -173,6 +175,22 @@ impl<W: Write> DiameterRows<W> {
     pub(super) fn finish(self) -> Result<W, std::io::Error> {
         self.csv.into_inner().map_err(csv::IntoInnerError::into_error)
     }
+}
+
+impl DiameterRows<OpenOutput> {
+    /// That it could not be written.
+    pub(super) fn failed(&self, error: csv::Error) -> Failure {
+        named(self.csv.get_ref(), error)
+    }
+}
+
+/// What of a table's file could not be written.
+pub(super) fn named(file: &OpenOutput, error: csv::Error) -> Failure {
+    let cause = match error.into_kind() {
+        csv::ErrorKind::Io(cause) => cause,
+        other => std::io::Error::other(format!("{other:?}")),
+    };
+    file.failed(cause).into()
 }
 
 #[cfg(test)]

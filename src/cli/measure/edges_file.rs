@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::csv_file::named;
 use crate::cli::failure::Failure;
 use crate::files::{OpenOutput, OutputFile};
 use crate::gauge::{Edge, FrameEdges};
@@ -84,13 +85,7 @@ impl EdgesFile {
     }
 
     fn checked(&self, written: csv::Result<()>) -> Result<(), Failure> {
-        written.map_err(|error| {
-            let cause = match error.into_kind() {
-                csv::ErrorKind::Io(cause) => cause,
-                other => std::io::Error::other(format!("{other:?}")),
-            };
-            self.csv.get_ref().failed(cause).into()
-        })
+        written.map_err(|error| named(self.csv.get_ref(), error))
     }
 }
 

@@ -133,13 +133,12 @@ impl Leaves {
     /// out of it.
     ///
     /// # Errors
-    /// Exit 3 for a row that CSV cannot represent.
+    /// Exit 3 where the disk or the permissions refuse.
     pub(super) fn add(&mut self, stream: &mut Stream, frame: Option<&Frame>) -> Result<(), Failure> {
         if let Some(rows) = &mut self.csv {
-            rows.add(stream.measurement()).map_err(Failure::fail)?;
-            if self.is_stream {
-                rows.flush().map_err(Failure::fail)?;
-            }
+            let added = rows.add(stream.measurement());
+            let added = added.and_then(|()| if self.is_stream { Ok(rows.flush()?) } else { Ok(()) });
+            added.map_err(|error| rows.failed(error))?;
         }
         if let Some((_, report)) = &mut self.report {
             report.add(stream.measurement(), frame);
@@ -160,7 +159,8 @@ impl Leaves {
             .report
             .map(|(file, report)| Ok::<_, Failure>((file, report.finish(series).map_err(Failure::fail)?)));
         let page = page.transpose()?;
-        if let Some(rows) = self.csv {
+        if let Some(mut rows) = self.csv {
+            rows.flush().map_err(|error| rows.failed(error.into()))?;
             rows.finish().map_err(Failure::fail)?.finish()?;
         }
         if let Some((file, html)) = page {

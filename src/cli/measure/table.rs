@@ -1,5 +1,7 @@
 //! The table of `measure`, one line a frame, as the frames come.
 
+use std::borrow::Cow;
+
 use serde_json::Value;
 
 use super::statistics::statistics_line;
@@ -23,6 +25,15 @@ pub(super) fn print_header(averages: bool) {
     );
 }
 
+/// A name as a row can hold it: what would end the row, or steer a terminal, is written out.
+fn on_one_line(name: &str) -> Cow<'_, str> {
+    if !name.contains(char::is_control) {
+        return name.into();
+    }
+    let shown = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    name.chars().map(shown).collect::<String>().into()
+}
+
 /// The row of a frame.
 pub(super) fn print_row(f: &Value, averages: bool) {
     let of = |value: &str, u: &str| match (f[value].as_f64(), f[u].as_f64()) {
@@ -38,7 +49,7 @@ pub(super) fn print_row(f: &Value, averages: bool) {
     });
     say_line!(
         "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10}{average} {:>15} {:<28} {flags}",
-        f["frame"].as_str().unwrap_or(""),
+        on_one_line(f["frame"].as_str().unwrap_or("")),
         f["columns"],
         f["valid"],
         max_px,
@@ -59,5 +70,16 @@ pub(super) fn print_series(out: &serde_json::Map<String, Value>, bench: Option<&
     }
     if let Some(turn) = out.get("turn") {
         say!("{}", turn_table(turn));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_stays_on_its_line() {
+        assert_eq!(on_one_line("part 12, Ø8"), "part 12, Ø8");
+        assert_eq!(on_one_line("a\nb\u{1b}[31m"), "a\\nb\\u{1b}[31m");
     }
 }
