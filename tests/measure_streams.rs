@@ -139,6 +139,49 @@ fn a_followed_folder_gives_every_image_once_and_waits_for_what_is_written_still(
     assert_eq!(series["statistics"]["count"], 5);
 }
 
+/// Files as they lie about: each has its row, under a name that stays on its line, or its error.
+#[cfg(unix)]
+#[test]
+fn links_odd_names_and_a_full_disk_are_handled_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let images = folder.path().join("linked images");
+    std::fs::create_dir(&images).unwrap();
+    std::fs::write(images.join("a b.png"), png(1)).unwrap();
+    std::fs::write(images.join("c\nd.png"), png(2)).unwrap();
+    std::fs::create_dir(images.join("folder.png")).unwrap();
+    std::os::unix::fs::symlink(images.join("a b.png"), images.join("e.png")).unwrap();
+    std::os::unix::fs::symlink("/nowhere", images.join("gone.png")).unwrap();
+    let link = folder.path().join("link");
+    std::os::unix::fs::symlink(&images, &link).unwrap();
+    let path = link.to_str().unwrap();
+    let output = program::shadowgauge(["measure", path]);
+    let (table, said) = (program::text(&output.stdout), program::said(&output));
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let names: Vec<&str> = table.lines().skip(1).map(|row| row[..24].trim()).collect();
+    assert_eq!(names, ["a b", "c\\nd", "e", "gone"], "{table}");
+    assert!(said.contains("gone.png") && table.lines().last().unwrap().contains("unreadable"), "{said}");
+    // A folder that vanishes ends its stream with an error, after what was measured of it.
+    let running = Running::start(&["--follow", path, "--json"]);
+    let found: Vec<Value> = (0..3).map(|_| running.json()).collect();
+    assert!(found.iter().all(is_measured), "{found:?}");
+    std::fs::remove_dir_all(&images).unwrap();
+    let (code, rest) = running.end();
+    assert_eq!((code, rest.len()), (Some(3), 1), "{rest:?}");
+    if Path::new("/dev/full").exists() {
+        let image = folder.path().join("one.png");
+        std::fs::write(&image, png(3)).unwrap();
+        for option in ["--csv", "--edges", "--report"] {
+            let image = image.to_str().unwrap();
+            let output = program::shadowgauge(["measure", image, "--um-per-px", "10", option, "/dev/full"]);
+            let said = program::said(&output);
+            assert!(
+                output.status.code() == Some(3) && said.contains("/dev/full: cannot be written"),
+                "{said}"
+            );
+        }
+    }
+}
+
 #[test]
 fn ctrl_c_ends_a_stream_with_its_series() {
     let folder = tempfile::tempdir().unwrap();
