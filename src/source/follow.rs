@@ -45,10 +45,7 @@ pub(crate) struct Follow {
     frames: FileFrames,
     idle: Option<Duration>,
     stop: Arc<AtomicBool>,
-    /// Names in the folder that were queued already, each with the last listing that found it:
-    /// about a hundred bytes a file that stays.
-    known: HashMap<OsString, u64>,
-    listings: u64,
+    known: Known,
     queue: VecDeque<PathBuf>,
     first: Look,
     last_new: Instant,
@@ -57,6 +54,33 @@ pub(crate) struct Follow {
     tables: [Option<Stamp>; 2],
     has_ended: bool,
     spare: Spare,
+}
+
+/// Names in the folder that were queued already, each with the last listing that found it: about a
+/// hundred bytes a file that stays.
+#[derive(Debug, Default)]
+struct Known {
+    names: HashMap<OsString, u64>,
+    listings: u64,
+}
+
+impl Known {
+    /// Lists the folder: the images that are new, in their natural order.
+    fn new_in(&mut self, folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+        self.listings += 1;
+        let (listing, mut new) = (self.listings, Vec::new());
+        each_image(folder, |name| match self.names.entry(name) {
+            Entry::Occupied(mut last) => *last.get_mut() = listing,
+            Entry::Vacant(place) => {
+                new.push(folder.join(place.key()));
+                place.insert(listing);
+            }
+        })?;
+        // Only names that are still there: what was taken away takes no memory.
+        self.names.retain(|_, last| *last == listing);
+        new.sort_by(|a, b| natural(&name(a), &name(b)).then_with(|| a.cmp(b)));
+        Ok(new)
+    }
 }
 
 /// Size of a file and time of its last change.
@@ -126,8 +150,7 @@ impl Follow {
             folder,
             idle,
             stop,
-            known: HashMap::new(),
-            listings: 0,
+            known: Known::default(),
             queue: VecDeque::new(),
             first: Look::none(),
             last_new: now,
@@ -151,21 +174,8 @@ impl Follow {
         if begun < self.next_listing {
             return Ok(());
         }
-        self.listings += 1;
-        let listing = self.listings;
-        let Self { known, folder, .. } = &mut *self;
-        let mut new = Vec::new();
-        let listed = each_image(folder, |name| match known.entry(name) {
-            Entry::Occupied(mut last) => *last.get_mut() = listing,
-            Entry::Vacant(place) => {
-                new.push(folder.join(place.key()));
-                place.insert(listing);
-            }
-        });
-        listed.map_err(|cause| ReadError::Io { path: folder.display().to_string(), cause })?;
-        // Only names that are still there: what was taken away takes no memory.
-        known.retain(|_, last| *last == listing);
-        new.sort_by(|a: &PathBuf, b| natural(&name(a), &name(b)).then_with(|| a.cmp(b)));
+        let io = |cause| ReadError::Io { path: self.folder.display().to_string(), cause };
+        let new = self.known.new_in(&self.folder).map_err(io)?;
         if !new.is_empty() {
             self.last_new = begun;
         }
