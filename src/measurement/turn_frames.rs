@@ -1,11 +1,12 @@
 //! The frames of a revolution: what of them its form, its sizes and its axis need.
 //!
 //! Sections divide the length that all frames show together. A scan along z shows it once its last
-//! frame is there: its columns are kept until then, up to [`MOST_COLUMNS`]. A camera that stands shows it in every frame:
-//! after [`KEPT`] frames at one place the columns of these are summed up by section and spindle
-//! angle, those of every further frame at once, and the memory does not grow any more. The sums are
-//! those that the kept columns would give, but for one thing: what turns towards the camera is
-//! taken off by the axis of the kept frames, some revolutions, not by that of all.
+//! frame is there: its columns are kept until then, up to [`MOST_COLUMNS`]. A camera that stands
+//! shows it in every frame: after [`KEPT`] frames at one place the columns of these are summed up
+//! by section and spindle angle, those of every further frame at once, and the memory does not grow
+//! any more. The sums are those that the kept columns would give, but for one thing: what turns
+//! towards the camera is taken off by the axis of the kept frames, some revolutions, not by that of
+//! all.
 
 use super::error::MeasureError;
 use crate::frame::FrameMeta;
@@ -19,8 +20,8 @@ use crate::gauge::{Calibration, ColumnDiameters};
 /// degrees); 160 MB of frames of 2448 columns.
 const KEPT: usize = 1024;
 /// Most columns of a scan along the part that are kept: 2 GiB at 64 bytes, a half or a quarter of
-/// the memory of a computer beside a machine; 13 700 frames of 2448 columns, nineteen fields at half
-/// degrees.
+/// the memory of a computer beside a machine; 13 700 frames of 2448 columns, nineteen fields at
+/// half degrees.
 const MOST_COLUMNS: usize = 1 << 25;
 /// Columns of a section of an envelope: wide enough to suppress the noise of single columns, narrow
 /// enough to resolve a crest of that width.

@@ -174,8 +174,9 @@ fn with_best_knots<'a>(
     let low = if ends.low.is_finite() { ends.low } else { dark.mean };
     let high = if ends.high.is_finite() { ends.high } else { light.mean };
     let seen = high - low;
-    // Where a followed edge has moved away, its windows lie in the shadow or in the light alone: the
-    // mean of what should be light is then no more than the end of the dark, and no flank is seen.
+    // Where a followed edge has moved away, its windows lie in the shadow or in the light alone:
+    // the mean of what should be light is then no more than the end of the dark, and no flank is
+    // seen.
     if !(seen > 0.0) {
         return None;
     }
