@@ -10,7 +10,7 @@ use std::time::Duration;
 use image::{GrayImage, ImageFormat, Luma};
 use serde_json::Value;
 
-use crate::streamed::{COLUMNS, ROWS, Running, WIDTH_PX, encoded, is_measured, pgm, picture, png};
+use crate::streamed::{COLUMNS, ROWS, Running, encoded, is_measured, pgm, picture, png};
 
 #[path = "support/program.rs"]
 mod program;
