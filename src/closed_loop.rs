@@ -167,7 +167,7 @@ impl<'a> ClosedLoop<'a> {
     ) -> Result<Self, LoopError> {
         job.check()?;
         job.check_coverage()?;
-        let controller = control::build(&job.run_control(), &job.part.station_z_mm())?;
+        let controller = control::build(&job.run_control(), job.layout())?;
         Self::assemble(job, cell, calibration, controller)
     }
 
@@ -194,7 +194,7 @@ impl<'a> ClosedLoop<'a> {
         controller: Box<dyn Controller + Send>,
     ) -> Result<Self, LoopError> {
         let (gauge, calibration) = instrument::instrument(&job, cell.as_mut(), calibration)?;
-        let offset = DiameterOffset::zero(job.part.station_z_mm().len());
+        let offset = DiameterOffset::zero(job.station_z_mm().len());
         Ok(Self {
             of_part: calibration.of_part(&job),
             job,
@@ -260,7 +260,7 @@ impl<'a> ClosedLoop<'a> {
         self.part.stock = stock;
         if let Some(event) = self.part.event.take() {
             let start = PartStart { event, stock: self.part.stock.as_ref() };
-            let stations = self.job.part.station_z_mm().len();
+            let stations = self.job.station_z_mm().len();
             let first = self.controller.begin_part(&start, stations);
             match self.put_in_force(first) {
                 Ok(_) => self.held = None,

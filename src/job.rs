@@ -9,7 +9,7 @@
 //! remove material). Errors name the key and the valid range.
 //!
 //! `part`, `scan`, `nc_job`, `probe` and `follow` are tables and plans of the loop; `stations` are
-//! a function of its part; `simulated` is the whole job, `drawn` what a picture of it needs,
+//! a function of its part, `sections` make a contour of a drawing, one that can be turned; `simulated` is the whole job, `drawn` what a picture of it needs,
 //! `workpiece` what the model-based controller takes from it, `edge` and `gauge_settings` give the
 //! gauge the edge of the job's own optics; `error` is what a check refuses. A new table of the loop
 //! is a field of both with a check of its own, called in [`LoopJob::check`]; one of the simulation
@@ -31,6 +31,7 @@ mod part;
 mod part_facts;
 mod probe;
 mod scan;
+mod sections;
 #[cfg(feature = "render")]
 mod simulated;
 mod stations;
@@ -43,6 +44,7 @@ pub use self::{
     nc_job::NcJob,
     part::Part,
     scan::{Scan, ScanWhen, StockScan},
+    sections::PartSection,
 };
 pub use crate::conformity::Tolerance;
 #[cfg(feature = "render")]

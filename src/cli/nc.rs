@@ -187,7 +187,7 @@ fn covers(job: &Job, pass: u32, rows: &[&OffsetRow]) -> Result<(), String> {
     if pass == 0 || pass as usize > job.part.passes() {
         return Err(format!("offsets.csv: pass {pass} is none of the part's {} passes", job.part.passes()));
     }
-    let stations = job.part.station_z_mm();
+    let stations = job.loop_job().station_z_mm();
     if rows.len() != stations.len() {
         return Err(format!(
             "offsets.csv: pass {pass} has {} rows, the part has {} stations ({}); a row for each is needed",

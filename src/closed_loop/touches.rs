@@ -33,9 +33,13 @@ impl ClosedLoop<'_> {
     ) -> Result<Scanned, LoopError> {
         let start = Instant::now();
         let part = &self.job.part;
-        let (z_mm, count) = (part.station_z_mm(), settings.angles);
+        let (z_mm, count) = (self.job.station_z_mm(), settings.angles);
         let expected = if pass == 0 { part.stock_diameter_mm } else { part.target_mm(pass) };
-        let orders = probe::orders(settings, &z_mm, count, expected);
+        let mut orders = probe::orders(settings, &z_mm, count, expected);
+        if let Some(contour) = self.job.turned_contour() {
+            let at = |z_mm: f64| contour.relative_mm(z_mm, crate::plan::Side::Chuck);
+            orders.iter_mut().for_each(|order| order.expected_mm += at(order.z_mm));
+        }
         let touches = self.cell.touch(None, &orders)?;
         progress(touches.len(), orders.len());
         let waited = start.elapsed();

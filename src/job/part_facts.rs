@@ -18,7 +18,7 @@ impl Job {
         let mut random = Pcg64::seed_from_u64(self.seed ^ STREAM);
         PartFacts {
             seed: u64::from(random.next_u32()),
-            station_z_mm: order.part.station_z_mm(),
+            station_z_mm: order.station_z_mm(),
             nominal_mm: (1..=order.passes() as u32).map(|pass| order.part.target_mm(pass)).collect(),
             tolerance_mm: order.part.tolerance.map(|t| t.limits_mm()),
             cutting: order.cutting,

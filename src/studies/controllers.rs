@@ -57,7 +57,10 @@ impl Contestant<'_> {
 
     fn start(&self, job: &Job) -> Result<Box<dyn Controller + Send>, LoopError> {
         match self {
-            Self::Own(_) => Ok(control::build(&job.loop_job().run_control(), &job.part.station_z_mm())?),
+            Self::Own(_) => {
+                let order = job.loop_job();
+                Ok(control::build(&order.run_control(), order.layout())?)
+            }
             Self::Program(program) => Ok(program.start(job)?),
         }
     }

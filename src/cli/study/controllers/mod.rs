@@ -71,7 +71,7 @@ pub(crate) fn run(args: &StudyControllersArgs) -> CommandResult {
     for controller in &names {
         let mut settings = job.loop_job().run_control();
         settings.controller = *controller;
-        crate::control::build(&settings, &job.part.station_z_mm()).map_err(|e| text.refuse(e))?;
+        crate::control::build(&settings, job.loop_job().layout()).map_err(|e| text.refuse(e))?;
     }
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let programs = start_commands(args)?;
