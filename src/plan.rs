@@ -1,11 +1,13 @@
 //! Plans of passes and scans: the commands from control to the machine.
 
 mod contour;
+mod feed_direction;
 
 use std::fmt;
 use std::ops::Range;
 
 pub(crate) use self::contour::{Contour, ContourKnot, Section, Side, Taper, value_at};
+pub use self::feed_direction::FeedDirection;
 
 /// Cutting data of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -15,19 +17,6 @@ pub struct CuttingData {
     pub speed_m_per_min: f64,
     /// Feed f, mm per revolution.
     pub feed_mm_per_rev: f64,
-}
-
-/// The way the tool travels.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum FeedDirection {
-    /// From the tailstock to the chuck, as usual.
-    #[default]
-    TowardsChuck,
-    /// From the chuck to the tailstock.
-    TowardsTailstock,
 }
 
 /// Corrections along z, subtracted from the nominal when commanding: b = r - o, in mm of diameter.

@@ -125,7 +125,7 @@ impl Drawing<'_> {
         let largest = self.points.iter().map(|p| p.diameter_mm).fold(0.0, f64::max);
         self.check_nominal(largest)?;
         let cuts = contour::cut_lengths_mm(self.points);
-        let mut made = Contour::default();
+        let mut made = Contour { direction: self.direction, ..Contour::default() };
         for (piece, entry) in pieces.iter().zip(&entries) {
             let clear_mm = self.clear(piece, &cuts);
             let name = entry.and_then(|e| e.name.clone()).unwrap_or_else(|| piece.name());

@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use super::feed_direction::FeedDirection;
 use crate::numerics::neighbours::{linear_between, neighbours};
 
 /// The side from which a place is approached; the two differ at a shoulder alone.
@@ -69,6 +70,8 @@ pub(crate) struct Contour {
     pub sections: Vec<Section>,
     /// Tapers along z.
     pub tapers: Vec<Taper>,
+    /// The way the tool travels along it.
+    pub direction: FeedDirection,
 }
 
 impl Contour {
@@ -139,6 +142,7 @@ mod tests {
             knots: points.map(knot).to_vec(),
             sections: vec![section(0.0, 40.0, 30.0), section(40.0, 60.0, 20.0), section(80.0, 100.0, 18.0)],
             tapers: Vec::new(),
+            direction: FeedDirection::TowardsChuck,
         }
     }
 
