@@ -310,6 +310,12 @@ fn check_entry(entry: &PartSection, piece: &Piece, key: &dyn Fn(&str) -> String)
     if !(lower < upper) {
         return refuse(format!("the lower limit, {lower} mm, must lie below the upper one, {upper} mm"));
     }
+    if (tolerance.nominal_mm - piece.diameter_mm.0).abs() > SAME_MM {
+        return refuse(format!(
+            "is one of {} mm, and the contour has Ø{} there: the nominal size of both must agree",
+            tolerance.nominal_mm, piece.diameter_mm.0
+        ));
+    }
     let aimed = piece.diameter_mm.0 + aim(entry, piece.diameter_mm.0);
     if (lower..=upper).contains(&aimed) {
         return Ok(());
