@@ -6,7 +6,7 @@ mod feed_direction;
 use std::fmt;
 use std::ops::Range;
 
-pub(crate) use self::contour::{Contour, ContourKnot, Section, Side, Taper, value_at};
+pub(crate) use self::contour::{Contour, ContourKnot, Piece, Section, Side, Taper, value_at};
 pub use self::feed_direction::FeedDirection;
 
 /// Cutting data of a pass.

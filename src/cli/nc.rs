@@ -266,7 +266,7 @@ fn one_diameter(pass: &Pass, form: &str) -> Result<(), Failure> {
 }
 
 fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {
-    one_diameter(pass, "line")?;
+    one_diameter(pass, "macro")?;
     // x from the free end, as a share of the length: the paper's positions
     let length_mm = job.part.length_mm;
     let x: Vec<f64> = pass.plan.station_z_mm.iter().map(|z| (length_mm - z) / length_mm).collect();

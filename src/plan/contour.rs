@@ -61,6 +61,20 @@ pub(crate) struct Taper {
     pub drawn_mm: (f64, f64),
 }
 
+/// A piece of a contour with one diameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Piece {
+    /// Its ends, mm.
+    pub from_mm: f64,
+    pub to_mm: f64,
+    /// Its diameter less that of the largest section, mm.
+    pub relative_mm: f64,
+}
+
+/// Pieces in which a taper is taken as cylinders: by the midpoint rule 1/d⁴ errs by 20/24 of the
+/// square of a piece's relative change, a thousandth where the taper changes by a third.
+const TAPER_PIECES: usize = 8;
+
 /// A contour to be turned.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Contour {
@@ -78,6 +92,28 @@ impl Contour {
     /// Nominal diameter at z less that of the pass, mm of diameter.
     pub(crate) fn relative_mm(&self, z_mm: f64, side: Side) -> f64 {
         value_at(&self.knots, z_mm, side, |k| (k.z_mm, k.relative_mm))
+    }
+
+    /// Pieces of one diameter, for a beam.
+    pub(crate) fn pieces(&self) -> Vec<Piece> {
+        let of = |pair: &[ContourKnot]| {
+            let (a, b) = (pair[0], pair[1]);
+            let level = (a.relative_mm - b.relative_mm).abs() < 1e-9;
+            let most = if level { 1 } else { TAPER_PIECES };
+            let count = if b.z_mm > a.z_mm { most } else { 0 };
+            // the last one ends where the next line begins, to the last digit
+            let at = move |i: usize| {
+                let share = i as f64 / count as f64;
+                if i == count { b.z_mm } else { a.z_mm + (b.z_mm - a.z_mm) * share }
+            };
+            (0..count).map(move |i| Piece {
+                from_mm: at(i),
+                to_mm: at(i + 1),
+                relative_mm: a.relative_mm
+                    + (b.relative_mm - a.relative_mm) * (i as f64 + 0.5) / count as f64,
+            })
+        };
+        self.knots.windows(2).flat_map(of).collect()
     }
 
     /// The section whose ends a place lies between.

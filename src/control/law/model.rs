@@ -27,7 +27,7 @@ use super::proposal::{Feedforward, Law, Observation, Proposal};
 use super::stepped_beam::{self, SteppedBeam};
 use crate::control::readings::StationError;
 use crate::control::settings::{ModelSettings, Workpiece};
-use crate::plan::{CuttingData, StationLayout};
+use crate::plan::{CuttingData, Piece, StationLayout};
 use nalgebra::{DMatrix, DVector};
 
 /// ln s, ln chuck, ln tailstock, stock, l₀, l₁, t₀, t₁; one n per pass follows them.
@@ -91,7 +91,7 @@ struct AssumedShaft {
     /// Nominal diameter of every station less that of the pass, mm.
     relative_mm: Vec<f64>,
     /// Pieces of a stepped shaft, or of one in steady rests; none of a plain one.
-    pieces: Vec<stepped_beam::Piece>,
+    pieces: Vec<Piece>,
     steady_z_mm: Vec<f64>,
 }
 

@@ -13,41 +13,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::plan::{Contour, Side};
-
-/// Pieces in which a taper is taken as cylinders: by the midpoint rule 1/d⁴ errs by 20/24 of the
-/// square of a piece's relative change, a thousandth where the taper changes by a third.
-const TAPER_PIECES: usize = 8;
-
-/// A piece of the shaft with one diameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Piece {
-    from_mm: f64,
-    to_mm: f64,
-    /// Its diameter less that of the largest section, mm.
-    relative_mm: f64,
-}
+use crate::plan::{Contour, Piece};
 
 /// The pieces of a contour between chuck and tailstock; one of a plain shaft.
 pub(super) fn pieces(contour: Option<&Contour>, length_mm: f64) -> Vec<Piece> {
-    let Some(contour) = contour else {
-        return vec![Piece { from_mm: 0.0, to_mm: length_mm, relative_mm: 0.0 }];
-    };
-    let mut pieces = Vec::new();
-    for pair in contour.knots.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
-        if b.z_mm <= a.z_mm {
-            continue;
-        }
-        let count = if (a.relative_mm - b.relative_mm).abs() < 1e-9 { 1 } else { TAPER_PIECES };
-        let at = |i: usize| a.z_mm + (b.z_mm - a.z_mm) * i as f64 / count as f64;
-        pieces.extend((0..count).map(|i| {
-            let (from_mm, to_mm) = (at(i), at(i + 1));
-            let relative_mm = contour.relative_mm(0.5 * (from_mm + to_mm), Side::Chuck);
-            Piece { from_mm, to_mm, relative_mm }
-        }));
-    }
-    pieces
+    let plain = || vec![Piece { from_mm: 0.0, to_mm: length_mm, relative_mm: 0.0 }];
+    contour.map_or_else(plain, Contour::pieces)
 }
 
 /// A stepped shaft in its supports.
