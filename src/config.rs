@@ -140,9 +140,8 @@ fn load_checked(
     let file = path.display().to_string();
     let mut job: Job = parse_numbers(&text, &file)?;
     read_named_files(&mut job, path.parent().unwrap_or(Path::new("")))
+        .and_then(|()| check(&job, &text))
         .map_err(|e| value_error(&text, &file, e))?;
-    drop_default_tolerance(&mut job, &text);
-    check(&job, &text).map_err(|e| value_error(&text, &file, e))?;
     Ok(job)
 }
 
@@ -152,14 +151,6 @@ fn parse_numbers(text: &str, file: &str) -> Result<Job, ConfigError> {
     match place::first_nan(text) {
         Some((key, _)) => Err(value_error(text, file, SettingError::at(key, "nan is no number: give one"))),
         None => Ok(job),
-    }
-}
-
-/// The default tolerance is that of the default part: a contour has tolerances a section, in
-/// `[[part.sections]]`.
-fn drop_default_tolerance(job: &mut Job, text: &str) {
-    if !job.shaft.contour.is_empty() && !place::of_key(text, "part.tolerance").is_set {
-        job.part.tolerance = None;
     }
 }
 
@@ -204,8 +195,7 @@ pub(crate) fn read_measured_edge(esf: &mut Esf, folder: &Path) -> Result<(), Set
 /// # Errors
 /// As [`load`].
 pub(crate) fn parse(text: &str, file: &str) -> Result<Job, ConfigError> {
-    let mut job = parse_numbers(text, file)?;
-    drop_default_tolerance(&mut job, text);
+    let job = parse_numbers(text, file)?;
     job.check().map_err(|e| value_error(text, file, e))?;
     Ok(job)
 }

@@ -28,7 +28,7 @@ fn controller(name: ControllerName, change: impl FnOnce(&mut ControlSettings)) -
 }
 
 fn decided(c: &mut dyn Controller, (plan, measured): &(PassPlan, DiameterProfile)) -> Decision {
-    let next = NextPass { nominal_mm: 25.2, cutting: plan.cutting, finishing: false };
+    let next = NextPass { nominal_mm: 28.4, cutting: plan.cutting, finishing: false };
     c.decide_in(plan, measured, &PassContext { next: Some(next), ..PassContext::default() })
 }
 
@@ -80,18 +80,18 @@ fn guards_compare_stations_within_their_section() {
 }
 
 /// A guard against undersize takes the limit of the station's own section: 22 h6 is no limit of the
-/// 18 mm seat.
+/// 16 mm seat.
 #[test]
 fn the_lower_limit_is_that_of_the_section() {
     let order = job().loop_job();
     let contour = order.turned_contour().unwrap();
     let deep = |z: f64| if contour.section_at(z).unwrap().name == "bearing seat B" { -0.02 } else { 0.0 };
     let (plan, measured) = pass(2, None, deep);
-    let next = NextPass { nominal_mm: 25.0, cutting: plan.cutting, finishing: true };
+    let next = NextPass { nominal_mm: 28.0, cutting: plan.cutting, finishing: true };
     let context = PassContext { next: Some(next), ..PassContext::default() };
     let mut c = controller(ControllerName::Pid, |s| (s.pid.kp, s.pid.ki, s.pid.kd) = (0.01, 0.0, 0.0));
     let Decision::Held(reason) = c.decide_in(&plan, &measured, &context) else { panic!("released") };
-    assert!(reason.to_string().contains("lower limit 17.989"), "{reason}");
+    assert!(reason.to_string().contains("lower limit 15.989"), "{reason}");
 }
 
 /// The model-based controller predicts the next pass of a stepped shaft from its own beam: cut by
@@ -105,10 +105,10 @@ fn the_model_knows_the_steps_from_the_job() {
     let mut settings = order.run_control();
     settings.controller = ControllerName::Model;
     assert_eq!(settings.model.chuck_n_per_um, Some(60.0));
-    assert_eq!(settings.model.tailstock_n_per_um, Some(15.0));
+    assert_eq!(settings.model.tailstock_n_per_um, Some(12.0));
     let mut model = build(&settings, order.layout()).unwrap();
     let form = shadowgauge::process::BaseForm { contour: order.turned_contour(), ..Default::default() };
-    let stock = shadowgauge::process::Stock { diameter_mm: 26.2, length_mm: 200.0 };
+    let stock = shadowgauge::process::Stock { diameter_mm: 29.2, length_mm: 200.0 };
     let mut process = shadowgauge::process::TurningProcess::new(&job.process, stock, &form, 1).unwrap();
     let z = order.station_z_mm();
     let mut offset = DiameterOffset::zero(z.len());

@@ -29,7 +29,7 @@ fn plan() -> PassPlan {
 }
 
 fn piece() -> Workpiece {
-    Workpiece { contour: job().loop_job().turned_contour(), ..Workpiece::new(200.0, 26.2, 25.2) }
+    Workpiece { contour: job().loop_job().turned_contour(), ..Workpiece::new(200.0, 29.2, 28.4) }
 }
 
 fn program<'a>(plan: &'a PassPlan, settings: &'a NcSettings, piece: &'a Workpiece) -> TurningProgram<'a> {

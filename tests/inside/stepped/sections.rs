@@ -27,9 +27,9 @@ fn stations_keep_clear_of_shoulders_and_tapers() {
     }
     let plan = order.pass_plan(3, shadowgauge::plan::DiameterOffset::zero(z.len()));
     let nominal: Vec<f64> = plan.station_nominal_mm().collect();
-    assert!((nominal[0] - 25.0).abs() < 1e-12);
+    assert!((nominal[0] - 28.0).abs() < 1e-12);
     assert!((nominal[ranges[1].start] - (22.0 - 0.0065)).abs() < 1e-9, "the middle of 22 h6");
-    assert!((nominal[ranges[2].start] - (18.0 - 0.0055)).abs() < 1e-9, "the middle of 18 h6");
+    assert!((nominal[ranges[2].start] - (16.0 - 0.0055)).abs() < 1e-9, "the middle of 16 h6");
 }
 
 fn entry(z_mm: f64, tolerance: Option<&str>) -> PartSection {
@@ -82,8 +82,8 @@ fn a_contour_that_cannot_be_is_refused_with_its_place() {
         ),
         (&rest(140.0), &["process.support.steady_rests[0].z_mm", "taper", "needs a cylinder"]),
         (&rest(70.0), &["process.support.steady_rests[0].z_mm", "shoulder"]),
-        (&|j| j.part.nominal_diameter_mm[2] = 24.9, &["part.nominal_diameter_mm[2]", "leaves 25 mm"]),
-        (&|j| j.part.tolerance = "25 h6".parse().ok(), &["part.tolerance", "[[part.sections]]"]),
+        (&|j| j.part.nominal_diameter_mm[2] = 27.9, &["part.nominal_diameter_mm[2]", "leaves 28 mm"]),
+        (&|j| j.part.tolerance = "28 h6".parse().ok(), &["part.tolerance", "[[part.sections]]"]),
         (
             &|j| j.shaft.contour.splice(2..4, [point(70.0, 22.0), point(74.0, 27.0)]).for_each(drop),
             &["falls by 32", "27°"],
@@ -100,7 +100,7 @@ fn a_contour_that_cannot_be_is_refused_with_its_place() {
         j.process.pass.feed_direction = shadowgauge::plan::FeedDirection::TowardsTailstock;
     });
     assert!(
-        undercut.contains("shoulder from Ø25 to Ø22") && undercut.contains("feed_direction"),
+        undercut.contains("shoulder from Ø28 to Ø22") && undercut.contains("feed_direction"),
         "{undercut}"
     );
     let mut plain = Job::default();
@@ -112,7 +112,7 @@ fn a_contour_that_cannot_be_is_refused_with_its_place() {
 #[test]
 fn a_short_collar_is_left_out_by_name() {
     let mut job = job();
-    job.shaft.contour.splice(4..6, [point(155.0, 19.0), point(158.0, 19.0), point(158.0, 18.0)]);
+    job.shaft.contour.splice(4..6, [point(155.0, 19.0), point(158.0, 19.0), point(158.0, 16.0)]);
     let refused = job.check_coverage().unwrap_err().to_string();
     assert!(refused.contains("part.station_mm") && refused.contains("z_mm = 156.5"), "{refused}");
     job.part.sections.push(PartSection { measured: false, ..entry(156.5, None) });
