@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::sections::PartSection;
+use super::part_section::PartSection;
 use super::stations;
 use crate::conformity::{DecisionRule, PROBABILITY, SizeCriterion, Tolerance};
 use crate::setting::{SettingError, positive, require};

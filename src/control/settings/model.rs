@@ -1,8 +1,8 @@
 //! `[control.model]`: what the model-based controller assumes before it has measured anything.
 //!
-//! Length, diameter, material, supports and force law describe the job's own part and follow from it where
-//! the table leaves them out ([`Workpiece`]); a controller that is built without a job falls back
-//! on the slender-shaft paper's part.
+//! Length, diameter, material, supports and force law describe the job's own part and follow from
+//! it where the table leaves them out ([`Workpiece`]); a controller that is built without a job
+//! falls back on the slender-shaft paper's part.
 
 use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
