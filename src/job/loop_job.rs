@@ -119,7 +119,15 @@ impl LoopJob {
     /// The contour that all passes leave; none for a plain shaft, or where [`Self::check_coverage`]
     /// refuses it.
     pub(crate) fn turned_contour(&self) -> Option<Contour> {
-        if self.contour.is_empty() { None } else { self.drawing().contour().ok() }
+        self.contour_to_turn().ok().flatten()
+    }
+
+    /// The same, or why it cannot be turned.
+    ///
+    /// # Errors
+    /// Names the point of the contour or the entry of `[[part.sections]]`.
+    pub(crate) fn contour_to_turn(&self) -> Result<Option<Contour>, SettingError> {
+        if self.contour.is_empty() { Ok(None) } else { self.drawing().contour().map(Some) }
     }
 
     fn drawing(&self) -> Drawing<'_> {
