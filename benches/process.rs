@@ -6,7 +6,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
+use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan, PlannedForm};
 use shadowgauge::process::{BaseForm, ProcessSettings, Stock, TurningProcess};
 use shadowgauge::studies::optimize::TimedProblem;
 
@@ -21,6 +21,7 @@ fn pass_of_1000_stations(c: &mut Criterion) {
         cutting: CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 },
         station_z_mm: (0..1000).map(|i| 0.25 + 0.5 * f64::from(i)).collect(),
         offset: DiameterOffset { o_mm: vec![0.0; 1000] },
+        form: PlannedForm::PLAIN,
     };
     c.bench_function("pass_of_1000_stations (limit 2 ms)", |b| {
         b.iter_batched(

@@ -34,9 +34,9 @@ use crate::control::{self, Controller, NextPass, PartEvent, PartStart, PassConte
 use crate::gauge::axis_line::AxisLine;
 use crate::gauge::diameter::sections::PartForm;
 use crate::gauge::{FrameEdges, Gauge, ResidualAccumulator, SettledStream};
-use crate::job::{LoopJob, Part, ScanWhen};
+use crate::job::{LoopJob, ScanWhen};
 use crate::nc;
-use crate::plan::{CutSummary, Decision, DiameterOffset, HeldReason, PassPlan};
+use crate::plan::{CutSummary, Decision, DiameterOffset, HeldReason, PassPlan, Section};
 use crate::profile::DiameterProfile;
 use evidence::AfterCut;
 use scan::{Measured, Scanned};
@@ -146,12 +146,30 @@ fn seen_station((from_mm, to_mm): (f64, f64), axis: &AxisLine) -> SeenStation {
     SeenStation { from_mm, to_mm, field_z_mm: own.map_or(middle, |s| s.field_z_mm) }
 }
 
-/// Verdict on a finished part by its re-measurement (ISO 14253-1); `None` without a tolerance.
-pub(crate) fn part_verdict(part: &Part, measured: &DiameterProfile) -> Option<part_verdict::Verdict> {
-    let (lower_mm, upper_mm) = part.tolerance?.limits_mm();
-    let rule = DecisionRule::new(part.conformance_probability).unwrap_or_default();
-    let limits = part_verdict::Limits { lower_mm, upper_mm, rule };
-    Some(part_verdict::judge(measured, &limits))
+/// Verdict on a finished part by its re-measurement (ISO 14253-1), of a stepped shaft each section
+/// by its own tolerance; `None` without a tolerance.
+pub(crate) fn part_verdict(job: &LoopJob, measured: &DiameterProfile) -> Option<part_verdict::Verdict> {
+    let rule = DecisionRule::new(job.part.conformance_probability).unwrap_or_default();
+    let limits = |(lower_mm, upper_mm): (f64, f64)| part_verdict::Limits { lower_mm, upper_mm, rule };
+    let Some(contour) = job.turned_contour() else {
+        return Some(part_verdict::judge(measured, &limits(job.part.tolerance?.limits_mm())));
+    };
+    contour.sections.iter().any(|s| s.limits_mm.is_some()).then(|| {
+        part_verdict::judge_sections(measured, &|z_mm| contour.section_at(z_mm)?.limits_mm.map(limits))
+    })
+}
+
+/// Verdict on a section of a finished part; `None` without a tolerance.
+pub(crate) fn section_verdict(
+    job: &LoopJob,
+    section: &Section,
+    measured: &DiameterProfile,
+) -> Option<part_verdict::PartConformity> {
+    let (lower_mm, upper_mm) = section.limits_mm?;
+    let rule = DecisionRule::new(job.part.conformance_probability).unwrap_or_default();
+    let own = |z_mm: f64| (section.ends_mm.0..=section.ends_mm.1).contains(&z_mm);
+    let limits = |z_mm: f64| own(z_mm).then_some(part_verdict::Limits { lower_mm, upper_mm, rule });
+    Some(part_verdict::judge_sections(measured, &limits).part())
 }
 
 impl<'a> ClosedLoop<'a> {
@@ -167,7 +185,7 @@ impl<'a> ClosedLoop<'a> {
     ) -> Result<Self, LoopError> {
         job.check()?;
         job.check_coverage()?;
-        let controller = control::build(&job.run_control(), &job.part.station_z_mm())?;
+        let controller = control::build(&job.run_control(), job.layout())?;
         Self::assemble(job, cell, calibration, controller)
     }
 
@@ -194,7 +212,7 @@ impl<'a> ClosedLoop<'a> {
         controller: Box<dyn Controller + Send>,
     ) -> Result<Self, LoopError> {
         let (gauge, calibration) = instrument::instrument(&job, cell.as_mut(), calibration)?;
-        let offset = DiameterOffset::zero(job.part.station_z_mm().len());
+        let offset = DiameterOffset::zero(job.station_z_mm().len());
         Ok(Self {
             of_part: calibration.of_part(&job),
             job,
@@ -260,7 +278,7 @@ impl<'a> ClosedLoop<'a> {
         self.part.stock = stock;
         if let Some(event) = self.part.event.take() {
             let start = PartStart { event, stock: self.part.stock.as_ref() };
-            let stations = self.job.part.station_z_mm().len();
+            let stations = self.job.station_z_mm().len();
             let first = self.controller.begin_part(&start, stations);
             match self.put_in_force(first) {
                 Ok(_) => self.held = None,
@@ -481,7 +499,7 @@ impl<'a> ClosedLoop<'a> {
     /// within the tolerance (ISO 14253-1).
     fn remeasured(&self, plan: &PassPlan, measured: &DiameterProfile) -> Option<String> {
         let finished = plan.pass as usize == self.job.part.passes();
-        let verdict = finished.then(|| part_verdict(&self.job.part, measured)).flatten()?;
+        let verdict = finished.then(|| part_verdict(&self.job, measured)).flatten()?;
         verdict.alarm.map(|a| format!("finished part: {a}"))
     }
 

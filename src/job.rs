@@ -8,8 +8,9 @@
 //! conditions across stages (a shaft larger than the field, masters outside it, passes that do not
 //! remove material). Errors name the key and the valid range.
 //!
-//! `part`, `scan`, `nc_job`, `probe` and `follow` are tables and plans of the loop; `stations` are
-//! a function of its part; `simulated` is the whole job, `drawn` what a picture of it needs,
+//! `part` (with `part_section`), `scan`, `nc_job`, `probe` and `follow` are tables and plans of the
+//! loop; `stations` are a function of its part, `sections` make of a drawing a contour that can be
+//! turned; `simulated` is the whole job, `drawn` what a picture of it needs,
 //! `workpiece` what the model-based controller takes from it, `edge` and `gauge_settings` give the
 //! gauge the edge of the job's own optics; `error` is what a check refuses. A new table of the loop
 //! is a field of both with a check of its own, called in [`LoopJob::check`]; one of the simulation
@@ -29,8 +30,10 @@ mod nc_job;
 mod part;
 #[cfg(feature = "render")]
 mod part_facts;
+mod part_section;
 mod probe;
 mod scan;
+mod sections;
 #[cfg(feature = "render")]
 mod simulated;
 mod stations;
@@ -42,6 +45,7 @@ pub use self::loop_job::LoopJob;
 pub use self::{
     nc_job::NcJob,
     part::Part,
+    part_section::PartSection,
     scan::{Scan, ScanWhen, StockScan},
 };
 pub use crate::conformity::Tolerance;

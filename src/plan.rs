@@ -1,6 +1,13 @@
 //! Plans of passes and scans: the commands from control to the machine.
 
+mod contour;
+mod feed_direction;
+
 use std::fmt;
+use std::ops::Range;
+
+pub(crate) use self::contour::{Contour, ContourKnot, Piece, Section, Side, Taper, value_at};
+pub use self::feed_direction::FeedDirection;
 
 /// Cutting data of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -10,19 +17,6 @@ pub struct CuttingData {
     pub speed_m_per_min: f64,
     /// Feed f, mm per revolution.
     pub feed_mm_per_rev: f64,
-}
-
-/// The way the tool travels.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum FeedDirection {
-    /// From the tailstock to the chuck, as usual.
-    #[default]
-    TowardsChuck,
-    /// From the chuck to the tailstock.
-    TowardsTailstock,
 }
 
 /// Corrections along z, subtracted from the nominal when commanding: b = r - o, in mm of diameter.
@@ -44,7 +38,8 @@ impl DiameterOffset {
 pub struct PassPlan {
     /// Number of the pass, from 1.
     pub pass: u32,
-    /// Nominal diameter r of the pass, mm: its target.
+    /// Nominal diameter r of the pass, mm: its target; of a stepped shaft that of its largest
+    /// diameter.
     pub nominal_mm: f64,
     /// Cutting data.
     pub cutting: CuttingData,
@@ -52,13 +47,88 @@ pub struct PassPlan {
     pub station_z_mm: Vec<f64>,
     /// Correction per station.
     pub offset: DiameterOffset,
+    /// The part's form.
+    pub form: PlannedForm,
+}
+
+/// The form that a pass leaves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlannedForm(Option<Contour>);
+
+impl PlannedForm {
+    /// A plain cylinder.
+    pub const PLAIN: Self = Self(None);
+
+    /// A stepped shaft.
+    pub(crate) fn stepped(contour: Contour) -> Self {
+        Self(Some(contour))
+    }
+
+    /// The contour of a stepped shaft; none for a plain one.
+    pub(crate) fn contour(&self) -> Option<&Contour> {
+        self.0.as_ref()
+    }
 }
 
 impl PassPlan {
+    /// Nominal diameter of every station, mm.
+    pub fn station_nominal_mm(&self) -> impl Iterator<Item = f64> + '_ {
+        self.station_z_mm.iter().map(|z| self.nominal_at_mm(*z))
+    }
+
+    /// Nominal diameter at z, mm; at a shoulder that of the side of the chuck.
+    pub fn nominal_at_mm(&self, z_mm: f64) -> f64 {
+        let relative = self.form.contour().map_or(0.0, |c| c.relative_mm(z_mm, Side::Chuck));
+        self.nominal_mm + relative
+    }
+
     /// Commanded diameter b = r - o of every station, mm.
     pub fn commanded_mm(&self) -> impl Iterator<Item = f64> + '_ {
-        self.offset.o_mm.iter().map(|o| self.nominal_mm - o)
+        self.station_nominal_mm().zip(&self.offset.o_mm).map(|(r, o)| r - o)
     }
+
+    /// The stations of every cylinder: all of a plain shaft. What is fitted, filled or compared
+    /// along z stays within one.
+    pub(crate) fn sections(&self) -> Vec<Range<usize>> {
+        sections(self.form.contour(), &self.station_z_mm)
+    }
+}
+
+/// The stations of a part as a controller needs them before the first pass.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct StationLayout {
+    /// Their middles, mm, ascending.
+    pub z_mm: Vec<f64>,
+    /// The contour of a stepped shaft.
+    pub contour: Option<Contour>,
+    /// Where steady rests stand, mm from the chuck face.
+    pub steady_z_mm: Vec<f64>,
+}
+
+/// Stations of a plain shaft without steady rests.
+impl<T: AsRef<[f64]> + ?Sized> From<&T> for StationLayout {
+    fn from(station_z_mm: &T) -> Self {
+        Self { z_mm: station_z_mm.as_ref().to_vec(), ..Self::default() }
+    }
+}
+
+impl StationLayout {
+    /// Nominal diameter of every station less that of the pass, mm of diameter.
+    pub(crate) fn relative_mm(&self) -> Vec<f64> {
+        let at = |z: &f64| self.contour.as_ref().map_or(0.0, |c| c.relative_mm(*z, Side::Chuck));
+        self.z_mm.iter().map(at).collect()
+    }
+
+    /// The stations of every section; all in one for a plain shaft.
+    pub(crate) fn sections(&self) -> Vec<Range<usize>> {
+        sections(self.contour.as_ref(), &self.z_mm)
+    }
+}
+
+/// The stations of every section of a contour; all in one for a plain shaft.
+pub(crate) fn sections(contour: Option<&Contour>, station_z_mm: &[f64]) -> Vec<Range<usize>> {
+    let whole = 0..station_z_mm.len();
+    contour.map_or_else(|| vec![whole], |c| c.stations_of_sections(station_z_mm))
 }
 
 /// Extremes of depth, force and deflection in a pass, and its notes.

@@ -180,3 +180,99 @@ fn nc_writes_a_line_as_macro_program() {
     );
     assert!(list.contains("#805 = 0.050000"), "{list}");
 }
+
+/// A stepped shaft of another size and material: the study turns this shaft, and the model-based
+/// controller takes all it assumes from the job.
+const STEPPED_ALUMINIUM: &str = "
+name = \"aluminium\"
+[part]
+length_mm = 120.0
+stock_diameter_mm = 64.8
+nominal_diameter_mm = [63.2, 61.6, 60.0]
+station_mm = 4.0
+[[part.sections]]
+z_mm = 100.0
+tolerance = \"40 h7\"
+[shaft]
+contour = [
+    { z_mm = 0.0, diameter_mm = 60.0 },
+    { z_mm = 40.0, diameter_mm = 60.0 },
+    { z_mm = 40.0, diameter_mm = 50.0 },
+    { z_mm = 80.0, diameter_mm = 50.0 },
+    { z_mm = 80.0, diameter_mm = 40.0 },
+    { z_mm = 120.0, diameter_mm = 40.0 },
+]
+[cutting]
+speed_m_per_min = 200.0
+feed_mm_per_rev = 0.2
+[process.material]
+name = \"EN AW-6082\"
+[process.force.kienzle]
+kc11_n_per_mm2 = 700.0
+mc = 0.25
+[process.support]
+chuck_n_per_um = 2.0
+tailstock_n_per_um = 0.5
+[scan]
+fields = 4
+angles = 4
+[masters]
+frames_each = 4
+[[masters.pins]]
+diameter_mm = 39.0
+expanded_u_mm = 0.0002
+[[masters.pins]]
+diameter_mm = 65.0
+expanded_u_mm = 0.0002
+[camera]
+columns = 400
+rows = 800
+pixel_um = 3.45
+[optics]
+magnification = 0.0345
+[control.guards]
+outlier_limit_mm = 0.02
+scatter_limit_mm = 0.02
+";
+
+#[test]
+fn a_stepped_shaft_of_another_size_and_material_is_what_the_study_turns() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("aluminium.toml");
+    std::fs::write(&path, STEPPED_ALUMINIUM).expect("written");
+    let output = shadowgauge([
+        "study",
+        "controllers",
+        &path.to_string_lossy(),
+        "--shafts",
+        "1",
+        "--controllers",
+        "pid,lsq,model",
+        "--backend",
+        "cpu",
+        "--json",
+    ]);
+    assert!(output.status.success(), "{}", said(&output));
+    let study: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let um = |controller: &str, pass: usize| {
+        let all = study["controllers"].as_array().expect("controllers");
+        let own = all.iter().find(|c| c["controller"] == controller).expect("a controller");
+        own["passes"][pass]["mean_mm"].as_f64().expect("a number") * 1e3
+    };
+    let errors = |name: &str| [0, 1, 2].map(|pass| um(name, pass));
+    println!("{:?}", ["none", "pid", "lsq", "model"].map(|name| (name, errors(name))));
+    for name in ["pid", "lsq", "model"] {
+        assert!((um(name, 0) - um("none", 0)).abs() < 1e-9, "pass 1 is independent of the controller");
+        assert!(um(name, 2) < 0.3 * um("none", 2), "{name}: {} of {}", um(name, 2), um("none", 2));
+    }
+    // The shaft cut with these supports, and not the preset's, yields by this much.
+    assert!((5.0..50.0).contains(&um("none", 0)), "{}", um("none", 0));
+    // The config is checked as a run checks it.
+    let text = STEPPED_ALUMINIUM.replace("z_mm = 100.0", "z_mm = 80.0");
+    std::fs::write(&path, text).expect("written");
+    assert_refused(
+        &["study", "controllers", &path.to_string_lossy(), "--shafts", "1"],
+        2,
+        &["part.sections[0].z_mm", "no section is there"],
+    );
+}

@@ -105,13 +105,14 @@ fn formed(job: &Job) -> Result<Shaft, RenderError> {
     form_shaft(blank, &job.shaft, job.part.length_mm, job.seed)
 }
 
-fn base_form_of(formed: &Shaft) -> BaseForm {
-    BaseForm {
+fn base_form_of(job: &Job, formed: &Shaft) -> Result<BaseForm, RenderError> {
+    Ok(BaseForm {
+        contour: job.loop_job().contour_to_turn()?,
         lobes: formed.lobes.clone(),
         eccentricity: formed.eccentricity,
         bow: formed.bow.clone(),
         pose: formed.pose,
-    }
+    })
 }
 
 /// The share of a job's `[shaft]` that stays with the part through all passes.
@@ -119,7 +120,7 @@ fn base_form_of(formed: &Shaft) -> BaseForm {
 /// # Errors
 /// Where the shaft is refused.
 pub(crate) fn base_form(job: &Job) -> Result<BaseForm, RenderError> {
-    Ok(base_form_of(&formed(job)?))
+    base_form_of(job, &formed(job)?)
 }
 
 impl<'a> SimulatedCell<'a> {
@@ -131,7 +132,7 @@ impl<'a> SimulatedCell<'a> {
         let setup = OpticalSetup::resolve(&job.setup_settings(), job.seed)?;
         let stock = Stock { diameter_mm: job.part.stock_diameter_mm, length_mm: job.part.length_mm };
         let formed = formed(job)?;
-        let form = base_form_of(&formed);
+        let form = base_form_of(job, &formed)?;
         let process = TurningProcess::new(&job.process, stock, &form, job.seed ^ PROCESS_STREAM)?;
         let blank = process.blank();
         let deflection = sum_of_lines(&formed.deflection, &blank.deflection);

@@ -176,6 +176,7 @@ fn workpiece(job: &Job, pass: u32) -> Workpiece {
         },
         steady_z_mm: job.process.support.steady_rests.iter().map(|rest| rest.z_mm).collect(),
         probe_z_mm: job.part.station_z_mm.clone().unwrap_or_default(),
+        contour: job.loop_job().turned_contour(),
         tolerance_mm: job.part.tolerance.map(|t| t.limits_mm()),
         ..Workpiece::new(job.part.length_mm, job.part.stock_diameter_mm, before_mm)
     }
@@ -187,7 +188,7 @@ fn covers(job: &Job, pass: u32, rows: &[&OffsetRow]) -> Result<(), String> {
     if pass == 0 || pass as usize > job.part.passes() {
         return Err(format!("offsets.csv: pass {pass} is none of the part's {} passes", job.part.passes()));
     }
-    let stations = job.part.station_z_mm();
+    let stations = job.loop_job().station_z_mm();
     if rows.len() != stations.len() {
         return Err(format!(
             "offsets.csv: pass {pass} has {} rows, the part has {} stations ({}); a row for each is needed",
@@ -199,8 +200,9 @@ fn covers(job: &Job, pass: u32, rows: &[&OffsetRow]) -> Result<(), String> {
             }
         ));
     }
-    let target = job.part.target_mm(pass);
+    let plan = job.loop_job().pass_plan(pass, DiameterOffset::zero(stations.len()));
     for (row, z) in rows.iter().zip(&stations) {
+        let target = plan.nominal_at_mm(*z);
         if !((row.z_mm - z).abs() <= SAME_MM) {
             return Err(format!(
                 "offsets.csv: pass {pass} has a row at z_mm = {} where the station at {z} mm is due (ascending, each once)",
@@ -252,7 +254,19 @@ fn knots(args: &NcArgs, settings: &NcSettings, pass: &Pass) -> Result<String, Fa
     Ok(written)
 }
 
+/// Refuses a form of program that cuts a cylinder alone.
+fn one_diameter(pass: &Pass, form: &str) -> Result<(), Failure> {
+    match pass.plan.form.contour() {
+        None => Ok(()),
+        Some(contour) => Err(Failure::refuse(format!(
+            "--form {form} cuts one diameter, and the run's [shaft] contour has {} sections: use --form knots",
+            contour.sections.len()
+        ))),
+    }
+}
+
 fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {
+    one_diameter(pass, "macro")?;
     // x from the free end, as a share of the length: the paper's positions
     let length_mm = job.part.length_mm;
     let x: Vec<f64> = pass.plan.station_z_mm.iter().map(|z| (length_mm - z) / length_mm).collect();
@@ -298,6 +312,7 @@ fn qualify(args: &NcArgs, settings: &NcSettings) -> Result<String, Failure> {
 }
 
 fn probing(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {
+    one_diameter(pass, "probing")?;
     if pass.plan.pass < 2 {
         return Err(Failure::refuse(
             "pass 1 cuts the blank: a program that probes corrects what the pass before left; give --pass 2 or later",

@@ -147,7 +147,7 @@ pub(super) struct Sums<'c> {
 
 impl<'c> Sums<'c> {
     pub(super) fn new(job: &LoopJob, calibration: &'c Calibration) -> Self {
-        let (z_mm, station_mm) = (job.part.station_z_mm(), job.part.station_mm);
+        let (z_mm, station_mm) = (job.station_z_mm(), job.part.station_mm);
         let zero = calibration.axis_zero(job.field.rows_about_axis);
         Self {
             calibration,

@@ -11,7 +11,8 @@ use crate::frame::FrameMeta;
 use crate::gauge::axis_line::AxisLine;
 use crate::gauge::diameter::sections::TurnAverager;
 use crate::gauge::form::Cutoff;
-use crate::probe::{self, ProbeCalibration, ProbeSettings, Touch};
+use crate::plan::Side;
+use crate::probe::{self, ProbeCalibration, ProbeSettings, Touch, TouchOrder};
 use crate::profile::{Diameter, Reading, Reason};
 
 impl ClosedLoop<'_> {
@@ -33,9 +34,9 @@ impl ClosedLoop<'_> {
     ) -> Result<Scanned, LoopError> {
         let start = Instant::now();
         let part = &self.job.part;
-        let (z_mm, count) = (part.station_z_mm(), settings.angles);
+        let (z_mm, count) = (self.job.station_z_mm(), settings.angles);
         let expected = if pass == 0 { part.stock_diameter_mm } else { part.target_mm(pass) };
-        let orders = probe::orders(settings, &z_mm, count, expected);
+        let orders = self.along_contour(probe::orders(settings, &z_mm, count, expected));
         let touches = self.cell.touch(None, &orders)?;
         progress(touches.len(), orders.len());
         let waited = start.elapsed();
@@ -80,6 +81,15 @@ impl ClosedLoop<'_> {
             },
             ends: touches.first().map(stamp).zip(touches.last().map(stamp)),
         })
+    }
+
+    /// Orders with the diameters of a stepped shaft expected where they touch.
+    fn along_contour(&self, mut orders: Vec<TouchOrder>) -> Vec<TouchOrder> {
+        if let Some(contour) = self.job.turned_contour() {
+            let at = |z_mm: f64| contour.relative_mm(z_mm, Side::Chuck);
+            orders.iter_mut().for_each(|order| order.expected_mm += at(order.z_mm));
+        }
+        orders
     }
 
     /// Touches the first master pin again: its diameter less the certified one, mm; `None` where

@@ -32,6 +32,8 @@ pub(crate) enum Conformity {
     Undecided,
     /// No reading.
     Unmeasured,
+    /// Not judged: its section has no tolerance.
+    NoTolerance,
 }
 
 /// Verdict on a part.
@@ -64,11 +66,16 @@ impl Verdict {
         let any = |what: Conformity| self.stations.contains(&what);
         if any(Conformity::Undersize) || any(Conformity::Oversize) {
             PartConformity::Violates
-        } else if self.alarm.is_some() || self.stations.is_empty() {
+        } else if self.alarm.is_some() || self.judged() == 0 {
             PartConformity::NotProven
         } else {
             PartConformity::Conforms
         }
+    }
+
+    /// Stations that were judged.
+    pub(crate) fn judged(&self) -> usize {
+        self.stations.iter().filter(|s| **s != Conformity::NoTolerance).count()
     }
 
     /// The verdict in words.
@@ -86,7 +93,18 @@ impl Verdict {
 
 /// Judges a re-measured part.
 pub(crate) fn judge(measured: &DiameterProfile, limits: &Limits) -> Verdict {
-    let stations: Vec<Conformity> = measured.stations.iter().map(|s| judge_station(s, limits)).collect();
+    judge_sections(measured, &|_| Some(*limits))
+}
+
+/// Judges a re-measured part whose limits depend on z (mm); stations without limits are not judged.
+pub(crate) fn judge_sections(
+    measured: &DiameterProfile,
+    limits_at: &dyn Fn(f64) -> Option<Limits>,
+) -> Verdict {
+    let judged =
+        |s: &Station| limits_at(s.z_mm).map_or(Conformity::NoTolerance, |limits| judge_station(s, &limits));
+    let stations: Vec<Conformity> = measured.stations.iter().map(judged).collect();
+    let of = stations.iter().filter(|s| **s != Conformity::NoTolerance).count();
     let count = |what: Conformity| stations.iter().filter(|s| **s == what).count();
     let conforming = count(Conformity::Conforms);
     let worst = [
@@ -101,7 +119,7 @@ pub(crate) fn judge(measured: &DiameterProfile, limits: &Limits) -> Verdict {
         .map(|(what, text)| {
             let first =
                 stations.iter().position(|s| s == what).map_or(f64::NAN, |i| measured.stations[i].z_mm);
-            format!("{} of {} stations {text} (first at z = {first} mm)", count(*what), stations.len())
+            format!("{} of {of} stations {text} (first at z = {first} mm)", count(*what))
         })
         .collect();
     Verdict { conforming, alarm: (!parts.is_empty()).then(|| parts.join("; ")), stations }

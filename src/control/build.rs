@@ -10,32 +10,34 @@ use super::stability::{
     Plant, StabilityReport, Transfer, double_ewma_transfer, integral_transfer, judge, model_transfer,
     pid_transfer,
 };
-use crate::plan::CuttingData;
+use crate::plan::{CuttingData, StationLayout};
 
 /// Cutting data and depth at which the model's own plant gain is stated: paper 003, section 3.3.
 const REFERENCE_CUT: (f64, CuttingData) = (0.25, CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 });
 
-/// Builds the controller named in the settings for these stations (middles, mm, ascending).
+/// Builds the controller named in the settings for these stations (middles, mm, ascending, of a
+/// plain shaft; or those of a stepped one with its contour).
 ///
 /// # Errors
 /// A setting out of range, stations that do not ascend or are too few for the shapes, and a loop
 /// that is unstable at `plant_gain` with error copying, unless `allow_unstable` is set.
 pub(crate) fn build(
     settings: &ControlSettings,
-    station_z_mm: &[f64],
+    stations: impl Into<StationLayout>,
 ) -> Result<Box<dyn Controller + Send>, ControlError> {
     settings.validate()?;
-    check_stations(station_z_mm)?;
+    let stations = stations.into();
+    check_stations(&stations.z_mm)?;
     refuse_unstable(settings)?;
-    let z = station_z_mm;
+    let count = stations.z_mm.len();
     Ok(match settings.controller {
         ControllerName::None => Box::new(NoCompensation),
-        ControllerName::Pid => guarded(settings, PidLaw::new(&settings.pid, z)?),
-        ControllerName::Lsq => guarded(settings, LsqLaw::new(&settings.lsq, z)?),
-        ControllerName::Ewma => guarded(settings, EwmaLaw::new(&settings.ewma, z.len())),
-        ControllerName::Dewma => guarded(settings, DoubleEwmaLaw::new(&settings.dewma, z.len())),
-        ControllerName::Ilc => guarded(settings, IlcLaw::new(&settings.ilc, z)),
-        ControllerName::Model => guarded(settings, ModelLaw::new(&settings.model, z)),
+        ControllerName::Pid => guarded(settings, PidLaw::new(&settings.pid, &stations)?),
+        ControllerName::Lsq => guarded(settings, LsqLaw::new(&settings.lsq, &stations)?),
+        ControllerName::Ewma => guarded(settings, EwmaLaw::new(&settings.ewma, count)),
+        ControllerName::Dewma => guarded(settings, DoubleEwmaLaw::new(&settings.dewma, count)),
+        ControllerName::Ilc => guarded(settings, IlcLaw::new(&settings.ilc, &stations)),
+        ControllerName::Model => guarded(settings, ModelLaw::new(&settings.model, &stations)),
     })
 }
 

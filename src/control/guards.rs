@@ -130,7 +130,9 @@ fn check_plausible(g: &Guarded<'_>) -> Result<(), Refusal> {
     if let Some((i, e)) = first_above(g.errors.stations.iter().map(|s| s.e_mm), limits.plausible_error_mm) {
         return Err(guard(format!(
             "plausible reading: the diameter at z = {} mm is {e:.4} mm off the nominal {} mm, limit {} mm",
-            z[i], g.plan.nominal_mm, limits.plausible_error_mm
+            z[i],
+            g.plan.nominal_at_mm(z[i]),
+            limits.plausible_error_mm
         )));
     }
     if let Some((i, u)) = first_above(g.errors.stations.iter().map(|s| s.u_mm), limits.uncertainty_limit_mm) {
@@ -144,7 +146,9 @@ fn check_plausible(g: &Guarded<'_>) -> Result<(), Refusal> {
 
 fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
     let (z, e, limits) = (&g.plan.station_z_mm, &g.errors.e_mm(), g.limits);
-    let bends = second_differences(z, e);
+    let sections = g.plan.sections();
+    let bends: Vec<f64> =
+        sections.iter().flat_map(|s| second_differences(&z[s.clone()], &e[s.clone()])).collect();
     let scatter = robust_scatter(&bends);
     if scatter > limits.scatter_limit_mm {
         return Err(guard(format!(
@@ -154,7 +158,10 @@ fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
         )));
     }
     let limit = limits.outlier_limit_mm.max(OUTLIER_SCATTERS * scatter);
-    let off = (0..e.len()).map(|i| (i, off_neighbours(z, e, i)));
+    let off = sections.iter().flat_map(|s| {
+        let own = (&z[s.clone()], &e[s.clone()]);
+        s.clone().map(move |i| (i, off_neighbours(own.0, own.1, i - s.start)))
+    });
     match off.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).filter(|(_, off)| !within(*off, limit)) {
         Some((i, off)) => Err(guard(format!(
             "outlier: the reading at z = {} mm is {:.2} µm off what its neighbours say, limit {:.2} µm",
@@ -247,7 +254,8 @@ fn check_repeat(g: &Guarded<'_>, step: f64) -> Result<(), Refusal> {
     let again: Vec<Option<f64>> = repeat.stations.iter().map(|s| s.reading.value().map(|d| d.d_mm)).collect();
     let same = repeat.pass == g.plan.pass && again.len() == g.errors.stations.len();
     let pairs = again.iter().zip(&g.errors.stations);
-    let apart = pairs.map(|(again, s)| again.map_or(f64::NAN, |d| d - g.plan.nominal_mm - s.e_mm));
+    let nominal = g.plan.station_nominal_mm();
+    let apart = pairs.zip(nominal).map(|((again, s), r)| again.map_or(f64::NAN, |d| d - r - s.e_mm));
     let worst = if same { largest(&apart.collect::<Vec<_>>()) } else { f64::NAN };
     if within(worst, limit) {
         return Ok(());
@@ -296,18 +304,27 @@ fn check_depth(g: &Guarded<'_>, next: &NextPass, proposed_mm: &[f64]) -> Result<
 /// Undersize is scrap: the predicted diameter must stay above the lower limit by `coverage`
 /// standard uncertainties.
 fn check_undersize(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Result<(), Refusal> {
-    let Some(limit) = g.limits.lower_limit_mm else {
-        return Ok(());
-    };
     let kept = g.limits.coverage;
     let predicted = predicted_mm(g, next, offsets_mm);
-    let worst = predicted.iter().zip(&g.errors.stations).map(|(d, s)| d - kept * s.u_mm).enumerate();
-    match worst.min_by(|a, b| a.1.total_cmp(&b.1)) {
-        Some((i, d)) if d.is_nan() || d < limit => Err(guard(format!(
+    // Room above the limit of the section that the station belongs to.
+    let room = predicted.iter().zip(&g.errors.stations).enumerate().filter_map(|(i, (d, s))| {
+        let limit = lower_limit_mm(g, g.plan.station_z_mm[i])?;
+        Some((i, d - kept * s.u_mm, limit))
+    });
+    match room.min_by(|a, b| (a.1 - a.2).total_cmp(&(b.1 - b.2))) {
+        Some((i, d, limit)) if d.is_nan() || d < limit => Err(guard(format!(
             "undersize: {:.4} mm is predicted at z = {} mm less {kept} u = {d:.4} mm, lower limit {limit} mm",
             predicted[i], g.plan.station_z_mm[i]
         ))),
         _ => Ok(()),
+    }
+}
+
+/// Lower limit of size at a station, mm: its section's; of a plain shaft that of the settings.
+fn lower_limit_mm(g: &Guarded<'_>, z_mm: f64) -> Option<f64> {
+    match g.plan.form.contour() {
+        Some(contour) => contour.section_at(z_mm)?.limits_mm.map(|limits| limits.0),
+        None => g.limits.lower_limit_mm,
     }
 }
 
@@ -335,7 +352,10 @@ fn predicted_mm(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Vec<f64
                 }
                 _ => 0.0,
             };
-            next.nominal_mm + (1.0 - gain) * e[i] - gain * offsets_mm[i] + w + grew
+            // The form is that of this pass.
+            let nominal =
+                next.nominal_mm + (g.plan.nominal_at_mm(g.plan.station_z_mm[i]) - g.plan.nominal_mm);
+            nominal + (1.0 - gain) * e[i] - gain * offsets_mm[i] + w + grew
         })
         .collect()
 }

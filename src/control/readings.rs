@@ -44,16 +44,21 @@ pub(crate) fn errors(
     gaps: &GapSettings,
 ) -> Result<Errors, HeldReason> {
     check_stations(plan, measured)?;
-    let mut values: Vec<Option<Diameter>> = measured.stations.iter().map(|s| s.reading.value()).collect();
+    let mut values = diameters(measured);
     if let Some(index) = values.iter().position(|v| v.is_some_and(|d| !is_number(&d))) {
         return Err(HeldReason::Guard(format!(
             "the reading at z = {} mm is no number with a positive uncertainty",
             plan.station_z_mm[index]
         )));
     }
-    fill(&plan.station_z_mm, &mut values, gaps)?;
-    let stations = values.into_iter().flatten().zip(&measured.stations).map(|(d, read)| StationError {
-        e_mm: d.d_mm - plan.nominal_mm,
+    check_share(&values, gaps)?;
+    for section in plan.sections() {
+        fill(&plan.station_z_mm[section.clone()], &mut values[section], gaps)
+            .map_err(|()| gapped(&diameters(measured)))?;
+    }
+    let read = values.into_iter().flatten().zip(&measured.stations).zip(plan.station_nominal_mm());
+    let stations = read.map(|((d, read), nominal_mm)| StationError {
+        e_mm: d.d_mm - nominal_mm,
         u_random_mm: d.u_random_mm,
         u_mm: d.u_mm(),
         interpolated: read.reading.value().is_none(),
@@ -86,20 +91,33 @@ fn check_stations(plan: &PassPlan, measured: &DiameterProfile) -> Result<(), Hel
     }
 }
 
-/// Interpolates linearly in z inside runs of gaps that are short enough.
-fn fill(z: &[f64], values: &mut [Option<Diameter>], gaps: &GapSettings) -> Result<(), HeldReason> {
+/// Why stations without a reading hold the offsets.
+fn gapped(values: &[Option<Diameter>]) -> HeldReason {
+    HeldReason::Gaps { missing: values.iter().filter(|v| v.is_none()).count(), of: values.len() }
+}
+
+fn diameters(measured: &DiameterProfile) -> Vec<Option<Diameter>> {
+    measured.stations.iter().map(|s| s.reading.value()).collect()
+}
+
+/// Refuses more gaps than may be filled.
+fn check_share(values: &[Option<Diameter>], gaps: &GapSettings) -> Result<(), HeldReason> {
     let missing = values.iter().filter(|v| v.is_none()).count();
-    let of = values.len();
-    let held = Err(HeldReason::Gaps { missing, of });
-    if missing as f64 > gaps.interpolate_share * of as f64 {
-        return if missing == 0 { Ok(()) } else { held };
+    let too_many = missing as f64 > gaps.interpolate_share * values.len() as f64;
+    if too_many && missing > 0 { Err(gapped(values)) } else { Ok(()) }
+}
+
+/// Interpolates linearly in z inside runs of gaps of a section that are short enough.
+fn fill(z: &[f64], values: &mut [Option<Diameter>], gaps: &GapSettings) -> Result<(), ()> {
+    if values.iter().all(Option::is_some) {
+        return Ok(());
     }
     let measured: Vec<(usize, Diameter)> =
         values.iter().enumerate().filter_map(|(i, v)| v.map(|d| (i, d))).collect();
     for pair in measured.windows(2) {
         let ((left, a), (right, b)) = (pair[0], pair[1]);
         if right - left - 1 > gaps.interpolate_run {
-            return held;
+            return Err(());
         }
         for i in left + 1..right {
             values[i] = Some(between(a, b, (z[i] - z[left]) / (z[right] - z[left])));
@@ -107,7 +125,7 @@ fn fill(z: &[f64], values: &mut [Option<Diameter>], gaps: &GapSettings) -> Resul
     }
     let ends_measured =
         values.first().is_some_and(Option::is_some) && values.last().is_some_and(Option::is_some);
-    if ends_measured { Ok(()) } else { held }
+    if ends_measured { Ok(()) } else { Err(()) }
 }
 
 /// Linear interpolation with the uncertainty propagated (GUM 5.1.2; the common part is common).

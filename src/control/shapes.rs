@@ -4,8 +4,9 @@
 //! the normal matrix well conditioned; the space they span is that of the plain powers.
 
 use super::error::ControlError;
+use crate::plan::StationLayout;
 use crate::setting::{SettingError, require};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -103,6 +104,37 @@ impl Shapes {
         })
     }
 
+    /// The shapes of every section apart: a column is 0 outside its section, so that nothing is
+    /// fitted across a shoulder. A section with fewer stations than shapes has a polynomial through
+    /// them. Names of the columns beside them.
+    ///
+    /// # Errors
+    /// As [`Self::design`], for a part of one section.
+    pub(crate) fn of_sections(self, stations: &StationLayout) -> Result<SectionShapes, ControlError> {
+        let (z, ranges) = (&stations.z_mm, stations.sections());
+        if ranges.len() < 2 {
+            return Ok(SectionShapes { design: self.design(z)?, names: self.names() });
+        }
+        let mut names = Vec::new();
+        let mut columns: Vec<DVector<f64>> = Vec::new();
+        for (k, range) in ranges.into_iter().enumerate() {
+            let shapes = self.through(range.len());
+            let own = shapes.design(&z[range.clone()])?;
+            names.extend(shapes.names().iter().map(|name| format!("section {} {name}", k + 1)));
+            columns.extend(own.column_iter().map(|column| {
+                let mut whole = DVector::zeros(z.len());
+                whole.rows_mut(range.start, range.len()).copy_from(&column);
+                whole
+            }));
+        }
+        Ok(SectionShapes { design: DMatrix::from_columns(&columns), names })
+    }
+
+    /// The shapes that so few stations determine.
+    fn through(self, stations: usize) -> Self {
+        if self.count() <= stations { self } else { Self::Polynomial { degree: stations.saturating_sub(1) } }
+    }
+
     pub(crate) fn validate(self, key: &'static str) -> Result<(), SettingError> {
         match self {
             Self::Line | Self::Quadratic => Ok(()),
@@ -115,6 +147,15 @@ impl Shapes {
             }
         }
     }
+}
+
+/// Shape functions of a part's sections.
+#[derive(Clone, Debug)]
+pub(crate) struct SectionShapes {
+    /// One row per station, one column per shape and section.
+    pub design: DMatrix<f64>,
+    /// Names of the columns.
+    pub names: Vec<String>,
 }
 
 impl PhysicalShapes {

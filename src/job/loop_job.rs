@@ -4,14 +4,18 @@ use super::error::{from_control, from_nc};
 use super::field_of_view::FieldOfView;
 use super::nc_job::NcJob;
 use super::part::Part;
-use super::scan::{Masters, Scan, StockScan};
+use super::scan::{Masters, Scan, ScanWhen, StockScan};
+use super::sections::{self, Drawing};
 use super::{probe, stations};
 use crate::control::{ControlSettings, ControllerName, Workpiece};
 use crate::gauge::GaugeSettings;
 use crate::gauge::calibration::Conditions;
-use crate::plan::{CuttingData, DiameterOffset, FeedDirection, PassPlan, ScanPlan};
+use crate::plan::{
+    Contour, CuttingData, DiameterOffset, FeedDirection, PassPlan, PlannedForm, ScanPlan, StationLayout,
+};
 use crate::probe::ProbeSettings;
 use crate::setting::{SettingError, positive};
+use crate::shaft::ContourPoint;
 
 /// Everything the closed loop needs besides a cell. The fields that are tables of a config file
 /// have its keys; the others follow from its `[camera]`, `[optics]` and `[process]`.
@@ -21,12 +25,16 @@ pub struct LoopJob {
     pub name: String,
     /// The part and its passes.
     pub part: Part,
+    /// The drawing of a stepped shaft, corner by corner; empty for a plain one.
+    pub contour: Vec<ContourPoint>,
     /// Passes to cut, where not all of the part's.
     pub passes: Option<usize>,
     /// Cutting data of every pass.
     pub cutting: CuttingData,
     /// The way the tool travels.
     pub feed_direction: FeedDirection,
+    /// Where steady rests stand, mm from the chuck face.
+    pub steady_z_mm: Vec<f64>,
     /// Expansion of the part's material, µm/(m·K).
     pub expansion_um_per_m_k: f64,
     /// Force and stiffness that the model-based controller assumes; length and stock are the
@@ -54,9 +62,11 @@ impl Default for LoopJob {
         Self {
             name: "slender shaft".to_owned(),
             part: Part::default(),
+            contour: Vec::new(),
             passes: None,
             cutting: CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 },
             feed_direction: FeedDirection::default(),
+            steady_z_mm: Vec::new(),
             expansion_um_per_m_k: Conditions::default().expansion_um_per_m_k,
             workpiece: Workpiece::default(),
             scan: Scan::default(),
@@ -82,9 +92,77 @@ impl LoopJob {
             pass,
             nominal_mm: self.part.target_mm(pass),
             cutting: self.cutting,
-            station_z_mm: self.part.station_z_mm(),
+            station_z_mm: self.station_z_mm(),
             offset,
+            form: self.turned_contour().map_or(PlannedForm::PLAIN, PlannedForm::stepped),
         }
+    }
+
+    /// Middles of the stations, mm from the chuck face, ascending: those of the part; of a stepped
+    /// shaft those of its sections.
+    pub fn station_z_mm(&self) -> Vec<f64> {
+        match (self.turned_contour(), self.part.listed()) {
+            (Some(contour), None) => sections::station_z_mm(&contour, self.part.station_mm),
+            _ => self.part.station_z_mm(),
+        }
+    }
+
+    /// The stations as a controller needs them.
+    pub(crate) fn layout(&self) -> StationLayout {
+        StationLayout {
+            z_mm: self.station_z_mm(),
+            contour: self.turned_contour(),
+            steady_z_mm: self.steady_z_mm.clone(),
+        }
+    }
+
+    /// The contour that all passes leave; none for a plain shaft, or where [`Self::check_coverage`]
+    /// refuses it.
+    pub(crate) fn turned_contour(&self) -> Option<Contour> {
+        self.contour_to_turn().ok().flatten()
+    }
+
+    /// The same, or why it cannot be turned.
+    ///
+    /// # Errors
+    /// Names the point of the contour or the entry of `[[part.sections]]`.
+    pub(crate) fn contour_to_turn(&self) -> Result<Option<Contour>, SettingError> {
+        if self.contour.is_empty() { Ok(None) } else { self.drawing().contour().map(Some) }
+    }
+
+    fn drawing(&self) -> Drawing<'_> {
+        Drawing {
+            points: &self.contour,
+            part: &self.part,
+            mm_per_px: self.field.mm_per_px,
+            direction: self.feed_direction,
+        }
+    }
+
+    /// Whether the contour can be turned, and its sections be measured.
+    fn check_contour(&self) -> Result<(), SettingError> {
+        if self.contour.is_empty() {
+            let Some(first) = self.part.sections.first() else { return Ok(()) };
+            let why = format!("{} mm: sections are those of [shaft] contour, and there is none", first.z_mm);
+            return Err(SettingError::at("part.sections[0].z_mm", why));
+        }
+        if self.part.tolerance.is_some() {
+            let why = "a contour has a tolerance a section: write it in [[part.sections]], with z_mm on the section";
+            return Err(SettingError::at("part.tolerance", why));
+        }
+        if self.part.aim_mm != 0.0 {
+            let why = "a contour has an aim a section: [[part.sections]] aim_mm";
+            return Err(SettingError::at("part.aim_mm", why));
+        }
+        if self.scan.when == ScanWhen::DuringCut {
+            let why = "a contour is cut at constant cutting speed, so that the spindle turns faster on its thin sections and \
+                       the angles of a burst are not those planned: scan after_pass";
+            return Err(SettingError::at("scan.when", why));
+        }
+        let contour = self.drawing().contour()?;
+        let listed = self.part.listed().map(|z| sections::check_listed(&contour, z, self.part.station_mm));
+        listed.unwrap_or(Ok(()))?;
+        sections::check_steady(&contour, &self.contour, &self.steady_z_mm)
     }
 
     /// Field centres spread evenly so that the outer fields end at the part's ends, and angles over
@@ -198,7 +276,7 @@ impl LoopJob {
     /// Checks that a path of the first pass is possible, and that the settings are in range.
     fn check_nc(&self) -> Result<(), SettingError> {
         let Some(nc) = &self.nc else { return Ok(()) };
-        let stations = self.part.station_z_mm().len();
+        let stations = self.station_z_mm().len();
         let plan = self.pass_plan(1, DiameterOffset::zero(stations));
         crate::nc::Path::new(&plan, &nc.machine, nc.dialect).map(drop).map_err(from_nc)
     }
@@ -209,7 +287,7 @@ impl LoopJob {
     /// # Errors
     /// The controller's reason.
     pub fn check_control(&self) -> Result<(), SettingError> {
-        crate::control::build(&self.run_control(), &self.part.station_z_mm()).map(drop).map_err(from_control)
+        crate::control::build(&self.run_control(), self.layout()).map(drop).map_err(from_control)
     }
 
     /// Checks the numbers of fields and angles.
@@ -246,6 +324,7 @@ impl LoopJob {
     /// # Errors
     /// Names the key and what would be enough.
     pub fn check_coverage(&self) -> Result<(), SettingError> {
+        self.check_contour()?;
         self.part.check_aim()?;
         self.check_follow()?;
         if self.probe.is_some() {

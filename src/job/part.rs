@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::part_section::PartSection;
 use super::stations;
 use crate::conformity::{DecisionRule, PROBABILITY, SizeCriterion, Tolerance};
 use crate::setting::{SettingError, positive, require};
@@ -13,9 +14,11 @@ use crate::setting::{SettingError, positive, require};
 pub struct Part {
     /// Length from the chuck face to the tailstock, mm.
     pub length_mm: f64,
-    /// Diameter of the stock before the first pass, mm.
+    /// Diameter of the stock before the first pass, mm; with `[shaft] contour` that of its largest
+    /// diameter, with the same allowance everywhere else (a pre-turned blank).
     pub stock_diameter_mm: f64,
-    /// Nominal diameter r(k) of every pass, mm, falling.
+    /// Nominal diameter r(k) of every pass, mm, falling; with `[shaft] contour` that of its largest
+    /// diameter.
     pub nominal_diameter_mm: Vec<f64>,
     /// Added to the nominal of the last pass: where in its tolerance the part shall lie, mm; 0
     /// unless set.
@@ -26,7 +29,11 @@ pub struct Part {
     /// side from end to end: each takes `station_mm` and lies inside the part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub station_z_mm: Option<Vec<f64>>,
-    /// Tolerance of the finished part; without one no verdict is given.
+    /// What the drawing states of the sections of `[shaft] contour`: tolerance, aim, name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sections: Vec<PartSection>,
+    /// Tolerance of the finished part; without one no verdict is given. The sections of `[shaft]
+    /// contour` have their own.
     #[serde(default)]
     pub tolerance: Option<Tolerance>,
     /// Probability with which conformity to the tolerance must be proven at every station (ISO
@@ -43,6 +50,7 @@ impl Default for Part {
             aim_mm: 0.0,
             station_mm: 5.0,
             station_z_mm: None,
+            sections: Vec::new(),
             tolerance: Some(Tolerance::new(25.0, 0.0, -0.013)),
             conformance_probability: PROBABILITY,
         }

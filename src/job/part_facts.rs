@@ -15,11 +15,17 @@ impl Job {
     /// and has 32 bits, so that every language reads it exactly.
     pub(crate) fn part_facts(&self) -> PartFacts {
         let order = self.loop_job();
+        let (layout, contour) = (order.layout(), order.turned_contour());
+        let limits = |z: &f64| contour.as_ref().and_then(|c| c.section_at(*z)).and_then(|s| s.limits_mm);
         let mut random = Pcg64::seed_from_u64(self.seed ^ STREAM);
         PartFacts {
             seed: u64::from(random.next_u32()),
-            station_z_mm: order.part.station_z_mm(),
+            station_z_mm: layout.z_mm.clone(),
             nominal_mm: (1..=order.passes() as u32).map(|pass| order.part.target_mm(pass)).collect(),
+            station_relative_mm: contour.as_ref().map_or_else(Vec::new, |_| layout.relative_mm()),
+            station_limits_mm: contour
+                .as_ref()
+                .map_or_else(Vec::new, |_| layout.z_mm.iter().map(limits).collect()),
             tolerance_mm: order.part.tolerance.map(|t| t.limits_mm()),
             cutting: order.cutting,
         }

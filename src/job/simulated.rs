@@ -119,9 +119,11 @@ impl Job {
         LoopJob {
             name: self.name.clone(),
             part: self.part.clone(),
+            contour: self.shaft.contour.clone(),
             passes: self.passes,
             cutting: self.cutting,
             feed_direction: self.process.pass.feed_direction,
+            steady_z_mm: self.process.support.steady_rests.iter().map(|rest| rest.z_mm).collect(),
             expansion_um_per_m_k: material.map_or(steel, |m| m.expansion_um_per_m_k),
             workpiece: workpiece::workpiece(&self.part, &self.process, &self.cutting).0,
             scan: self.scan.clone(),
@@ -202,7 +204,7 @@ impl Job {
         if let Some(key) = self.shaft.finished_key() {
             return Err(SettingError::at(
                 key,
-                "describes a finished part, which `render` draws; a run turns a plain shaft: leave it out",
+                "describes a finished part, which `render` draws; a run turns plain and stepped shafts (shaft.contour): leave it out",
             ));
         }
         let in_loop = self.loop_job();

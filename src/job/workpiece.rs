@@ -1,7 +1,8 @@
 //! What the model-based controller takes from its own job: the part's length and diameter, its
-//! material and the cutting force expected for that material.
+//! material, the stiffness of its supports and the cutting force expected for that material.
 //!
-//! Only data from the drawing and from handbooks are passed on: the nominal sizes, the material's
+//! Only data from the drawing, the machine's data sheet and handbooks are passed on (the controller
+//! takes the stiffnesses as known to a factor of 2): the nominal sizes, the material's
 //! table row and the specific cutting force k_c = kc1.1·h^(−mc) (see `process::material`). Where
 //! the process cuts by Kienzle's law, the controller's power law is its tangent, in logarithms, at
 //! the first pass' depth; otherwise Table 1 of the slender-shaft paper (45 steel) is multiplied by
@@ -31,7 +32,12 @@ pub(super) fn workpiece(
     process: &ProcessSettings,
     cutting: &CuttingData,
 ) -> (Workpiece, Option<String>) {
-    let paper = Workpiece { length_mm: part.length_mm, ..Workpiece::default() };
+    let paper = Workpiece {
+        length_mm: part.length_mm,
+        chuck_n_per_um: process.support.chuck_n_per_um,
+        tailstock_n_per_um: process.support.tailstock_n_per_um,
+        ..Workpiece::default()
+    };
     let stock_diameter_mm = part.stock_diameter_mm;
     let Ok(material) = process.material.resolve() else {
         // `check` refuses it by its key.
@@ -135,8 +141,11 @@ mod tests {
         small.part.length_mm = 120.0;
         small.part.stock_diameter_mm = 12.5;
         small.part.nominal_diameter_mm = vec![12.0];
+        small.process.support.chuck_n_per_um = 200.0;
+        small.process.support.tailstock_n_per_um = 5.0;
         let (w, word) = of(&small);
         assert_eq!((w.length_mm, w.stock_diameter_mm, w.youngs_modulus_n_per_mm2), (120.0, 12.5, 1.1e5));
+        assert_eq!((w.chuck_n_per_um, w.tailstock_n_per_um), (200.0, 5.0));
         // Grey iron: 1160 against 2220 N/mm² at 1 mm, .26 against .14 of slope, at a chip of
         // f·a/(r·acos(1 − a/r)).
         let chip = 0.1 * 0.25 / (0.4 * (1.0_f64 - 0.25 / 0.4).acos());

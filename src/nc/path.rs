@@ -1,11 +1,12 @@
 //! The path of a turning pass: knots along z, the offsets after rounding, and the list of a dry
 //! run.
 
+use super::contour_path;
 use super::dialect::Dialect;
 use super::error::NcError;
 use super::machine::WearX;
 use super::settings::NcSettings;
-use crate::plan::{DiameterOffset, PassPlan};
+use crate::plan::{Contour, DiameterOffset, PassPlan};
 
 /// A path over the stations; beyond the outer ones programs continue level to the ends of the cut.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,9 @@ impl Path {
         settings.validate()?;
         check(plan, settings)?;
         let decimals = dialect.x_decimals();
+        if let Some(contour) = plan.form.contour() {
+            return Self::along(contour, plan, settings, decimals);
+        }
         let wear_mm = if settings.uses_wear_register(dialect) {
             let mean = plan.offset.o_mm.iter().sum::<f64>() / plan.offset.o_mm.len() as f64;
             // a register in radius holds half of it: the remainder of its rounding goes into the
@@ -52,6 +56,25 @@ impl Path {
         }
     }
 
+    /// Along the contour of a stepped shaft: shoulders, tapers and fillets with the offsets of their
+    /// sections. The path holds all of them, the wear register nothing.
+    fn along(
+        contour: &Contour,
+        plan: &PassPlan,
+        settings: &NcSettings,
+        decimals: usize,
+    ) -> Result<Self, NcError> {
+        let exact = contour_path::path(plan, contour, settings)?;
+        let mut knots: Vec<(f64, f64)> =
+            exact.iter().rev().map(|(z, x)| (round(*z, 3), round(*x, decimals))).collect();
+        knots.dedup();
+        let (z, x): (Vec<f64>, Vec<f64>) = knots.iter().rev().copied().unzip();
+        let cut = |z_mm: &f64| Ok(interpolate(&z, &x, contour_path::programmed_z(contour, settings, *z_mm)?));
+        let cut: Result<Vec<f64>, NcError> = plan.station_z_mm.iter().map(cut).collect();
+        let o_mm = plan.station_nominal_mm().zip(cut?).map(|(nominal, cut)| nominal - cut).collect();
+        Self { knots, wear_mm: 0.0, in_force: DiameterOffset { o_mm } }.first_station_cut(plan, settings)
+    }
+
     /// Largest difference between the offsets in force and those requested, mm of diameter.
     pub(crate) fn largest_departure(&self, plan: &PassPlan) -> f64 {
         let differences = self.in_force.o_mm.iter().zip(&plan.offset.o_mm).map(|(a, b)| (a - b).abs());
@@ -67,6 +90,10 @@ impl Path {
                 return Err(NcError::Range { x_mm, z_mm, low_mm, high_mm });
             }
         }
+        self.first_station_cut(plan, settings)
+    }
+
+    fn first_station_cut(self, plan: &PassPlan, settings: &NcSettings) -> Result<Self, NcError> {
         if settings.least_z_mm > plan.station_z_mm[0] {
             return Err(NcError::Plan(format!(
                 "nc.least_z_mm = {} lies beyond the first station at Z = {} mm: it would not be cut",
@@ -152,7 +179,7 @@ pub(crate) fn dry_run(old: &DiameterOffset, plan: &PassPlan, path: &Path, reason
     for (i, z) in plan.station_z_mm.iter().enumerate() {
         let before = old.o_mm.get(i).copied().unwrap_or(0.0);
         let (asked, real) = (plan.offset.o_mm[i], path.in_force.o_mm[i]);
-        let commanded = plan.nominal_mm - real;
+        let commanded = plan.nominal_at_mm(*z) - real;
         text += &format!("{z:11.3} {before:10.5} {asked:10.5}  {real:10.5}  {commanded:12.5}\n");
     }
     text

@@ -16,6 +16,7 @@
 use super::error::NcError;
 use super::machine::{ChangePosition, Direction, Tailstock};
 use super::settings::NcSettings;
+use crate::plan::{Contour, Side};
 
 /// Nose radius where none is stated, mm: the largest that is usual for finishing (ISO 1832 corner
 /// codes 04 and 08).
@@ -45,6 +46,8 @@ pub(crate) struct Workpiece {
     pub steady_z_mm: Vec<f64>,
     /// Places that a probe touches, Z ascending, mm; the six of paper 000 where none are listed.
     pub probe_z_mm: Vec<f64>,
+    /// The contour of a stepped shaft; diameters are those of its largest section.
+    pub contour: Option<Contour>,
     /// Lower and upper limit of the finished part, mm, whichever pass is written; `None` where no
     /// tolerance is stated.
     pub tolerance_mm: Option<(f64, f64)>,
@@ -60,6 +63,7 @@ impl Workpiece {
             direction: Direction::default(),
             steady_z_mm: Vec::new(),
             probe_z_mm: Vec::new(),
+            contour: None,
             tolerance_mm: None,
         }
     }
@@ -76,6 +80,31 @@ impl Workpiece {
             )));
         }
         Ok(())
+    }
+
+    /// Solids that make up the part before the pass: (Z from, Z to, diameter at both), mm. A piece
+    /// of a stepped shaft that is no taper is as wide as its widest point, fillets included.
+    pub(super) fn solids_before(&self) -> Vec<[(f64, f64); 2]> {
+        let Some(contour) = &self.contour else {
+            return vec![[(0.0, self.before_mm), (self.length_mm, self.before_mm)]];
+        };
+        let mut places = vec![0.0, self.length_mm];
+        for s in &contour.sections {
+            places.extend([s.ends_mm.0, s.clear_mm.0, s.clear_mm.1, s.ends_mm.1]);
+        }
+        places.extend(contour.tapers.iter().flat_map(|t| [t.ends_mm.0, t.ends_mm.1]));
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let piece = |w: &[f64]| {
+            let (from, to) = (w[0], w[1]);
+            let ends = [contour.relative_mm(from, Side::Tailstock), contour.relative_mm(to, Side::Chuck)];
+            let is_taper = contour.tapers.iter().any(|t| t.ends_mm.0 <= from && to <= t.ends_mm.1);
+            let inside = contour.knots.iter().filter(|k| k.z_mm > from && k.z_mm < to).map(|k| k.relative_mm);
+            let widest = inside.chain(ends).fold(f64::NEG_INFINITY, f64::max);
+            let [a, b] = if is_taper { ends } else { [widest; 2] };
+            [(from, self.before_mm + a), (to, self.before_mm + b)]
+        };
+        places.windows(2).map(piece).collect()
     }
 
     /// Largest diameter of the turned part, mm.

@@ -75,17 +75,17 @@ impl<'a> Skeleton<'a> {
         }
         let (end, clear) = (piece.length_mm, 0.5 * s.clearance_mm);
         let collar = route.full_from_mm;
-        let stock = vec![
-            Solid { what: "stock", shape: Convex::cylinder(0.0, end, piece.before_mm) },
-            Solid {
-                what: "uncut stock at the chuck",
-                shape: Convex::cylinder(0.0, collar, piece.largest_mm()),
-            },
-        ];
-        let kept_clear = vec![
-            Convex::cylinder(-clear, end, piece.before_mm + clear),
-            Convex::cylinder(-clear, collar, piece.largest_mm() + clear),
-        ];
+        let before = piece.solids_before();
+        let mut stock: Vec<Solid> =
+            before.iter().map(|ends| Solid { what: "stock", shape: Convex::frustum(*ends) }).collect();
+        stock.push(Solid {
+            what: "uncut stock at the chuck",
+            shape: Convex::cylinder(0.0, collar, piece.largest_mm()),
+        });
+        // clearance towards the chuck and around; at the end face the tool feeds in from outside
+        let wide = |[a, b]: [(f64, f64); 2]| [(a.0 - clear, a.1 + clear), (b.0, b.1 + clear)];
+        let mut kept_clear: Vec<Convex> = before.iter().map(|ends| Convex::frustum(wide(*ends))).collect();
+        kept_clear.push(Convex::cylinder(-clear, collar, piece.largest_mm() + clear));
         let mut variables = vec![(RAN_LAST, 0.0)];
         if let Some(probe) = s.probe {
             variables.push((CORRECTION, probe.correction_mm));
@@ -104,7 +104,7 @@ impl<'a> Skeleton<'a> {
             probe: s.probe.map(|p| p.outlines()).unwrap_or_default(),
             surface: None,
             change: route.change,
-            cut: CommandedCut { commanded, between: (route.z_first.min(route.z_last), end) },
+            cut: CommandedCut { commanded, between: (route.z_first.min(route.z_last), end), solid: None },
             travel: s.travel,
             variables,
         }

@@ -1,5 +1,6 @@
 //! A turning pass with its correction as a program.
 
+use super::contour_path;
 use super::dialect::{Dialect, number};
 use super::error::NcError;
 use super::machine::Direction;
@@ -51,7 +52,11 @@ impl<'a> TurningProgram<'a> {
         let mut lines = self.head(&skeleton, &path);
         lines.extend(skeleton.once("PASS WAS CUT ALREADY"));
         lines.extend(skeleton.approach());
-        lines.extend(skeleton.cut(&points(&skeleton, &path)));
+        let points = match self.plan.form.contour() {
+            Some(_) => contour_points(&skeleton, &path),
+            None => points(&skeleton, &path),
+        };
+        lines.extend(skeleton.cut(&points));
         lines.extend(skeleton.after(self.plan.nominal_mm)?);
         let text = lines.join("\n") + "\n";
         replay::check(&text, &self.working_space_of(&skeleton))?;
@@ -70,6 +75,15 @@ impl<'a> TurningProgram<'a> {
     fn working_space_of(&self, skeleton: &Skeleton<'a>) -> replay::WorkingSpace<'a> {
         let mut working_space = skeleton.working_space(self.commanded());
         working_space.surface = skeleton.surface(self.plan.nominal_mm);
+        if let Some(contour) = self.plan.form.contour() {
+            let nose_mm = skeleton.route.nose_mm;
+            working_space.cut.between = (skeleton.route.full_from_mm, self.piece.length_mm);
+            working_space.cut.solid = Some(replay::FinishedSolid {
+                surface: contour_path::commanded_surface(self.plan, contour),
+                nose_mm,
+                centre_z_mm: contour_path::lead(contour) * nose_mm,
+            });
+        }
         working_space
     }
 
@@ -106,7 +120,7 @@ impl<'a> TurningProgram<'a> {
         let (plan, s) = (self.plan, self.settings);
         let register = s.uses_wear_register(skeleton.dialect);
         let where_mean = if register { "in the wear register" } else { "in the path" };
-        let about = [
+        let mut about = vec![
             format!("shadowgauge {} for {}", env!("CARGO_PKG_VERSION"), skeleton.dialect.as_str()),
             format!(
                 "aim {} mm from {} mm, v {} m/min, f {} mm/rev",
@@ -118,6 +132,13 @@ impl<'a> TurningProgram<'a> {
             format!("{} knots, mean correction {where_mean}", path.knots.len()),
             format!("reason: {}", self.reason),
         ];
+        if let Some(contour) = plan.form.contour() {
+            about.push(format!(
+                "contour of {} sections, diameters of the largest; the nose radius of {} mm is in the path: no G41, no G42",
+                contour.sections.len(),
+                number(skeleton.route.nose_mm, 3)
+            ));
+        }
         let smallest = plan.commanded_mm().fold(f64::INFINITY, f64::min);
         skeleton.head(&format!("PART {} PASS {}", s.part_number, plan.pass), &about, smallest)
     }
@@ -136,4 +157,17 @@ fn points(skeleton: &Skeleton<'_>, path: &Path) -> Vec<(String, f64)> {
         places.reverse();
     }
     places.into_iter().map(|at| (number(interpolate(&z, &x, at), decimals), at)).collect()
+}
+
+/// The path along a contour in the order of cutting, level to the ends of the cut; X and Z of a
+/// shoulder both stand in it.
+fn contour_points(skeleton: &Skeleton<'_>, path: &Path) -> Vec<(String, f64)> {
+    let (route, decimals) = (&skeleton.route, skeleton.dialect.x_decimals());
+    let ascending: Vec<(f64, f64)> = path.knots.iter().rev().copied().collect();
+    let ends = (route.z_first.min(route.z_last), route.z_first.max(route.z_last));
+    let mut places = contour_path::between(&ascending, ends);
+    if skeleton.piece.direction == Direction::TowardsChuck {
+        places.reverse();
+    }
+    places.into_iter().map(|(z, x)| (number(x, decimals), z)).collect()
 }

@@ -188,7 +188,8 @@ pub(crate) fn travelling_load(step_mm: f64, sections: &[Section], supports: &Sup
 }
 
 /// The left part up to every node, its own steady rest included.
-pub(super) fn left_parts(step_mm: f64, sections: &[Section], supports: &Supports) -> Vec<Part> {
+#[cfg(test)]
+fn left_parts(step_mm: f64, sections: &[Section], supports: &Supports) -> Vec<Part> {
     let mut part = supports.chuck;
     let mut parts = Vec::with_capacity(sections.len() + 1);
     for node in 0..=sections.len() {

@@ -116,11 +116,13 @@ pub(crate) fn weight_n_per_mm(diameter_mm: f64, material: &Material) -> f64 {
     1e-9 * material.density_kg_per_m3 * area_mm2 * GRAVITY_M_PER_S2
 }
 
-/// A shaft in its supports: diameters of elements of equal length from chuck to tailstock.
+/// A shaft in its supports: its elements from chuck to tailstock.
 #[derive(Clone, Debug)]
 pub(crate) struct HeldShaft<'a> {
-    /// Length of an element, mm.
-    pub step_mm: f64,
+    /// Length of every element, mm.
+    pub element_mm: Vec<f64>,
+    /// Machine z of every node, mm: one more than elements.
+    pub node_z_mm: Vec<f64>,
     /// Diameter of every element, mm.
     pub diameter_mm: Vec<f64>,
     /// Material.
@@ -148,12 +150,12 @@ impl HeldShaft<'_> {
     }
 
     fn spans(&self, gravity: f64) -> Vec<Span> {
-        let span = |d: &f64| Span {
-            length_mm: self.step_mm,
+        let span = |(d, length_mm): (&f64, &f64)| Span {
+            length_mm: *length_mm,
             section: Section::circular(*d, self.material),
             load_n_per_mm: gravity * weight_n_per_mm(*d, self.material),
         };
-        self.diameter_mm.iter().map(span).collect()
+        self.diameter_mm.iter().zip(&self.element_mm).map(span).collect()
     }
 
     /// The axis at every node in the machine's frame, mm along x and y: weight, tailstock and, with
@@ -205,12 +207,8 @@ impl HeldShaft<'_> {
     }
 
     fn knots(&self, x: &[f64], y: &[f64]) -> Vec<AxisKnot> {
-        let knot = |(node, (&x_mm, &y_mm)): (usize, (&f64, &f64))| AxisKnot {
-            z_mm: node as f64 * self.step_mm,
-            x_mm,
-            y_mm,
-        };
-        x.iter().zip(y).enumerate().map(knot).collect()
+        let knot = |(&z_mm, (&x_mm, &y_mm)): (&f64, (&f64, &f64))| AxisKnot { z_mm, x_mm, y_mm };
+        self.node_z_mm.iter().zip(x.iter().zip(y)).map(knot).collect()
     }
 }
 

@@ -1,9 +1,10 @@
 //! The cut itself: from commanded diameters to diameters that remain, node by node along the feed.
 
-use super::beam::{Part, SteadyRest, Supports, compliance_at_joint, left_parts};
+use super::beam::{Part, SteadyRest, Supports, compliance_at_joint};
 use super::force::DepthLaw;
 use super::force_components::Components;
 use super::geometry::tangential_error_mm;
+use super::grid::Grid;
 use super::material::Material;
 use super::section::Section;
 use crate::plan::CutSummary;
@@ -32,7 +33,7 @@ pub(super) struct CutNode {
 pub(super) struct Cut<'a> {
     pub nodes: &'a [UncutNode],
     pub law: DepthLaw,
-    pub step_mm: f64,
+    pub grid: &'a Grid,
     pub supports: Supports,
     pub material: &'a Material,
     /// Whether the diameter carries the tangential error.
@@ -61,7 +62,7 @@ impl Cut<'_> {
             let behind = cut.get(node + 1).map(|n| n.after);
             // The element behind the tool: the diameter of its near end results from the cut at
             // this node.
-            let probe = behind.map_or(right, |d| self.extended(right, d));
+            let probe = behind.map_or(right, |d| self.extended((right, node), d));
             let compliance = compliance_at_joint(&lefts[node], &probe);
             let depth = self.law.depth_mm(0.5 * (uncut.before - uncut.commanded), compliance);
             let force = self.law.components(depth);
@@ -73,9 +74,9 @@ impl Cut<'_> {
             include(&mut summary, depth, &force, compliance);
             softest = f64::max(softest, compliance);
             if let Some(behind) = behind {
-                right = self.extended(right, 0.5 * (behind + after));
+                right = self.extended((right, node), 0.5 * (behind + after));
             }
-            self.supports.rests_at(node, self.step_mm).for_each(|rest| right.support(rest));
+            self.rests_at(node).for_each(|rest| right.support(rest));
         }
         // The product of both maxima is an upper bound of the largest product.
         let tangential = softest * self.law.components(summary.max_depth_mm).cutting_n;
@@ -87,10 +88,11 @@ impl Cut<'_> {
     /// The same with the tool travelling from the first node to the last: the mirror image.
     pub(super) fn towards_last(&self) -> Passed {
         let mirrored: Vec<UncutNode> = self.nodes.iter().rev().copied().collect();
-        let length = self.step_mm * (self.nodes.len() - 1) as f64;
+        let (grid, length) = (self.grid.mirrored(), self.grid.length_mm());
         let rest = |rest: &SteadyRest| SteadyRest { z_mm: length - rest.z_mm, ..*rest };
         let image = Cut {
             nodes: &mirrored,
+            grid: &grid,
             supports: Supports {
                 chuck: self.supports.tailstock,
                 tailstock: self.supports.chuck,
@@ -103,16 +105,30 @@ impl Cut<'_> {
         passed
     }
 
-    fn extended(&self, mut part: Part, diameter_mm: f64) -> Part {
-        part.extend(self.step_mm, &Section::circular(diameter_mm, self.material));
+    /// A part lengthened by the element after `node`.
+    fn extended(&self, (mut part, node): (Part, usize), diameter_mm: f64) -> Part {
+        part.extend(self.grid.element_mm()[node], &Section::circular(diameter_mm, self.material));
         part
     }
 
+    /// Compliance of the steady rests that belong to a node.
+    fn rests_at(&self, node: usize) -> impl Iterator<Item = f64> + '_ {
+        let mine = move |rest: &&SteadyRest| self.grid.nearest(rest.z_mm) == node;
+        self.supports.steady_rests.iter().filter(mine).map(|rest| rest.compliance_mm_per_n)
+    }
+
+    /// The uncut left part up to every node, its own steady rest included.
     fn uncut_left_parts(&self) -> Vec<Part> {
-        let element =
-            |pair: &[UncutNode]| Section::circular(0.5 * (pair[0].before + pair[1].before), self.material);
-        let sections: Vec<Section> = self.nodes.windows(2).map(element).collect();
-        left_parts(self.step_mm, &sections, &self.supports)
+        let mut part = self.supports.chuck;
+        let mut parts = Vec::with_capacity(self.nodes.len());
+        for (node, at) in self.nodes.iter().enumerate() {
+            self.rests_at(node).for_each(|rest| part.support(rest));
+            parts.push(part);
+            if let Some(next) = self.nodes.get(node + 1) {
+                part = self.extended((part, node), 0.5 * (at.before + next.before));
+            }
+        }
+        parts
     }
 }
 

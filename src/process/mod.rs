@@ -6,11 +6,11 @@
 //! force that bends it follows from the actual depth of cut. Measured diameters have no part in it.
 //!
 //! From the tool to the part: `tool` and `tool_factors`, `material`, the force laws (`force`,
-//! `kienzle`, with `force_components`), the beam (`beam`, `line`, `fem`, `stepped`:
-//! different methods), `bending` (the supported shaft under all loads), `disturbance`, `texture`,
-//! and `turning`, which joins them in a pass. `settings` is the `[process]` table. A new force law
-//! is a variant of `ForceLaw`; a new cause of error a table of `settings` and a term in
-//! `turning`.
+//! `kienzle`, with `force_components`), the beam (`beam`, `line`, `fem`, `stepped`: different
+//! methods), `bending` (the supported shaft under all loads), `disturbance`, `texture`, `grid` (the
+//! nodes along plain and stepped shafts) and `turning`, which joins them in a pass. `settings` is
+//! the `[process]` table. A new force law is a variant of `ForceLaw`; a new cause of error a table
+//! of `settings` and a term in `turning`.
 
 pub(crate) mod beam;
 pub(crate) mod bending;
@@ -22,6 +22,7 @@ pub(crate) mod fit;
 mod force;
 mod force_components;
 pub(crate) mod geometry;
+mod grid;
 pub(crate) mod kienzle;
 pub(crate) mod line;
 pub(crate) mod material;

@@ -15,11 +15,12 @@ use super::bending;
 use super::check::refuse;
 use super::cut::{Cut, CutNode, Passed, UncutNode};
 use super::force::DepthLaw;
+use super::grid::Grid;
 use super::material::Material;
 use super::section::Section;
 use super::settings::{BelowMinimumChip, ProcessSettings};
 use super::texture;
-use crate::plan::{CutSummary, FeedDirection, PassPlan};
+use crate::plan::{Contour, CutSummary, FeedDirection, PassPlan, Side, value_at};
 use crate::shaft::{AxisKnot, Eccentricity, Features, Lobe, Pose, ProfileKnot, Shaft, SpindleMotion};
 
 /// Why a pass was not cut.
@@ -102,6 +103,8 @@ pub struct BaseForm {
     pub bow: Vec<AxisKnot>,
     /// How the axis lies in the camera's field.
     pub pose: Pose,
+    /// The contour of a stepped shaft: the blank has it with the allowance of all passes.
+    pub(crate) contour: Option<Contour>,
 }
 
 /// A workpiece in the machine, pass after pass.
@@ -111,7 +114,7 @@ pub struct TurningProcess {
     material: Material,
     form: BaseForm,
     seed: u64,
-    step_mm: f64,
+    grid: Grid,
     diameter_mm: Vec<f64>,
     force_factor: f64,
     cuts: u32,
@@ -145,16 +148,21 @@ impl TurningProcess {
                 return Err(refuse(&key, rest.z_mm, format!("below the length of {length_mm} mm")).into());
             }
         }
-        let elements = (length_mm / settings.pass.node_mm).round().clamp(2.0, 1e6) as usize;
-        let step_mm = length_mm / elements as f64;
-        let form_mm = settings.disturbance.stock_form_mm(seed, elements + 1, step_mm);
+        let node_mm = settings.pass.node_mm;
+        let grid = match &form.contour {
+            Some(contour) => Grid::along(contour, length_mm, node_mm),
+            None => Grid::even(length_mm, node_mm),
+        };
+        let (nodes, step_mm) = grid.like_even(node_mm);
+        let form_mm = settings.disturbance.stock_form_mm(seed, nodes, step_mm);
+        let blank = stock_diameters_mm(&grid, diameter_mm, (&form_mm, step_mm));
         Ok(Self {
             settings: settings.clone(),
             material: settings.material.resolve()?,
             form: form.clone(),
             seed,
-            step_mm,
-            diameter_mm: form_mm.iter().map(|form| diameter_mm + form).collect(),
+            diameter_mm: blank,
+            grid,
             force_factor: settings.disturbance.force_factor(seed),
             cuts: 0,
             since_cold: 0,
@@ -165,7 +173,7 @@ impl TurningProcess {
 
     /// Machine z of the nodes, mm, ascending from 0 to the length.
     pub(crate) fn node_z_mm(&self) -> impl Iterator<Item = f64> + '_ {
-        (0..self.diameter_mm.len()).map(|node| node as f64 * self.step_mm)
+        self.grid.z_mm().iter().copied()
     }
 
     /// Mean diameter of the unloaded workpiece at every node, mm.
@@ -175,10 +183,9 @@ impl TurningProcess {
 
     /// The blank as it was clamped, with the surface of a drawn or rolled bar left out.
     pub(crate) fn blank(&self) -> Shaft {
-        let knot = |(z_mm, diameter): (f64, &f64)| ProfileKnot { z_mm, radius_mm: 0.5 * diameter };
         let (deflection, bow) = self.axis();
         Shaft {
-            profile: self.node_z_mm().zip(&self.diameter_mm).map(knot).collect(),
+            profile: self.profile(),
             lobes: self.form.lobes.clone(),
             texture: None,
             eccentricity: self.form.eccentricity,
@@ -188,6 +195,35 @@ impl TurningProcess {
             features: Features::default(),
             spindle: SpindleMotion::default(),
         }
+    }
+
+    /// Radii along z: those of the nodes, on a stepped shaft with the contour's own points (fillets
+    /// and chamfers are finer than the nodes) between them.
+    fn profile(&self) -> Vec<ProfileKnot> {
+        let knot = |(z_mm, diameter): (f64, &f64)| ProfileKnot { z_mm, radius_mm: 0.5 * diameter };
+        let Some(contour) = &self.form.contour else {
+            return self.node_z_mm().zip(&self.diameter_mm).map(knot).collect();
+        };
+        let excess: Vec<(f64, f64)> = self
+            .node_z_mm()
+            .zip(self.diameter_mm.iter().zip(self.grid.relative_mm()))
+            .map(|(z, (d, relative))| (z, d - relative))
+            .collect();
+        let mut places: Vec<(f64, Side)> = Vec::new();
+        let own = contour.knots.iter().map(|k| k.z_mm);
+        let mut z_mm: Vec<f64> = own.chain(self.node_z_mm()).collect();
+        z_mm.sort_by(f64::total_cmp);
+        z_mm.dedup();
+        for z in z_mm {
+            places.extend([(z, Side::Chuck), (z, Side::Tailstock)]);
+        }
+        let at = |(z_mm, side): (f64, Side)| {
+            let diameter = contour.relative_mm(z_mm, side) + value_at(&excess, z_mm, side, |e| *e);
+            ProfileKnot { z_mm, radius_mm: 0.5 * diameter }
+        };
+        let mut knots: Vec<ProfileKnot> = places.into_iter().map(at).collect();
+        knots.dedup();
+        knots
     }
 
     /// What the last pass cut.
@@ -258,7 +294,7 @@ impl TurningProcess {
         let cut = Cut {
             nodes: &nodes,
             law,
-            step_mm: self.step_mm,
+            grid: &self.grid,
             supports: self.settings.support.supports(),
             material: &self.material,
             tangential_error: self.settings.bending.tangential_error,
@@ -292,7 +328,7 @@ impl TurningProcess {
         let at_tool = self.axis_at_tool(&commanded);
         let [x, y] = bending.towards_tool();
         for (node, uncut) in nodes.iter_mut().enumerate() {
-            let [ux, uy] = bending::axis_at(&at_tool, node as f64 * self.step_mm);
+            let [ux, uy] = bending::axis_at(&at_tool, self.grid.z_mm()[node]);
             uncut.commanded -= 2.0 * (ux * x + uy * y);
             // In the direction of the tangential force: against the surface's motion.
             uncut.aside = ux * y - uy * x;
@@ -301,7 +337,7 @@ impl TurningProcess {
 
     /// Share of the pass that is cut when the tool reaches z.
     fn share_cut(&self, z_mm: f64) -> f64 {
-        let share = z_mm / (self.step_mm * (self.diameter_mm.len() - 1) as f64);
+        let share = z_mm / self.grid.length_mm();
         match self.settings.pass.feed_direction {
             FeedDirection::TowardsChuck => 1.0 - share,
             FeedDirection::TowardsTailstock => share,
@@ -330,17 +366,37 @@ impl TurningProcess {
         let d = &self.settings.disturbance;
         let stations: Vec<f64> = plan.commanded_mm().collect();
         let common = d.common_mm(self.seed, plan.pass, self.since_cold);
+        let stepped = self.stepped_path(plan);
         let mut upper = 1;
         self.node_z_mm()
-            .map(|z| {
+            .enumerate()
+            .map(|(node, z)| {
                 while upper + 1 < stations.len() && plan.station_z_mm[upper] < z {
                     upper += 1;
                 }
                 let wear = self.wear_mm + 1e-3 * d.wear_um_per_pass * self.share_cut(z);
                 let away = wear + d.guideway_mm(z);
-                linear(&plan.station_z_mm, &stations, upper, z) + common + 2.0 * away
+                let plain = || linear(&plan.station_z_mm, &stations, upper, z);
+                stepped.as_ref().map_or_else(plain, |path| path[node]) + common + 2.0 * away
             })
             .collect()
+    }
+
+    /// The command at every node of a stepped shaft, mm: the contour less the offsets, which step at
+    /// a shoulder, as a program cuts it; none for a plain one.
+    fn stepped_path(&self, plan: &PassPlan) -> Option<Vec<f64>> {
+        let contour = plan.form.contour()?;
+        let offsets = contour.offset_knots(&plan.station_z_mm, &plan.offset.o_mm);
+        let z = self.grid.z_mm();
+        // The first of two nodes at a shoulder is the side of the chuck.
+        let side = |node: usize| {
+            if node > 0 && z[node - 1] == z[node] { Side::Tailstock } else { Side::Chuck }
+        };
+        let at = |node: usize| {
+            let offset = value_at(&offsets, z[node], side(node), |o| *o);
+            plan.nominal_mm + self.grid.relative_mm()[node] - offset
+        };
+        Some((0..z.len()).map(at).collect())
     }
 
     /// Refuses a chip below the minimum, or adds a note where the force law is extrapolated.
@@ -356,7 +412,7 @@ impl TurningProcess {
         let Some(node) = least.filter(|node| depth(*node) < minimum_chip_mm) else {
             return Ok(None);
         };
-        let (z_mm, depth_mm) = (node as f64 * self.step_mm, depth(node));
+        let (z_mm, depth_mm) = (self.grid.z_mm()[node], depth(node));
         if self.settings.pass.below_minimum_chip == BelowMinimumChip::Extrapolate {
             return Ok(Some(format!(
                 "depth of cut down to {depth_mm:.4} mm at z = {z_mm:.1} mm, below the minimum chip of {minimum_chip_mm} mm: \
@@ -375,7 +431,7 @@ impl TurningProcess {
             return Ok(());
         }
         let diameter_mm = cut.iter().map(|n| n.after).fold(f64::INFINITY, f64::min);
-        let length = self.step_mm * (cut.len() - 1) as f64;
+        let length = self.grid.length_mm();
         let bending = Section::circular(diameter_mm, &self.material).bending_n_mm2;
         let critical_n = 2.0457 * std::f64::consts::PI.powi(2) * bending / (length * length);
         let axial_n = support.tailstock_thrust_n + feed_n;
@@ -388,7 +444,7 @@ impl TurningProcess {
     /// The workpiece with the surface after the pass.
     fn shaft(&self, plan: &PassPlan) -> Shaft {
         let settings = &self.settings.texture;
-        let length_mm = self.step_mm * (self.diameter_mm.len() - 1) as f64;
+        let length_mm = self.grid.length_mm();
         let mut lobes = self.form.lobes.clone();
         lobes.extend_from_slice(&self.settings.disturbance.spindle_lobes);
         lobes.extend(texture::small_lobes(settings, self.seed, plan.pass));
@@ -399,6 +455,25 @@ impl TurningProcess {
         }
         Shaft { lobes, texture: surface, ..self.blank() }
     }
+}
+
+/// Diameter of the blank at every node, mm: the stock's with its form, which is drawn at even nodes
+/// `step_mm` apart, and on a stepped shaft the contour.
+fn stock_diameters_mm(grid: &Grid, diameter_mm: f64, (form_mm, step_mm): (&[f64], f64)) -> Vec<f64> {
+    let even = grid.z_mm().len() == form_mm.len() && grid.relative_mm().iter().all(|r| *r == 0.0);
+    if even {
+        return form_mm.iter().map(|form| diameter_mm + form).collect();
+    }
+    let form = |z: f64| {
+        let place = (z / step_mm).min((form_mm.len() - 1) as f64);
+        let next = form_mm[(place as usize + 1).min(form_mm.len() - 1)];
+        form_mm[place as usize] + place.fract() * (next - form_mm[place as usize])
+    };
+    grid.z_mm()
+        .iter()
+        .zip(grid.relative_mm())
+        .map(|(z, relative)| diameter_mm + relative + form(*z))
+        .collect()
 }
 
 /// Value at `z` on the line through knots `upper - 1` and `upper`; the only value where there is

@@ -28,6 +28,7 @@ mod probe_report;
 mod reason_words;
 mod run_report;
 mod sample;
+mod section_report;
 mod shaft_report;
 mod washers_report;
 

@@ -8,7 +8,7 @@ use super::form_report::form_section;
 use super::html::{Page, Tone};
 use super::plot::{Chart, Mark, Series};
 use super::shaft_report::{forces, turn_picture};
-use super::{probe_report, sample};
+use super::{probe_report, sample, section_report};
 use crate::cell::frame_of_pass;
 use crate::closed_loop::{Sample, part_verdict};
 use crate::conformity::part_verdict::PartConformity;
@@ -17,9 +17,10 @@ use crate::gauge::Calibration;
 use crate::gauge::budget::{Contribution, Shape, Share, WidthReading};
 use crate::gauge::diameter::sections::PartForm;
 use crate::job::Job;
+use crate::plan::{Contour, Side};
 use crate::run_folder::{
-    AxisRow, ControlRecord, FormRow, OffsetRow, PartFormRow, PassRow, RunFolder, StationRow, TrueAxisRow,
-    profile_of,
+    AxisRow, ControlRecord, FormRow, OffsetRow, PartFormRow, PassRow, RunFolder, SectionResults, StationRow,
+    TrueAxisRow, profile_of, read_diameters, section_results,
 };
 
 /// Inputs of a report.
@@ -52,15 +53,23 @@ pub(crate) struct RunPage {
 struct Rows {
     passes: Vec<PassRow>,
     stations: Vec<StationRow>,
+    /// The same with diameters as they would be on a cylinder of the pass's nominal diameter: of a
+    /// stepped shaft less its contour.
+    levelled: Vec<StationRow>,
 }
 
 impl Rows {
-    fn read(folder: &RunFolder) -> Result<Self, ReportError> {
-        Ok(Self { passes: folder.passes()?, stations: folder.stations()? })
+    fn read(folder: &RunFolder, contour: Option<&Contour>) -> Result<Self, ReportError> {
+        let stations = folder.stations()?;
+        let level = |s: &StationRow| {
+            let relative = contour.map_or(0.0, |c| c.relative_mm(s.z_mm, Side::Chuck));
+            StationRow { d_mm: s.d_mm.map(|d| d - relative), true_d_mm: s.true_d_mm - relative, ..s.clone() }
+        };
+        Ok(Self { passes: folder.passes()?, levelled: stations.iter().map(level).collect(), stations })
     }
 
     fn of_pass(&self, pass: u32) -> impl Iterator<Item = &StationRow> {
-        self.stations.iter().filter(move |s| s.pass == pass)
+        self.levelled.iter().filter(move |s| s.pass == pass)
     }
 }
 
@@ -75,6 +84,8 @@ struct RunRecord {
     parts: Vec<PartFormRow>,
     axis: Vec<AxisRow>,
     true_axis: Vec<TrueAxisRow>,
+    /// Contour and results of a stepped shaft.
+    stepped: Option<(Contour, SectionResults)>,
     /// `calibration.json`.
     calibration: String,
 }
@@ -83,9 +94,18 @@ impl RunRecord {
     fn read(view: &RunView<'_>) -> Result<Self, ReportError> {
         let folder = view.folder;
         let (sections, parts) = folder.form()?;
+        let order = view.job.loop_job();
+        let contour = order.turned_contour();
+        let rows = Rows::read(folder, contour.as_ref())?;
+        let last = rows.passes.iter().map(|p| p.pass).max().unwrap_or(0);
+        let stepped = match &contour {
+            Some(_) => section_results(&order, last, &rows.stations, &read_diameters(folder)?),
+            None => None,
+        };
         Ok(Self {
-            rows: Rows::read(folder)?,
-            reference: view.reference.map(Rows::read).transpose()?,
+            rows,
+            reference: view.reference.map(|folder| Rows::read(folder, contour.as_ref())).transpose()?,
+            stepped: contour.zip(stepped),
             offsets: folder.offsets()?,
             control: folder.control()?,
             sections,
@@ -114,6 +134,10 @@ pub(crate) fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
         view.job.seed, view.backend, view.adapter
     ));
     summary(&mut page, view, rows, reference);
+    if let Some((contour, results)) = &record.stepped {
+        let nominal_mm = view.job.part.target_mm(rows.passes.len() as u32);
+        section_report::section_report(&mut page, contour, nominal_mm, results)?;
+    }
     let error_svg = error_along_z(&mut page, rows, reference)?;
     corrected_passes(&mut page, view.job, rows)?;
     let convergence_svg = convergence(&mut page, controller, rows, reference)?;
@@ -129,7 +153,7 @@ pub(crate) fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     forces(&mut page, &rows.passes);
     form_section(&mut page, &record.sections, &record.parts, view.form)?;
     files.extend(axis_section(&mut page, &record.axis, &record.true_axis)?);
-    files.extend(turn_picture(&mut page, &rows.passes, &rows.stations, &record.true_axis));
+    files.extend(turn_picture(&mut page, &rows.passes, &rows.levelled, &record.true_axis));
     uncertainty(&mut page, rows)?;
     budget(&mut page, view, &record)?;
     probe_report::budget(&mut page, view.job, &record.calibration, &rows.stations)?;
@@ -175,16 +199,16 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
     page.heading("Passes").filled_columns(&header, &table);
     let finished = rows.passes.len() == view.job.part.passes();
     let last = profile_of(rows.passes.len() as u32, &rows.stations);
-    let verdict = part_verdict(&view.job.part, &last).filter(|_| finished);
-    if let (Some(verdict), Some(tolerance)) = (verdict, view.job.part.tolerance) {
+    let verdict = part_verdict(&view.job.loop_job(), &last).filter(|_| finished);
+    if let Some(verdict) = verdict {
+        let within = view.job.part.tolerance.map_or("the limits of their sections".to_owned(), |t| {
+            format!("{} {:+.3}/{:+.3} mm", t.nominal_mm, t.upper_mm, t.lower_mm)
+        });
         let text = format!(
-            "Finished part: {}. {} of {} stations are proven to lie within {} {:+.3}/{:+.3} mm (ISO 14253-1, {} %).",
+            "Finished part: {}. {} of {} stations are proven to lie within {within} (ISO 14253-1, {} %).",
             verdict.words(),
             verdict.conforming,
-            verdict.stations.len(),
-            tolerance.nominal_mm,
-            tolerance.upper_mm,
-            tolerance.lower_mm,
+            verdict.judged(),
             100.0 * view.job.part.conformance_probability
         );
         let tone = match verdict.part() {

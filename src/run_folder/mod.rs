@@ -7,7 +7,8 @@
 //! that contains it is finished and never changed again.
 //!
 //! In: rows of finished passes (`tables`, `axis_table`, `form_tables`, `parquet_file`) and the
-//! input of the controller (`control`); out: the same rows, read back. `folder` holds the folder
+//! input of the controller (`control`); out: the same rows, read back, and of a stepped shaft what
+//! follows from them by section (`section_results`). `folder` holds the folder
 //! itself. A new table is a file of its own with its row type, its name in the folder, and a method
 //! of [`RunFolder`] to write and to read it.
 
@@ -16,6 +17,7 @@ mod control;
 mod folder;
 mod form_tables;
 mod parquet_file;
+mod section_results;
 mod tables;
 
 pub(crate) use axis_table::{AxisRow, axis_json};
@@ -23,4 +25,5 @@ pub(crate) use control::{ControlRecord, PassRecord};
 pub(crate) use folder::{RunFolder, RunFolderError};
 pub(crate) use form_tables::{FormRow, PartFormRow};
 pub(crate) use parquet_file::{DiameterRow, TruthRow, read_diameters};
+pub(crate) use section_results::{SectionResults, section_results};
 pub(crate) use tables::{OffsetRow, PassRow, StationRow, TrueAxisRow, profile_of};

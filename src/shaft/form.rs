@@ -180,7 +180,7 @@ pub struct ShaftForm {
     /// Roughness and waviness; none leaves the surface smooth.
     pub texture: Option<TextureForm>,
     /// Corners of the contour along z: steps, tapers, shoulders, chamfers, radii, grooves; none
-    /// draws a plain cylinder.
+    /// draws, and turns, a plain cylinder.
     pub contour: Vec<ContourPoint>,
     /// CSV file `z_mm,diameter_mm[,chamfer_mm,radius_mm]` beside the config; its points take its
     /// place in the resolved config.
@@ -202,11 +202,10 @@ pub struct ShaftForm {
 }
 
 impl ShaftForm {
-    /// The first key that describes a finished part rather than how a plain shaft lies in the
-    /// machine: what a turning pass would cut away.
+    /// The first key that describes a finished part beyond its contour rather than how a shaft lies
+    /// in the machine: what a turning pass would cut away.
     pub(crate) fn finished_key(&self) -> Option<&'static str> {
         let keys = [
-            (!self.contour.is_empty(), "shaft.contour"),
             (!self.threads.is_empty(), "shaft.threads"),
             (self.feed_marks.is_some(), "shaft.feed_marks"),
             (!self.waviness.is_empty(), "shaft.waviness"),

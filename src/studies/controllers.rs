@@ -57,7 +57,10 @@ impl Contestant<'_> {
 
     fn start(&self, job: &Job) -> Result<Box<dyn Controller + Send>, LoopError> {
         match self {
-            Self::Own(_) => Ok(control::build(&job.loop_job().run_control(), &job.part.station_z_mm())?),
+            Self::Own(_) => {
+                let order = job.loop_job();
+                Ok(control::build(&order.run_control(), order.layout())?)
+            }
             Self::Program(program) => Ok(program.start(job)?),
         }
     }
@@ -181,7 +184,7 @@ fn turn(
     let mut passes = Vec::new();
     while turning.next_pass().is_some() {
         let pass = turning.run_pass(&mut |_, _| {})?;
-        let nominal = pass.plan.nominal_mm;
+        let nominal: Vec<f64> = pass.plan.station_nominal_mm().collect();
         let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
         let readings = || pass.profile.stations.iter().map(|s| s.reading.value().map(|d| d.d_mm));
         let truth = || pass.truth_mm.iter().flatten().copied();
@@ -189,8 +192,8 @@ fn turn(
             controller: contestant.name().to_owned(),
             seed: job.seed,
             pass: pass.plan.pass,
-            measured_mm: largest(&mut readings().flatten().map(|d| d - nominal)),
-            true_mm: largest(&mut truth().map(|d| d - nominal)),
+            measured_mm: largest(&mut readings().zip(&nominal).filter_map(|(d, r)| Some(d? - r))),
+            true_mm: largest(&mut truth().zip(&nominal).map(|(d, r)| d - r)),
             reading_mm: largest(&mut readings().zip(truth()).filter_map(|(d, t)| Some(d? - t))),
             held: match &pass.decision {
                 Some(Decision::Held(reason)) => reason.to_string(),

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::plan::{CuttingData, DiameterOffset, PassPlan};
+use crate::plan::{CuttingData, DiameterOffset, PassPlan, PlannedForm};
 use crate::process::bending::axis_at;
 use crate::process::{
     BaseForm, Components, Contributions, ProcessError, ProcessSettings, Stock, TurningProcess,
@@ -93,6 +93,7 @@ impl LineCase {
             cutting: self.cutting,
             station_z_mm: vec![0.5 * self.stock.length_mm],
             offset: DiameterOffset::zero(1),
+            form: self.form.contour.clone().map_or(PlannedForm::PLAIN, PlannedForm::stepped),
         };
         let pass = process.followed(&plan)?;
         let lines = pass.contributions(tool_z_mm);

@@ -11,7 +11,7 @@ use shadowgauge::conformity::part_verdict::{self, Conformity, Limits};
 use shadowgauge::control::{
     ControlSettings, Controller, ControllerName, NextPass, Origin, PartAndTool, PassContext, build,
 };
-use shadowgauge::plan::{CuttingData, Decision, DiameterOffset, HeldReason, PassPlan};
+use shadowgauge::plan::{CuttingData, Decision, DiameterOffset, HeldReason, PassPlan, PlannedForm};
 use shadowgauge::profile::{DiameterProfile, Reading, Reason};
 
 const STATIONS: usize = 20;
@@ -26,7 +26,7 @@ fn barrel(height_mm: f64) -> Vec<f64> {
 
 fn plan(pass: u32, nominal_mm: f64, o_mm: Vec<f64>) -> PassPlan {
     let offset = DiameterOffset { o_mm };
-    PassPlan { pass, nominal_mm, cutting: CUTTING, station_z_mm: z_mm(), offset }
+    PassPlan { pass, nominal_mm, cutting: CUTTING, station_z_mm: z_mm(), offset, form: PlannedForm::PLAIN }
 }
 
 fn seen(pass: u32, nominal_mm: f64, e_mm: &[f64]) -> DiameterProfile {

@@ -14,7 +14,7 @@ use shadowgauge::control::{
     ApplyTo, ControlError, ControlSettings, ControllerName, Estimator, FirstPass, NextPass, OffsetForm,
     PassContext, Pid, PidAlgorithm, PidSettings, Shapes, Spatial, build, fit,
 };
-use shadowgauge::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
+use shadowgauge::plan::{Decision, DiameterOffset, HeldReason, PassPlan, PlannedForm};
 use shadowgauge::profile::{Reading, Reason};
 
 const NOMINALS_MM: [f64; 4] = [26.5, 26.0, 25.5, 25.0 - 0.0065];
@@ -281,7 +281,14 @@ fn lsq_offsets(change: impl FnOnce(&mut ControlSettings), finishing: bool) -> (V
     let d: Vec<f64> = e.iter().map(|e| 25.5 + e).collect();
     let mut controller = build(&s, &z).expect("a controller");
     let offset = DiameterOffset::zero(20);
-    let plan = PassPlan { pass: 3, nominal_mm: 25.5, cutting: CUTTING, station_z_mm: z.clone(), offset };
+    let plan = PassPlan {
+        pass: 3,
+        nominal_mm: 25.5,
+        cutting: CUTTING,
+        station_z_mm: z.clone(),
+        offset,
+        form: PlannedForm::PLAIN,
+    };
     let next = NextPass { nominal_mm: 25.0, cutting: CUTTING, finishing };
     let context = PassContext { next: Some(next), ..PassContext::default() };
     match controller.decide_in(&plan, &plant::profile(3, &z, &d), &context) {

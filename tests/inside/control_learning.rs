@@ -89,8 +89,8 @@ fn disturbed_shafts(settings: &ControlSettings, random: bool) -> Vec<Vec<f64>> {
 fn wrong_model() -> ControlSettings {
     let mut wrong = settings(ControllerName::Model);
     wrong.model.coefficient_n = Some(1.25 * wrong.model.workpiece().coefficient_n);
-    wrong.model.chuck_n_per_um *= 2.0;
-    wrong.model.tailstock_n_per_um *= 2.0;
+    wrong.model.chuck_n_per_um = Some(2.0 * 50.0);
+    wrong.model.tailstock_n_per_um = Some(2.0 * 20.0);
     wrong
 }
 

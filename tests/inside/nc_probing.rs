@@ -12,7 +12,7 @@ use shadowgauge::nc::{
     Chuck, Dialect, GeometryOffset, MacroProgram, NcError, NcProbe, NcSettings, ProbingProgram, Spindle,
     Tailstock, TurningProgram, WearX, Workpiece, fit_line,
 };
-use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
+use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan, PlannedForm};
 
 const CUTTING: CuttingData = CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 };
 const LENGTH: f64 = 300.0;
@@ -256,7 +256,14 @@ fn places_and_bodies_that_do_not_fit_are_named() {
 fn plan() -> PassPlan {
     let station_z_mm: Vec<f64> = (0..30).map(|i| 5.0 + 10.0 * f64::from(i)).collect();
     let offset = DiameterOffset { o_mm: station_z_mm.iter().map(|z| 0.02 + 5e-5 * z).collect() };
-    PassPlan { pass: 3, nominal_mm: NOMINAL, cutting: CUTTING, station_z_mm, offset }
+    PassPlan {
+        pass: 3,
+        nominal_mm: NOMINAL,
+        cutting: CUTTING,
+        station_z_mm,
+        offset,
+        form: PlannedForm::PLAIN,
+    }
 }
 
 /// Every form measures again where it can and a tolerance is stated, and otherwise states that it

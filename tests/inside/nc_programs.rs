@@ -9,7 +9,7 @@ use shadowgauge::nc::{
     Dialect, Direction, GeometryOffset, MacroProgram, NcError, NcSettings, Path, Remeasure, Spindle,
     TurningProgram, WearX, Workpiece, fit_line,
 };
-use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
+use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan, PlannedForm};
 
 const CUTTING: CuttingData = CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 };
 
@@ -17,7 +17,14 @@ fn plan() -> PassPlan {
     let station_z_mm: Vec<f64> = (0..100).map(|i| 2.5 + 5.0 * f64::from(i)).collect();
     let barrel = |z: &f64| 0.0532 * (1.0 - (z / 250.0 - 1.0).powi(2)) + 0.00713 * z / 500.0;
     let offset = DiameterOffset { o_mm: station_z_mm.iter().map(barrel).collect() };
-    PassPlan { pass: 4, nominal_mm: 24.9935, cutting: CUTTING, station_z_mm, offset }
+    PassPlan {
+        pass: 4,
+        nominal_mm: 24.9935,
+        cutting: CUTTING,
+        station_z_mm,
+        offset,
+        form: PlannedForm::PLAIN,
+    }
 }
 
 /// A machine that states how its control reads offsets, and nothing else.

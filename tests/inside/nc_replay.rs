@@ -11,7 +11,7 @@ use shadowgauge::nc::{
     Centre, ChangePosition, Chuck, Dialect, Direction, GeometryOffset, Holder, MacroProgram, NcSettings,
     Obstacle, Spindle, Tailstock, Travel, TurningProgram, WearX, Workpiece, fit_line,
 };
-use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
+use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan, PlannedForm};
 
 const CUTTING: CuttingData = CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 };
 
@@ -263,6 +263,7 @@ prop_compose! {
                 cutting: CUTTING,
                 offset: DiameterOffset { o_mm: station_z_mm.iter().map(offset).collect() },
                 station_z_mm,
+                form: PlannedForm::PLAIN,
             },
             starts,
         }
@@ -301,7 +302,14 @@ fn case() -> Case {
             spindle: Some(Spindle::M03),
             ..NcSettings::default()
         },
-        plan: PassPlan { pass: 2, nominal_mm: 9.9955, cutting: CUTTING, station_z_mm, offset },
+        plan: PassPlan {
+            pass: 2,
+            nominal_mm: 9.9955,
+            cutting: CUTTING,
+            station_z_mm,
+            offset,
+            form: PlannedForm::PLAIN,
+        },
         starts: vec![(90.0, 30.0)],
     }
 }

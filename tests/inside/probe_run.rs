@@ -54,9 +54,9 @@ fn the_papers_controller_brings_the_part_into_its_tolerance() {
     assert!(controlled[1].plan.offset.o_mm.iter().all(|o| o.abs() < 1e-9));
     assert!(last.plan.offset.o_mm.iter().all(|o| *o > 0.005), "{:?}", last.plan.offset);
     assert!(true_error(last) < 0.25 * true_error(&uncontrolled[2]));
-    let verdict = part_verdict(&job().part, &last.profile).expect("a tolerance");
+    let verdict = part_verdict(&job().loop_job(), &last.profile).expect("a tolerance");
     assert_eq!(verdict.part(), PartConformity::Conforms, "{}", verdict.words());
-    let verdict = part_verdict(&job().part, &uncontrolled[2].profile).expect("a tolerance");
+    let verdict = part_verdict(&job().loop_job(), &uncontrolled[2].profile).expect("a tolerance");
     assert_ne!(verdict.part(), PartConformity::Conforms, "{}", verdict.words());
 }
 

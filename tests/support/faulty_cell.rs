@@ -11,7 +11,7 @@ use rand_pcg::Pcg64;
 use shadowgauge::control::{
     ControlSettings, Controller, ControllerName, NextPass, Origin, PartAndTool, PartStart, PassContext, build,
 };
-use shadowgauge::plan::{Decision, DiameterOffset, PassPlan};
+use shadowgauge::plan::{Decision, DiameterOffset, PassPlan, PlannedForm};
 use shadowgauge::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 
 const STATIONS: usize = 24;
@@ -197,7 +197,14 @@ impl Cell {
 
     fn plan(&self, pass: u32, offset: DiameterOffset) -> PassPlan {
         let nominal_mm = NOMINALS_MM[pass as usize - 1];
-        PassPlan { pass, nominal_mm, cutting: CUTTING, station_z_mm: self.z_mm.clone(), offset }
+        PassPlan {
+            pass,
+            nominal_mm,
+            cutting: CUTTING,
+            station_z_mm: self.z_mm.clone(),
+            offset,
+            form: PlannedForm::PLAIN,
+        }
     }
 
     fn cut(&mut self, part: &mut Part, plan: &PassPlan) {

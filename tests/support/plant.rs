@@ -5,7 +5,7 @@
 //! load F at a. The tailstock's reaction R follows from its own deflection R/k_t; Euler-Bernoulli,
 //! one diameter along the shaft.
 
-use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
+use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan, PlannedForm};
 use shadowgauge::profile::{Diameter, DiameterProfile, Reading, Station};
 
 pub const LENGTH_MM: f64 = 500.0;
@@ -51,7 +51,14 @@ impl Plant {
     }
 
     pub fn plan(&self, pass: u32, nominal_mm: f64, offset: DiameterOffset) -> PassPlan {
-        PassPlan { pass, nominal_mm, cutting: CUTTING, station_z_mm: self.z_mm.clone(), offset }
+        PassPlan {
+            pass,
+            nominal_mm,
+            cutting: CUTTING,
+            station_z_mm: self.z_mm.clone(),
+            offset,
+            form: PlannedForm::PLAIN,
+        }
     }
 
     pub fn measured(&self, pass: u32) -> DiameterProfile {

@@ -22,6 +22,7 @@ const EXAMPLES: &[Examples] = &[
         "run",
         &[
             "shadowgauge run configs/small_shaft.toml --out out/small",
+            "shadowgauge run configs/stepped_shaft.toml --out out/stepped",
             "shadowgauge run my.toml --out out/my --controller ilc --seed 7",
             "shadowgauge run my.toml --out out/plain --passes 2 --no-reference --json",
         ],

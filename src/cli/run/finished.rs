@@ -3,7 +3,7 @@
 use crate::cli::failure::Outcome;
 use crate::conformity::part_verdict::{PartConformity, Verdict};
 use crate::job::Job;
-use crate::run_folder::{AxisRow, PassRow, axis_json};
+use crate::run_folder::{AxisRow, PassRow, SectionResults, axis_json};
 
 /// Result of a finished run.
 pub(crate) struct Finished {
@@ -14,6 +14,7 @@ pub(crate) struct Finished {
     pub(super) axis: Vec<AxisRow>,
     pub(super) reference: Option<Vec<PassRow>>,
     pub(super) seconds: Vec<(f64, f64)>,
+    pub(super) sections: Option<SectionResults>,
     pub(super) verdict: Option<Verdict>,
     pub(super) stopped: Option<String>,
 }
@@ -59,6 +60,11 @@ impl Finished {
             "alarm": self.verdict.as_ref().and_then(|v| v.alarm.clone()),
             "stopped": self.stopped,
         });
+        if let Some(results) = &self.sections {
+            json["sections"] = serde_json::json!(results.sections);
+            json["tapers"] = serde_json::json!(results.tapers);
+            json["excluded"] = serde_json::json!(results.excluded);
+        }
         if let Some(reference) = &self.reference {
             json["without_control"] = serde_json::json!({ "passes": rows(reference, &[]) });
         }
@@ -91,6 +97,7 @@ impl Finished {
                 p.rms_error_over_u
             );
         }
+        text += &self.sections.as_ref().map_or_else(String::new, section_table);
         if let Some(stopped) = &self.stopped {
             text += &format!("\nALARM, {stopped}\n");
         }
@@ -99,4 +106,31 @@ impl Finished {
         }
         text
     }
+}
+
+/// The sections of a stepped shaft as a table for a terminal.
+fn section_table(results: &SectionResults) -> String {
+    let um = |mm: f64| format!("{:.2}", mm * 1e3);
+    let width = results.sections.iter().map(|s| s.name.chars().count()).max().unwrap_or(0).max(7);
+    let mut text = format!(
+        "\n {:<width$}   nominal/mm  stations  mean/mm    max |e|/µm  true max |e|/µm  judged\n",
+        "section"
+    );
+    for s in &results.sections {
+        text += &format!(
+            " {:<width$}  {:>11.4}  {:>8}  {:>7}  {:>12}  {:>15}  {}\n",
+            s.name,
+            s.nominal_mm,
+            s.stations_measured,
+            s.mean_mm.map_or("-".to_owned(), |d| format!("{d:.4}")),
+            um(s.max_abs_error_mm),
+            um(s.true_max_abs_error_mm),
+            s.judged.map_or("-", |judged| match judged {
+                PartConformity::Conforms => "conforms",
+                PartConformity::NotProven => "not proven",
+                PartConformity::Violates => "violates",
+            })
+        );
+    }
+    text
 }

@@ -127,6 +127,7 @@ pub(crate) fn execute(
         seconds: main.seconds,
         passes: main.passes,
         axis: main.axis,
+        sections: main.sections,
         reference: reference.map(|r| r.passes().unwrap_or_default()),
     })
 }

@@ -11,7 +11,7 @@ use crate::gauge::diameter::sections::PartForm;
 use crate::job::Job;
 use crate::plan::Decision;
 use crate::render::Renderer;
-use crate::run_folder::{AxisRow, PassRow, RunFolder, profile_of};
+use crate::run_folder::{AxisRow, PassRow, RunFolder, SectionResults, profile_of};
 
 use super::tables::RunTables;
 use crate::cli::failure::{Failure, folder_failure};
@@ -32,6 +32,8 @@ pub(crate) struct Recorded {
     /// Verdict over all stations of the last pass, where a tolerance is given and the last pass was
     /// cut.
     pub verdict: Option<Verdict>,
+    /// Results of the last pass by section, of a stepped shaft.
+    pub sections: Option<SectionResults>,
     /// Why not all passes were cut: an alarm.
     pub stopped: Option<String>,
 }
@@ -106,8 +108,9 @@ impl<'a> Recorder<'a> {
             sample = result.sample.or(sample);
         }
         let verdict = self.verdict();
+        let sections = self.tables.sections(&self.job.loop_job());
         let RunTables { passes, axis, .. } = self.tables;
-        Ok(Recorded { passes, seconds, sample, form, axis, verdict, stopped })
+        Ok(Recorded { passes, seconds, sample, form, axis, verdict, sections, stopped })
     }
 
     fn stops(&self) -> bool {
@@ -128,7 +131,7 @@ impl<'a> Recorder<'a> {
         let last = self.job.part.passes();
         let finished = self.tables.passes.len() == last;
         finished
-            .then(|| part_verdict(&self.job.part, &profile_of(last as u32, &self.tables.stations)))
+            .then(|| part_verdict(&self.job.loop_job(), &profile_of(last as u32, &self.tables.stations)))
             .flatten()
     }
 }

@@ -3,12 +3,13 @@
 
 use crate::cli::failure::{Failure, folder_failure};
 use crate::closed_loop::{ClosedLoop, PassResult};
+use crate::job::LoopJob;
 use crate::plan::Decision;
 use crate::process::bending::axis_at;
 use crate::profile::Reading;
 use crate::run_folder::{
     AxisRow, ControlRecord, DiameterRow, FormRow, OffsetRow, PartFormRow, PassRecord, PassRow, RunFolder,
-    StationRow, TrueAxisRow, TruthRow, read_diameters,
+    SectionResults, StationRow, TrueAxisRow, TruthRow, read_diameters, section_results,
 };
 
 /// Tables of the passes cut so far.
@@ -50,6 +51,11 @@ impl RunTables {
         control.passes.retain(|p| done(p.pass));
         let offsets = Vec::new();
         Ok(Self { passes, stations, offsets, diameters, control, sections, parts, axis, true_axis })
+    }
+
+    /// Results of the last finished pass by section; none for a plain shaft.
+    pub(super) fn sections(&self, order: &LoopJob) -> Option<SectionResults> {
+        section_results(order, self.passes.last()?.pass, &self.stations, &self.diameters)
     }
 
     /// Adds the offsets that the loop has in force for the pass to come.
@@ -165,12 +171,14 @@ fn diameter_rows(result: &PassResult) -> impl Iterator<Item = DiameterRow> + '_ 
 
 fn pass_row(result: &PassResult, truth: &[f64]) -> PassRow {
     let nominal_mm = result.plan.nominal_mm;
-    let measured: Vec<(crate::profile::Diameter, f64)> = result
+    let nominal: Vec<f64> = result.plan.station_nominal_mm().collect();
+    let measured: Vec<(crate::profile::Diameter, f64, f64)> = result
         .profile
         .stations
         .iter()
         .zip(truth)
-        .filter_map(|(s, &t)| Some((s.reading.value()?, t)))
+        .zip(&nominal)
+        .filter_map(|((s, &t), &r)| Some((s.reading.value()?, t, r)))
         .collect();
     let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
     let rms = |values: &mut dyn Iterator<Item = f64>| {
@@ -180,11 +188,11 @@ fn pass_row(result: &PassResult, truth: &[f64]) -> PassRow {
     PassRow {
         pass: result.plan.pass,
         nominal_mm,
-        max_abs_error_mm: largest(&mut measured.iter().map(|(d, _)| d.d_mm - nominal_mm)),
-        rms_error_mm: rms(&mut measured.iter().map(|(d, _)| d.d_mm - nominal_mm)),
-        true_max_abs_error_mm: largest(&mut truth.iter().map(|t| t - nominal_mm)),
-        worst_measured_minus_true_mm: largest(&mut measured.iter().map(|(d, t)| d.d_mm - t)),
-        rms_error_over_u: rms(&mut measured.iter().map(|(d, t)| (d.d_mm - t) / d.u_mm())),
+        max_abs_error_mm: largest(&mut measured.iter().map(|(d, _, r)| d.d_mm - r)),
+        rms_error_mm: rms(&mut measured.iter().map(|(d, _, r)| d.d_mm - r)),
+        true_max_abs_error_mm: largest(&mut truth.iter().zip(&nominal).map(|(t, r)| t - r)),
+        worst_measured_minus_true_mm: largest(&mut measured.iter().map(|(d, t, _)| d.d_mm - t)),
+        rms_error_over_u: rms(&mut measured.iter().map(|(d, t, _)| (d.d_mm - t) / d.u_mm())),
         stations_measured: measured.len(),
         frames: result.frames,
         decision: decision_word(result).to_owned(),

@@ -7,10 +7,11 @@ use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
 use crate::config;
 use crate::job::Job;
+use crate::plan::Piece;
 use crate::process::{BaseForm, Stock};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
-use crate::studies::deflection::{BeamPart, DeflectionConfig, DeflectionStudy};
+use crate::studies::deflection::{BeamPart, DeflectionConfig, DeflectionStudy, Step};
 use crate::studies::deflection_line::{LineCase, LineRow, LineStudy};
 
 /// Arguments of `study deflection`.
@@ -117,17 +118,26 @@ fn read(text: &ConfigText) -> Result<Input, Failure> {
         cutting: job.cutting,
         seed: job.seed,
     };
+    let steps = steps(&job);
     let beam = DeflectionConfig {
         name: job.name,
         part: BeamPart {
             length_mm: job.part.length_mm,
             stock_diameter_mm: job.part.stock_diameter_mm,
             cut_diameter_mm: None,
-            steps: Vec::new(),
+            steps,
         },
         process: job.process,
     };
     Ok(Input { beam, line })
+}
+
+/// The blank of a stepped shaft: its contour with the allowance of all passes.
+fn steps(job: &Job) -> Vec<Step> {
+    let contour = job.loop_job().turned_contour();
+    let stock_mm = job.part.stock_diameter_mm;
+    let step = |p: Piece| Step { from_mm: p.from_mm, to_mm: p.to_mm, diameter_mm: stock_mm + p.relative_mm };
+    contour.into_iter().flat_map(|c| c.pieces()).map(step).collect()
 }
 
 /// The requested lines.

@@ -51,7 +51,7 @@ pub(crate) fn run(args: &StudyStabilityArgs) -> CommandResult {
     let mut settings = job.loop_job().run_control();
     settings.plant_gain = args.gain.unwrap_or(settings.plant_gain);
     settings.validate().map_err(|e| text.refuse(e))?;
-    let study = stability::run(&settings, &job.part.station_z_mm());
+    let study = stability::run(&settings, &job.loop_job().station_z_mm());
     StudyFolder::fill(StudyFolder::claim(args.out.as_deref())?, |folder| write(folder, &study))?;
     say_study(&study, args.json, print)
 }

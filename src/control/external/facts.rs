@@ -11,6 +11,14 @@ pub(crate) struct PartFacts {
     pub station_z_mm: Vec<f64>,
     /// Target diameter r of every pass, mm.
     pub nominal_mm: Vec<f64>,
+    /// Of a stepped shaft the nominal diameter of every station less that of the pass, mm; left out
+    /// of a plain one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub station_relative_mm: Vec<f64>,
+    /// Of a stepped shaft lower and upper limit of every station, mm, none where its section has no
+    /// tolerance; left out of a plain one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub station_limits_mm: Vec<Option<(f64, f64)>>,
     /// Lower and upper limit of the finished diameter, mm; none without a tolerance.
     pub tolerance_mm: Option<(f64, f64)>,
     /// Cutting data of the passes.

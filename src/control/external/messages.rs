@@ -15,6 +15,10 @@ pub(crate) const PROTOCOL: &str = "shadowgauge-controller";
 /// wrongly, not for a key that it may ignore.
 pub(crate) const PROTOCOL_VERSION: u32 = 1;
 
+/// Version of the protocol for a stepped shaft: a program that takes `nominal_mm` for the diameter
+/// of every station would decide wrongly.
+pub(crate) const STEPPED_VERSION: u32 = 2;
+
 /// A line to a program.
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
@@ -53,7 +57,7 @@ impl<'a> Begin<'a> {
     ) -> Self {
         Self {
             protocol: PROTOCOL,
-            version: PROTOCOL_VERSION,
+            version: if facts.station_relative_mm.is_empty() { PROTOCOL_VERSION } else { STEPPED_VERSION },
             facts,
             event,
             stock,

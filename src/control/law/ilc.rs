@@ -9,6 +9,7 @@
 
 use super::proposal::{Law, Observation, Proposal};
 use crate::control::settings::IlcSettings;
+use crate::plan::StationLayout;
 use nalgebra::{DMatrix, DVector};
 
 /// Iterative-learning law.
@@ -19,8 +20,8 @@ pub(crate) struct IlcLaw {
 }
 
 impl IlcLaw {
-    pub(crate) fn new(settings: &IlcSettings, station_z_mm: &[f64]) -> Self {
-        Self { learning_gain: settings.learning_gain, q: q_filter(settings.q_cutoff_mm, station_z_mm) }
+    pub(crate) fn new(settings: &IlcSettings, stations: &StationLayout) -> Self {
+        Self { learning_gain: settings.learning_gain, q: q_of_sections(settings.q_cutoff_mm, stations) }
     }
 }
 
@@ -35,6 +36,21 @@ impl Law for IlcLaw {
             Some(q) => (q * DVector::from_vec(learnt)).iter().copied().collect::<Vec<_>>().into(),
         }
     }
+}
+
+/// Q of every section apart: nothing is smoothed across a shoulder.
+fn q_of_sections(cutoff_mm: f64, stations: &StationLayout) -> Option<DMatrix<f64>> {
+    let (z, ranges) = (&stations.z_mm, stations.sections());
+    if ranges.len() < 2 {
+        return q_filter(cutoff_mm, z);
+    }
+    let mut whole = DMatrix::identity(z.len(), z.len());
+    for range in ranges {
+        if let Some(own) = q_filter(cutoff_mm, &z[range.clone()]) {
+            whole.view_mut((range.start, range.start), own.shape()).copy_from(&own);
+        }
+    }
+    Some(whole)
 }
 
 /// Q; the curvature of stations of uneven pitch is that of the parabola through three of them.

@@ -1,23 +1,24 @@
 //! Least-squares shapes (paper 000, eqs 4-6), refitted every pass; the fitted error is added to the
-//! offsets in force.
+//! offsets in force. Sections of a stepped shaft are fitted apart.
 
 use super::proposal::{Law, Observation, Proposal, independent_u, y};
 use crate::control::error::ControlError;
 use crate::control::fit::{self, Fit};
 use crate::control::settings::{ApplyTo, Estimator, LsqSettings};
-use nalgebra::{DMatrix, DVector};
+use crate::control::shapes::SectionShapes;
+use crate::plan::StationLayout;
+use nalgebra::DVector;
 
 /// Least-squares law.
 #[derive(Clone, Debug)]
 pub(crate) struct LsqLaw {
     settings: LsqSettings,
-    design: DMatrix<f64>,
+    shapes: SectionShapes,
 }
 
 impl LsqLaw {
-    pub(crate) fn new(settings: &LsqSettings, station_z_mm: &[f64]) -> Result<Self, ControlError> {
-        let design = settings.shapes.design(station_z_mm)?;
-        Ok(Self { settings: settings.clone(), design })
+    pub(crate) fn new(settings: &LsqSettings, stations: &StationLayout) -> Result<Self, ControlError> {
+        Ok(Self { settings: settings.clone(), shapes: settings.shapes.of_sections(stations)? })
     }
 
     fn fit(&self, seen: &Observation<'_>) -> Option<Fit> {
@@ -25,19 +26,18 @@ impl LsqLaw {
             independent_u(seen.errors)
         } else {
             let mean = independent_u(seen.errors).mean();
-            DVector::from_element(self.design.nrows(), mean)
+            DVector::from_element(self.shapes.design.nrows(), mean)
         };
         match self.settings.estimator {
-            Estimator::LeastSquares => fit::weighted(&self.design, &y(seen.errors), &u),
-            Estimator::Huber => fit::huber(&self.design, &y(seen.errors), &u),
+            Estimator::LeastSquares => fit::weighted(&self.shapes.design, &y(seen.errors), &u),
+            Estimator::Huber => fit::huber(&self.shapes.design, &y(seen.errors), &u),
         }
     }
 
     fn note(&self, fit: &Fit) -> String {
         let terms: Vec<String> = self
-            .settings
             .shapes
-            .names()
+            .names
             .iter()
             .zip(fit.coefficients.iter())
             .zip(fit.covariance.diagonal().iter())
@@ -62,7 +62,7 @@ impl Law for LsqLaw {
             let notes = vec!["no fit: the shapes are not independent at these stations".to_owned()];
             return Proposal::with_notes(seen.in_force().to_vec(), notes);
         };
-        let shape = &self.design * &fit.coefficients;
+        let shape = &self.shapes.design * &fit.coefficients;
         let corrected = seen.in_force().iter().zip(shape.iter()).map(|(o, e)| o + self.settings.gain * e);
         Proposal::with_notes(corrected.collect(), vec![self.note(&fit)])
     }

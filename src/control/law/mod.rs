@@ -6,6 +6,7 @@ mod model;
 mod pid_law;
 mod proposal;
 mod run_to_run;
+mod stepped_beam;
 
 pub(crate) use ilc::{IlcLaw, q_filter};
 pub(crate) use lsq::LsqLaw;

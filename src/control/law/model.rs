@@ -9,7 +9,8 @@
 //! ```
 //!
 //! z from the chuck, ξ ∈ [−1, 1] along the stations, j the passes since the first. w: beam clamped
-//! in a yielding chuck, held by a yielding tailstock ([`compliance`]). The scale s, both
+//! in a yielding chuck, held by a yielding tailstock; of a stepped shaft, or one in steady rests, by
+//! the force method ([`super::stepped_beam`]). The scale s, both
 //! stiffnesses, the stock's mean diameter, a constant and a taper of the machine and their growth
 //! per pass are estimated from all measured passes by penalised least squares (a Gaussian prior
 //! from the settings' uncertainties, Gauss-Newton), together with n, the part that is common to all
@@ -23,9 +24,10 @@
 //! both errors.
 
 use super::proposal::{Feedforward, Law, Observation, Proposal};
+use super::stepped_beam::{self, SteppedBeam};
 use crate::control::readings::StationError;
 use crate::control::settings::{ModelSettings, Workpiece};
-use crate::plan::CuttingData;
+use crate::plan::{CuttingData, Piece, StationLayout};
 use nalgebra::{DMatrix, DVector};
 
 /// ln s, ln chuck, ln tailstock, stock, l₀, l₁, t₀, t₁; one n per pass follows them.
@@ -76,34 +78,83 @@ enum Before {
 #[derive(Clone, Debug)]
 pub(crate) struct ModelLaw {
     settings: ModelSettings,
-    workpiece: Workpiece,
-    z_mm: Vec<f64>,
+    shaft: AssumedShaft,
     stock_mm: Option<Vec<f64>>,
     passes: Vec<Pass>,
 }
 
+/// The shaft as the controller assumes it.
+#[derive(Clone, Debug)]
+struct AssumedShaft {
+    workpiece: Workpiece,
+    z_mm: Vec<f64>,
+    /// Nominal diameter of every station less that of the pass, mm.
+    relative_mm: Vec<f64>,
+    /// Pieces of a stepped shaft, or of one in steady rests; none of a plain one.
+    pieces: Vec<Piece>,
+    steady_z_mm: Vec<f64>,
+}
+
+impl AssumedShaft {
+    fn new(workpiece: Workpiece, stations: &StationLayout) -> Self {
+        let is_plain = stations.contour.is_none() && stations.steady_z_mm.is_empty();
+        let pieces = || stepped_beam::pieces(stations.contour.as_ref(), workpiece.length_mm);
+        Self {
+            workpiece,
+            z_mm: stations.z_mm.clone(),
+            relative_mm: stations.relative_mm(),
+            pieces: if is_plain { Vec::new() } else { pieces() },
+            steady_z_mm: stations.steady_z_mm.clone(),
+        }
+    }
+
+    /// Deflection at station i under a unit load there, mm/N, where its diameter is `diameter_mm`;
+    /// stiffness of chuck and tailstock in N/mm.
+    fn compliance(&self, i: usize, diameter_mm: f64, (chuck, tailstock): (f64, f64)) -> f64 {
+        let (length_mm, e_n_per_mm2) = (self.workpiece.length_mm, self.workpiece.youngs_modulus_n_per_mm2);
+        if self.pieces.is_empty() {
+            let beam = Beam { length_mm, e_n_per_mm2, diameter_mm };
+            return beam.compliance(self.z_mm[i], chuck, tailstock);
+        }
+        let beam = SteppedBeam {
+            pieces: &self.pieces,
+            length_mm,
+            e_n_per_mm2,
+            diameter_mm: diameter_mm - self.relative_mm[i],
+            steady_z_mm: &self.steady_z_mm,
+            chuck,
+            tailstock,
+        };
+        beam.compliance(self.z_mm[i])
+    }
+}
+
 impl ModelLaw {
-    pub(crate) fn new(settings: &ModelSettings, station_z_mm: &[f64]) -> Self {
-        let workpiece = settings.workpiece();
-        let z_mm = station_z_mm.to_vec();
-        Self { settings: settings.clone(), workpiece, z_mm, stock_mm: None, passes: Vec::new() }
+    pub(crate) fn new(settings: &ModelSettings, stations: &StationLayout) -> Self {
+        let shaft = AssumedShaft::new(settings.workpiece(), stations);
+        Self { settings: settings.clone(), shaft, stock_mm: None, passes: Vec::new() }
+    }
+
+    /// Diameters of the stations where that of the largest section is `nominal_mm`.
+    fn at_stations(&self, nominal_mm: f64) -> Vec<f64> {
+        self.shaft.relative_mm.iter().map(|r| nominal_mm + r).collect()
     }
 
     fn remember(&mut self, seen: &Observation<'_>) {
-        let count = seen.errors.stations.len();
         let index = (seen.plan.pass as usize).saturating_sub(1);
         let last = self.passes.last().filter(|p| p.index + 1 == index);
         let last = last.map(|p| p.stations.iter().map(|s| s.after_mm).collect());
         let (before, before_mm) = match (index, last, &self.stock_mm) {
             (_, Some(last), _) => (Before::Measured, last),
             (0, None, Some(stock)) => (Before::Measured, stock.clone()),
-            (0, None, None) => (Before::Stock, vec![self.workpiece.stock_diameter_mm; count]),
-            (_, None, _) => (Before::Nominal, vec![self.one_more(seen); count]),
+            (0, None, None) => (Before::Stock, self.at_stations(self.shaft.workpiece.stock_diameter_mm)),
+            (_, None, _) => (Before::Nominal, self.at_stations(self.one_more(seen))),
         };
         let repeatability = self.settings.repeatability_mm;
-        let stations = seen.errors.stations.iter().zip(seen.plan.commanded_mm()).zip(before_mm);
-        let station = |((s, commanded), before_mm): ((&StationError, f64), f64)| {
-            let after_mm = s.e_mm + seen.plan.nominal_mm;
+        let planned = seen.plan.commanded_mm().zip(seen.plan.station_nominal_mm());
+        let stations = seen.errors.stations.iter().zip(planned).zip(before_mm);
+        let station = |((s, (commanded, nominal)), before_mm): ((&StationError, (f64, f64)), f64)| {
+            let after_mm = s.e_mm + nominal;
             PassStation {
                 pushed_mm: 0.5 * (after_mm - commanded),
                 u_mm: repeatability.hypot(0.5 * s.u_random_mm),
@@ -125,7 +176,7 @@ impl Law for ModelLaw {
 
     fn propose(&mut self, seen: &Observation<'_>) -> Proposal {
         self.remember(seen);
-        let model = Model { settings: &self.settings, workpiece: self.workpiece, z_mm: &self.z_mm };
+        let model = Model { settings: &self.settings, shaft: &self.shaft };
         let rough = model.estimate(&self.passes, 0.0);
         let misfit = model.misfit(&rough, &self.passes);
         let theta = model.estimate(&self.passes, misfit);
@@ -136,12 +187,13 @@ impl Law for ModelLaw {
         };
         let j = seen.plan.pass as usize;
         let mut gains = (f64::INFINITY, 0.0_f64);
-        let after = seen.errors.stations.iter().map(|s| s.e_mm + seen.plan.nominal_mm);
+        let after = seen.errors.stations.iter().zip(seen.plan.station_nominal_mm()).map(|(s, r)| s.e_mm + r);
+        let targets = self.at_stations(nominal);
         let o_mm = after
             .zip(&carried)
             .enumerate()
             .map(|(i, (before, c))| {
-                let cut = Cut { before_mm: before, after_mm: nominal, cutting: &cutting };
+                let cut = Cut { before_mm: before, after_mm: targets[i], cutting: &cutting };
                 let gain = model.gain(&theta, i, &cut);
                 gains = (gains.0.min(gain), gains.1.max(gain));
                 2.0 * (model.pushed(&theta, i, j, &cut) + c)
@@ -167,7 +219,7 @@ impl ModelLaw {
 
     fn same_before(&self, seen: &Observation<'_>) -> f64 {
         let passes = f64::from(seen.plan.pass.max(1));
-        seen.plan.nominal_mm + (self.workpiece.stock_diameter_mm - seen.plan.nominal_mm) / passes
+        seen.plan.nominal_mm + (self.shaft.workpiece.stock_diameter_mm - seen.plan.nominal_mm) / passes
     }
 
     /// Target of a next pass that is not given, mm: it removes as much as this one was planned to.
@@ -201,8 +253,7 @@ struct Cut<'a> {
 
 struct Model<'a> {
     settings: &'a ModelSettings,
-    workpiece: Workpiece,
-    z_mm: &'a [f64],
+    shaft: &'a AssumedShaft,
 }
 
 impl Model<'_> {
@@ -210,7 +261,7 @@ impl Model<'_> {
     fn prior(&self, passes: usize) -> Theta {
         let s = self.settings;
         let mut prior = vec![
-            self.workpiece.u_ln_coefficient,
+            self.shaft.workpiece.u_ln_coefficient,
             s.u_ln_stiffness,
             s.u_ln_stiffness,
             s.u_stock_mean_mm,
@@ -225,17 +276,14 @@ impl Model<'_> {
 
     /// Deflection per newton of force law at station i, the scale included, mm/N.
     fn yields(&self, theta: &Theta, i: usize, cut: &Cut<'_>) -> f64 {
-        let s = self.settings;
-        let supports = (s.chuck_n_per_um * 1e3 * theta[1].exp(), s.tailstock_n_per_um * 1e3 * theta[2].exp());
+        let w = &self.shaft.workpiece;
+        let supports = (w.chuck_n_per_um * 1e3 * theta[1].exp(), w.tailstock_n_per_um * 1e3 * theta[2].exp());
         let diameter = 0.5 * (cut.before_mm + cut.after_mm);
-        let w = &self.workpiece;
-        let beam =
-            Beam { length_mm: w.length_mm, e_n_per_mm2: w.youngs_modulus_n_per_mm2, diameter_mm: diameter };
-        theta[0].exp() * beam.compliance(self.z_mm[i], supports.0, supports.1)
+        theta[0].exp() * self.shaft.compliance(i, diameter, supports)
     }
 
     fn force_n(&self, depth_mm: f64, cutting: &CuttingData) -> f64 {
-        let w = &self.workpiece;
+        let w = &self.shaft.workpiece;
         w.coefficient_n
             * depth_mm.max(LEAST_DEPTH_MM).powf(w.depth_exponent)
             * cutting.feed_mm_per_rev.powf(w.feed_exponent)
@@ -256,13 +304,14 @@ impl Model<'_> {
     /// g = 1/(1 + s·w·F′).
     fn gain(&self, theta: &Theta, i: usize, cut: &Cut<'_>) -> f64 {
         let depth = (0.5 * (cut.before_mm - cut.after_mm)).max(LEAST_DEPTH_MM);
-        let slope = self.workpiece.depth_exponent * self.force_n(depth, cut.cutting) / depth;
+        let slope = self.shaft.workpiece.depth_exponent * self.force_n(depth, cut.cutting) / depth;
         1.0 / (1.0 + self.yields(theta, i, cut) * slope)
     }
 
     fn xi(&self, i: usize) -> f64 {
-        let (first, last) = (self.z_mm[0], self.z_mm[self.z_mm.len() - 1]);
-        if last > first { 2.0 * (self.z_mm[i] - first) / (last - first) - 1.0 } else { 0.0 }
+        let z_mm = &self.shaft.z_mm;
+        let (first, last) = (z_mm[0], z_mm[z_mm.len() - 1]);
+        if last > first { 2.0 * (z_mm[i] - first) / (last - first) - 1.0 } else { 0.0 }
     }
 
     fn cut<'p>(theta: &Theta, pass: &'p Pass, i: usize) -> Cut<'p> {
@@ -294,7 +343,7 @@ impl Model<'_> {
         let known = passes.iter().enumerate().filter(|(_, p)| p.before == Before::Measured);
         let (mut sum, mut count) = (0.0, 0);
         for (j, pass) in known {
-            for i in 0..self.z_mm.len() {
+            for i in 0..self.shaft.z_mm.len() {
                 sum += self.residual(theta, passes, i, j).powi(2) - self.variance(theta, pass, i);
                 count += 1;
             }
@@ -310,7 +359,7 @@ impl Model<'_> {
             let mut normal = DMatrix::from_diagonal(&prior.map(|p| p.powi(-2)));
             let mut right = theta.component_div(&prior).component_div(&prior) * -1.0;
             for (j, pass) in passes.iter().enumerate() {
-                for i in 0..self.z_mm.len() {
+                for i in 0..self.shaft.z_mm.len() {
                     let slope = Self::slope(&theta, &prior, |t| self.residual(t, passes, i, j));
                     let weight = (self.variance(&theta, pass, i) + misfit.powi(2)).recip();
                     normal.ger(weight, &slope, &slope, 1.0);
@@ -345,7 +394,7 @@ impl Model<'_> {
     /// filter.
     fn carried(&self, theta: &Theta, passes: &[Pass], misfit: f64) -> Vec<f64> {
         let s = self.settings;
-        (0..self.z_mm.len())
+        (0..self.shaft.z_mm.len())
             .map(|i| {
                 let mut station = LevelAndTrend::new(s.u_station_mm.max(misfit), s.u_station_trend_mm);
                 for (j, pass) in passes.iter().enumerate() {
@@ -409,7 +458,8 @@ impl Beam {
 pub(crate) fn nominal_gain(settings: &ModelSettings, depth_mm: f64, cutting: &CuttingData) -> f64 {
     let workpiece = settings.workpiece();
     let z_mm: Vec<f64> = (0..=100).map(|i| workpiece.length_mm * f64::from(i) / 100.0).collect();
-    let model = Model { settings, workpiece, z_mm: &z_mm };
+    let shaft = AssumedShaft::new(workpiece, &StationLayout::from(&z_mm));
+    let model = Model { settings, shaft: &shaft };
     let d = workpiece.stock_diameter_mm;
     let cut = Cut { before_mm: d, after_mm: d - 2.0 * depth_mm, cutting };
     (0..z_mm.len()).map(|i| model.gain(&Theta::zeros(SHARED), i, &cut)).fold(1.0, f64::min)

@@ -4,6 +4,7 @@ use super::proposal::{Feedforward, Law, Observation, Proposal, project};
 use crate::control::error::ControlError;
 use crate::control::pid::Pid;
 use crate::control::settings::{OffsetForm, PidSettings, Spatial};
+use crate::plan::StationLayout;
 use nalgebra::{DMatrix, DVector};
 
 /// PID per station or per shape.
@@ -16,12 +17,12 @@ pub(crate) struct PidLaw {
 }
 
 impl PidLaw {
-    pub(crate) fn new(settings: &PidSettings, station_z_mm: &[f64]) -> Result<Self, ControlError> {
+    pub(crate) fn new(settings: &PidSettings, stations: &StationLayout) -> Result<Self, ControlError> {
         let design = match settings.spatial {
             Spatial::Station => None,
-            Spatial::Modal(shapes) => Some(shapes.design(station_z_mm)?),
+            Spatial::Modal(shapes) => Some(shapes.of_sections(stations)?.design),
         };
-        let channels = design.as_ref().map_or(station_z_mm.len(), DMatrix::ncols);
+        let channels = design.as_ref().map_or(stations.z_mm.len(), DMatrix::ncols);
         Ok(Self { settings: settings.clone(), channels, pid: Pid::new(settings, channels), design })
     }
 

@@ -1,14 +1,15 @@
 //! `[control.model]`: what the model-based controller assumes before it has measured anything.
 //!
-//! Length, diameter, material and force law describe the job's own part and follow from it where
-//! the table leaves them out ([`Workpiece`]); a controller that is built without a job falls back
-//! on the slender-shaft paper's part.
+//! Length, diameter, material, supports and force law describe the job's own part and follow from
+//! it where the table leaves them out ([`Workpiece`]); a controller that is built without a job
+//! falls back on the slender-shaft paper's part.
 
 use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What the model-based controller takes from the job: the part and its expected cutting force.
+/// What the model-based controller takes from the job: the part, how it is held and its expected
+/// cutting force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workpiece {
     /// C of F = C·a_p^x·f^y·v^z, N at 1 mm, 1 mm/r and 1 m/min.
@@ -27,6 +28,10 @@ pub struct Workpiece {
     pub length_mm: f64,
     /// Diameter of the stock, mm.
     pub stock_diameter_mm: f64,
+    /// Radial stiffness of the chuck, N/µm.
+    pub chuck_n_per_um: f64,
+    /// Radial stiffness of the tailstock, N/µm; 0 for a free end.
+    pub tailstock_n_per_um: f64,
 }
 
 impl Default for Workpiece {
@@ -41,6 +46,8 @@ impl Default for Workpiece {
             youngs_modulus_n_per_mm2: 2.1e5,
             length_mm: 500.0,
             stock_diameter_mm: 27.0,
+            chuck_n_per_um: 50.0,
+            tailstock_n_per_um: 20.0,
         }
     }
 }
@@ -71,10 +78,13 @@ pub struct ModelSettings {
     /// Diameter of the stock, mm. Left out: the job's `part.stock_diameter_mm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stock_diameter_mm: Option<f64>,
-    /// Radial stiffness of the chuck, N/µm.
-    pub chuck_n_per_um: f64,
-    /// Radial stiffness of the tailstock, N/µm.
-    pub tailstock_n_per_um: f64,
+    /// Radial stiffness of the chuck, N/µm. Left out: the job's `process.support.chuck_n_per_um`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chuck_n_per_um: Option<f64>,
+    /// Radial stiffness of the tailstock, N/µm. Left out: the job's
+    /// `process.support.tailstock_n_per_um`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tailstock_n_per_um: Option<f64>,
     /// Standard uncertainty of ln C: .3 stands for about ± 30 %. Left out: .3, and .7 for a
     /// material without a specific cutting force.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -103,7 +113,7 @@ pub struct ModelSettings {
 }
 
 impl Default for ModelSettings {
-    /// Length, diameter, material and force law come from the job.
+    /// Length, diameter, material, supports and force law come from the job.
     fn default() -> Self {
         Self {
             coefficient_n: None,
@@ -113,8 +123,8 @@ impl Default for ModelSettings {
             youngs_modulus_n_per_mm2: None,
             length_mm: None,
             stock_diameter_mm: None,
-            chuck_n_per_um: 50.0,
-            tailstock_n_per_um: 20.0,
+            chuck_n_per_um: None,
+            tailstock_n_per_um: None,
             u_ln_coefficient: None,
             u_ln_stiffness: 0.7,
             u_stock_mean_mm: 0.05,
@@ -142,6 +152,8 @@ impl ModelSettings {
             youngs_modulus_n_per_mm2: self.youngs_modulus_n_per_mm2.or(Some(w.youngs_modulus_n_per_mm2)),
             length_mm: self.length_mm.or(Some(w.length_mm)),
             stock_diameter_mm: self.stock_diameter_mm.or(Some(w.stock_diameter_mm)),
+            chuck_n_per_um: self.chuck_n_per_um.or(Some(w.chuck_n_per_um)),
+            tailstock_n_per_um: self.tailstock_n_per_um.or(Some(w.tailstock_n_per_um)),
             ..self.clone()
         }
     }
@@ -158,6 +170,8 @@ impl ModelSettings {
             youngs_modulus_n_per_mm2: self.youngs_modulus_n_per_mm2.unwrap_or(w.youngs_modulus_n_per_mm2),
             length_mm: self.length_mm.unwrap_or(w.length_mm),
             stock_diameter_mm: self.stock_diameter_mm.unwrap_or(w.stock_diameter_mm),
+            chuck_n_per_um: self.chuck_n_per_um.unwrap_or(w.chuck_n_per_um),
+            tailstock_n_per_um: self.tailstock_n_per_um.unwrap_or(w.tailstock_n_per_um),
         }
     }
 
@@ -173,8 +187,7 @@ impl ModelSettings {
             ("control.model.youngs_modulus_n_per_mm2", w.youngs_modulus_n_per_mm2),
             ("control.model.length_mm", w.length_mm),
             ("control.model.stock_diameter_mm", w.stock_diameter_mm),
-            ("control.model.chuck_n_per_um", self.chuck_n_per_um),
-            ("control.model.tailstock_n_per_um", self.tailstock_n_per_um),
+            ("control.model.chuck_n_per_um", w.chuck_n_per_um),
             ("control.model.u_ln_coefficient", w.u_ln_coefficient),
             ("control.model.u_ln_stiffness", self.u_ln_stiffness),
             ("control.model.u_stock_mean_mm", self.u_stock_mean_mm),
@@ -195,6 +208,8 @@ impl ModelSettings {
         ] {
             require(value.is_finite(), key, value, "a finite exponent")?;
         }
+        let t = w.tailstock_n_per_um;
+        require(t >= 0.0, "control.model.tailstock_n_per_um", t, "a stiffness, 0 for a free end")?;
         let x = w.depth_exponent;
         require(x <= 2.0, "control.model.depth_exponent", x, "an exponent above 0 and at most 2")
     }

@@ -47,6 +47,11 @@ impl Convex {
         Self { points: vec![(from_z, 0.0), (to_z, 0.0), (to_z, r), (from_z, r)] }
     }
 
+    /// From the axis to a line between two places (Z, diameter).
+    pub(crate) fn frustum([a, b]: [(f64, f64); 2]) -> Self {
+        Self { points: vec![(a.0, 0.0), (b.0, 0.0), (b.0, 0.5 * b.1), (a.0, 0.5 * a.1)] }
+    }
+
     /// Corners.
     pub(crate) fn points(&self) -> &[(f64, f64)] {
         &self.points

@@ -1,6 +1,7 @@
 //! Checks the events of a program against the list in [`super`].
 
 use super::convex::Convex;
+use super::finished::FinishedSolid;
 use super::interpreter::{Control, Deed, Event, Point};
 use super::run::run;
 use super::surface::Surface;
@@ -37,6 +38,8 @@ pub(crate) struct CommandedCut {
     pub commanded: Vec<(f64, f64)>,
     /// Programmed Z between which the part must be cut.
     pub between: (f64, f64),
+    /// The finished solid of a stepped shaft: it stands in place of the commanded diameters.
+    pub solid: Option<FinishedSolid>,
 }
 
 /// The surroundings in which a program moves.
@@ -306,6 +309,9 @@ impl WorkingSpace<'_> {
     }
 
     fn not_too_deep(&self, from: Point, to: Point) -> Result<(), String> {
+        if let Some(solid) = &self.cut.solid {
+            return solid.not_too_deep(from, to, 0.5 * self.tolerance_mm());
+        }
         for z in self.bends(from.z, to.z) {
             let (x, wanted) = (lowest_at(from, to, z), self.commanded_at(z));
             if x < wanted - self.tolerance_mm() {
@@ -317,6 +323,14 @@ impl WorkingSpace<'_> {
 
     /// Whether feeds at the commanded diameter cover the part.
     fn covers(&self, events: &[Event]) -> Result<(), String> {
+        if let Some(solid) = &self.cut.solid {
+            let feed = |event: &Event| match &event.deed {
+                Deed::Move { from, to, rapid: false } => Some((*from, *to)),
+                _ => None,
+            };
+            let feeds: Vec<(Point, Point)> = events.iter().filter_map(feed).collect();
+            return solid.covered(&feeds, self.cut.between, 0.5 * self.tolerance_mm());
+        }
         let mut cut: Vec<(f64, f64)> = Vec::new();
         for event in events {
             let Deed::Move { from, to, rapid: false } = &event.deed else { continue };

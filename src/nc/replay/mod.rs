@@ -17,6 +17,7 @@
 
 mod convex;
 mod expression;
+mod finished;
 mod flow;
 mod interpreter;
 mod judge;
@@ -25,6 +26,7 @@ mod surface;
 mod touch;
 
 pub(crate) use convex::Convex;
+pub(crate) use finished::FinishedSolid;
 #[cfg(test)]
 pub(crate) use interpreter::{Control, Deed, Event, Point};
 pub(crate) use judge::{CommandedCut, Solid, WorkingSpace, check, check_once, must_alarm};

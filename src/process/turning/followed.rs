@@ -55,7 +55,8 @@ impl TurningProcess {
 
     fn held<'s>(&'s self, supports: &'s Supports, diameter_mm: Vec<f64>) -> HeldShaft<'s> {
         HeldShaft {
-            step_mm: self.step_mm,
+            element_mm: self.grid.element_mm().to_vec(),
+            node_z_mm: self.grid.z_mm().to_vec(),
             diameter_mm,
             material: &self.material,
             supports,
@@ -83,7 +84,8 @@ impl TurningProcess {
 
     /// Elements behind a tool at `tool_z_mm` from `after`, those ahead from `before`.
     fn half_cut(&self, before: &[f64], after: &[f64], tool_z_mm: f64) -> Vec<f64> {
-        let middle = |i: usize| (i as f64 + 0.5) * self.step_mm;
+        let z = self.grid.z_mm();
+        let middle = |i: usize| 0.5 * (z[i] + z[i + 1]);
         let pick =
             |(i, (b, a)): (usize, (&f64, &f64))| if self.is_cut(middle(i), tool_z_mm) { *a } else { *b };
         before.iter().zip(after).enumerate().map(pick).collect()
@@ -98,7 +100,7 @@ impl TurningProcess {
 
     /// Free length, mm.
     pub(crate) fn length_mm(&self) -> f64 {
-        self.step_mm * (self.diameter_mm.len() - 1) as f64
+        self.grid.length_mm()
     }
 
     /// A shaft of this process as it stands after a pass, grown by its temperature during the scan.
@@ -123,14 +125,14 @@ impl FollowedPass {
     /// Thermal growth of the radius at the tool while it stands at `tool_z_mm`, mm.
     pub(crate) fn warm_radius_mm(&self, tool_z_mm: f64) -> f64 {
         let process = &self.process;
-        let node = (tool_z_mm / process.step_mm).clamp(0.0, (self.nodes.len() - 1) as f64) as usize;
+        let node = process.grid.place(tool_z_mm).clamp(0.0, (self.nodes.len() - 1) as f64) as usize;
         let share = process.share_cut(tool_z_mm.clamp(0.0, process.length_mm()));
         0.5 * self.nodes[node].after * (process.growth(process.rise_k(share)) - 1.0)
     }
 
     /// Components of the force with the tool at `tool_z_mm`, N; zero beyond the shaft.
     pub(crate) fn force(&self, tool_z_mm: f64) -> Components {
-        let node = tool_z_mm / self.process.step_mm;
+        let node = self.process.grid.place(tool_z_mm);
         let last = self.nodes.len() - 1;
         if !(0.0..=last as f64).contains(&node) {
             return Components::default();
@@ -206,9 +208,9 @@ impl FollowedPass {
         let (before, after) = (&self.process.diameter_mm, &self.after());
         let towards_chuck = self.process.settings.pass.feed_direction == FeedDirection::TowardsChuck;
         let (low, high) = if towards_chuck { (before, after) } else { (after, before) };
-        let z = |node: usize| node as f64 * self.process.step_mm;
+        let z = |node: usize| self.process.grid.z_mm()[node];
         let at_tool = |d: &[f64]| {
-            let place = (tool_z_mm / self.process.step_mm).clamp(0.0, (d.len() - 1) as f64);
+            let place = self.process.grid.place(tool_z_mm).clamp(0.0, (d.len() - 1) as f64);
             let next = d[(place as usize + 1).min(d.len() - 1)];
             d[place as usize] + place.fract() * (next - d[place as usize])
         };

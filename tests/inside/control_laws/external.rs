@@ -59,6 +59,8 @@ fn controller<P: FnMut(&Value) -> Option<String>>(
         seed: 7,
         station_z_mm: Plant::new(STATIONS).z_mm,
         nominal_mm: NOMINALS_MM.to_vec(),
+        station_relative_mm: Vec::new(),
+        station_limits_mm: Vec::new(),
         tolerance_mm: Some((24.987, 25.0)),
         cutting: CUTTING,
     };

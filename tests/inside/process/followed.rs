@@ -1,6 +1,6 @@
 //! The shaft while it is cut: its state in the frames is consistent with the result of the pass.
 
-use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
+use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan, PlannedForm};
 use shadowgauge::process::bending::axis_at;
 use shadowgauge::process::{
     BaseForm, BendingSettings, FeedDirection, ProcessSettings, Stock, TurningProcess,
@@ -16,6 +16,7 @@ fn plan(o_mm: Vec<f64>) -> PassPlan {
         cutting: CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 },
         station_z_mm: (0..100).map(|i| 2.5 + 5.0 * f64::from(i)).collect(),
         offset: DiameterOffset { o_mm },
+        form: PlannedForm::PLAIN,
     }
 }
 

@@ -144,7 +144,8 @@ fn thrust_adds_to_a_sag_as_in_a_beam_column_and_buckles_at_eulers_load() {
     let own = std::f64::consts::PI.powi(2) * Section::circular(50.0, &material).bending_n_mm2 / (L * L);
     let bending = BendingSettings { tailstock_push: true, ..BendingSettings::default() };
     let shaft = HeldShaft {
-        step_mm: 1.0,
+        element_mm: vec![1.0; 1000],
+        node_z_mm: (0..=1000).map(f64::from).collect(),
         diameter_mm: vec![50.0; 1000],
         material: &material,
         supports: &supports,
@@ -191,7 +192,8 @@ fn weight_and_force_point_where_the_machine_says() {
     let supports = held(Part::clamped(0.0, 0.0), Part::hinged(0.0));
     let bending = BendingSettings { self_weight: true, ..BendingSettings::default() };
     let shaft = HeldShaft {
-        step_mm: 5.0,
+        element_mm: vec![5.0; 100],
+        node_z_mm: (0..=100).map(|node| 5.0 * f64::from(node)).collect(),
         diameter_mm: vec![27.0; 100],
         material: &material,
         supports: &supports,

@@ -1,6 +1,6 @@
 //! The turning pass: error copying, repeatability, the resulting surface.
 
-use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
+use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan, PlannedForm};
 use shadowgauge::process::{
     BaseForm, BelowMinimumChip, FeedDirection, GuidewayPoint, ProcessError, ProcessSettings,
     SteadyRestSettings, Stock, TurningProcess,
@@ -11,7 +11,14 @@ const CUTTING: CuttingData = CuttingData { speed_m_per_min: 80.0, feed_mm_per_re
 
 fn plan(pass: u32, nominal_mm: f64, o_mm: Vec<f64>) -> PassPlan {
     let station_z_mm = (0..100).map(|i| 2.5 + 5.0 * f64::from(i)).collect();
-    PassPlan { pass, nominal_mm, cutting: CUTTING, station_z_mm, offset: DiameterOffset { o_mm } }
+    PassPlan {
+        pass,
+        nominal_mm,
+        cutting: CUTTING,
+        station_z_mm,
+        offset: DiameterOffset { o_mm },
+        form: PlannedForm::PLAIN,
+    }
 }
 
 fn process(settings: &ProcessSettings, seed: u64) -> TurningProcess {

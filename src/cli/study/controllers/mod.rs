@@ -63,7 +63,13 @@ pub(crate) struct StudyControllersArgs {
 /// disk that fails.
 pub(crate) fn run(args: &StudyControllersArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "configs/controllers.toml", CONFIG)?;
-    let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
+    let mut job = match &args.config {
+        // with the files that it names: a contour, a measured edge
+        Some(path) => config::load(path),
+        None => config::parse(&text.text, &text.name),
+    }
+    .map_err(Failure::refused)?;
+    job.check_coverage().map_err(|e| text.refuse_at(e))?;
     job.seed = args.seed.unwrap_or(job.seed);
     let names =
         if args.controllers.is_empty() { ControllerName::ALL.to_vec() } else { args.controllers.clone() };
@@ -71,7 +77,7 @@ pub(crate) fn run(args: &StudyControllersArgs) -> CommandResult {
     for controller in &names {
         let mut settings = job.loop_job().run_control();
         settings.controller = *controller;
-        crate::control::build(&settings, &job.part.station_z_mm()).map_err(|e| text.refuse(e))?;
+        crate::control::build(&settings, job.loop_job().layout()).map_err(|e| text.refuse(e))?;
     }
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let programs = start_commands(args)?;
