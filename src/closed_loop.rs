@@ -359,7 +359,9 @@ impl<'a> ClosedLoop<'a> {
     /// Third stage: a second scan, where the controller needs one before it takes a large step.
     fn repeat(&mut self, mut judged: JudgedPass, progress: Progress<'_>) -> Result<JudgedPass, LoopError> {
         let JudgedPass { plan, scan, evidence, .. } = &mut judged;
-        if self.controller.needs_repeat(plan, &scan.profile, &self.context(evidence)) {
+        let needed = self.controller.needs_repeat(plan, &scan.profile, &self.context(evidence));
+        // without a second scan the guard of large steps holds and names what it lacks
+        if needed && self.cell.can_scan_again() {
             let again = self.scan(plan.pass, progress)?;
             scan.tally.add(again.tally);
             evidence.repeat = Some(again.profile);

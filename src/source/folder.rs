@@ -277,7 +277,7 @@ fn page_name(open: &Open) -> String {
     if open.pages.len() > 1 { format!("{path}#{}", open.page) } else { path.to_string() }
 }
 
-fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
+pub(super) fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
     let io = |cause| ReadError::Io { path: path.display().to_string(), cause };
     let file = fs::File::open(path).map_err(io)?;
     // As much as the file has, so that its bytes are not copied from one place to a larger one.

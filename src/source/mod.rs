@@ -3,7 +3,7 @@
 //! In: a file or folder (`folder`, in the order of `natural_order`, with `frame_table` where there
 //! is a `frames.csv`), a folder that a camera drops images into (`follow`), images one after
 //! another on a stream (`piped`, by `split`). Out: frames with their scale and encoding (`stored`),
-//! decoded on other threads where `ahead` is asked. `decode` chooses the reader of a format (`png`,
+//! decoded on other threads where `ahead` is asked. `recording` is the folder of a recorded run. `decode` chooses the reader of a format (`png`,
 //! `tiff`, `jpeg`, `bmp`, `pnm`); each returns a `raster` of channels, which `depth`, `transfer`,
 //! `orientation`, `packed` and `relaid` convert to the pixels of a frame. A new format is a file
 //! with a function from bytes to a raster, an entry in `decode` and one in `extension`; it comes on
@@ -13,6 +13,8 @@ mod ahead;
 mod bmp;
 mod decode;
 mod depth;
+#[cfg(feature = "render")]
+mod digest;
 mod error;
 mod extension;
 mod folder;
@@ -29,6 +31,8 @@ mod png;
 mod pnm;
 mod raster;
 mod read_error;
+#[cfg(feature = "render")]
+mod recording;
 mod relaid;
 mod scale;
 mod split;
@@ -48,5 +52,10 @@ pub(crate) use ahead::Ahead;
 pub(crate) use folder::{list_images, listing, out_of_order};
 pub(crate) use follow::Follow;
 pub(crate) use piped::Piped;
+#[cfg(feature = "render")]
+pub(crate) use digest::{digest_of_all, image_digests};
+pub(crate) use read_error::ReadError;
+#[cfg(feature = "render")]
+pub(crate) use recording::{RecordedScan, Recording};
 pub(crate) use scale::SAME_SCALE;
 pub(crate) use stored::Arrival;
