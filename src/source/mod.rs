@@ -56,6 +56,6 @@ pub(crate) use piped::Piped;
 pub(crate) use digest::{digest_of_all, image_digests};
 pub(crate) use read_error::ReadError;
 #[cfg(feature = "render")]
-pub(crate) use recording::{RecordedScan, Recording};
+pub(crate) use recording::{RecordedScan, Recording, check_places};
 pub(crate) use scale::SAME_SCALE;
 pub(crate) use stored::Arrival;

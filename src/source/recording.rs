@@ -14,6 +14,7 @@
 //! frame of the part come from the `frames.csv` beside it: without one every frame would stand at
 //! z = 0, so that a scan without it is refused.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::folder::{FileFrames, images_in, listing};
@@ -121,7 +122,7 @@ impl Recording {
     /// Images or a table that are not there, a table without place or angle.
     pub(crate) fn images(&self, scan: RecordedScan) -> Result<Vec<PathBuf>, ReadError> {
         let images = listing(&self.place(scan))?.images;
-        check_table(&images)?;
+        check_places(&images)?;
         Ok(images)
     }
 
@@ -134,9 +135,16 @@ impl Recording {
     }
 }
 
-/// Whether a `frames.csv` beside the images, or above their `frames` folder, gives place and angle.
-fn check_table(images: &[PathBuf]) -> Result<(), ReadError> {
-    let folder = images.first().and_then(|image| image.parent()).unwrap_or(Path::new("."));
+/// Whether a `frames.csv` beside every image, or above its `frames` folder, gives place and angle.
+///
+/// # Errors
+/// A table that is not there or lacks a column.
+pub(crate) fn check_places(images: &[PathBuf]) -> Result<(), ReadError> {
+    let folders: BTreeSet<&Path> = images.iter().filter_map(|image| image.parent()).collect();
+    folders.into_iter().try_for_each(check_table)
+}
+
+fn check_table(folder: &Path) -> Result<(), ReadError> {
     let above = folder.parent().filter(|_| folder.ends_with("frames"));
     let tables = [Some(folder), above].into_iter().flatten().map(|folder| folder.join("frames.csv"));
     let Some(table) = tables.into_iter().find(|path| path.is_file()) else {
