@@ -21,6 +21,7 @@ mod flow;
 mod interpreter;
 mod judge;
 mod run;
+mod sinumerik;
 mod surface;
 mod touch;
 
