@@ -23,6 +23,6 @@ mod proof;
 mod release;
 mod state;
 
-pub(crate) use decision::{Decided, Outcome, Seen, StationOffset, decide};
+pub(crate) use decision::{Decided, Outcome, Seen, decide};
 pub(crate) use labels::Labels;
 pub(crate) use state::{OffsetState, Stage, TRIAL_MM};

@@ -16,7 +16,6 @@ use crate::config;
 use crate::conformity::part_verdict::PartConformity;
 use crate::control::ControlError;
 use crate::files::OutputFile;
-use crate::frame::Frame;
 use crate::gauge::{Calibration, EsfModel, Gauge, GaugeSettings};
 use crate::job::{Job, LoopJob};
 use crate::part_offsets::{Decided, Labels, OffsetState, Outcome, Seen, decide};
