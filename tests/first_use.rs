@@ -74,8 +74,7 @@ impl Lathe {
         let text = JOB.replace("nominal_diameter_mm = [11.0]", &format!("nominal_diameter_mm = [{d_mm}]"));
         let config = self.write(&format!("{name}.toml"), &text.replace("= 11.5", "= 12.0"));
         let out = self.path(name);
-        let output =
-            shadowgauge(["render", &config.to_string_lossy(), "--out", &out, "--backend", "cpu"]);
+        let output = shadowgauge(["render", &config.to_string_lossy(), "--out", &out, "--backend", "cpu"]);
         assert_eq!(output.status.code(), Some(0), "{}", said(&output));
         out
     }
@@ -84,7 +83,17 @@ impl Lathe {
     fn offsets(&self, frames: &str, more: &[&str]) -> Output {
         let (job, state) = (self.path("job.toml"), self.path("state.toml"));
         let calibration = self.path("calibrated/calibration.json");
-        let fixed = ["measure", frames, "--calibration", &calibration, "--offsets", &job, "--state", &state, "--json"];
+        let fixed = [
+            "measure",
+            frames,
+            "--calibration",
+            &calibration,
+            "--offsets",
+            &job,
+            "--state",
+            &state,
+            "--json",
+        ];
         shadowgauge([&fixed[..], more].concat())
     }
 
@@ -93,7 +102,11 @@ impl Lathe {
         let first = self.part("first", 11.0 + ERROR_MM);
         let output = self.offsets(&first, &["--part", "A1", "--tool", "T1", "--insert", "I1"]);
         let found = json(&output)["offsets"].clone();
-        assert_eq!((output.status.code(), &found["outcome"]), (Some(1), &Value::from("first_use")), "{found:#}");
+        assert_eq!(
+            (output.status.code(), &found["outcome"]),
+            (Some(1), &Value::from("first_use")),
+            "{found:#}"
+        );
         found
     }
 
@@ -207,7 +220,11 @@ fn a_wrong_sign_or_unit_is_refused_with_its_cause() {
         let frames = lathe.part(name, 11.0 + ERROR_MM + GAIN.powi(i32::from(change_mm < 0.2)) * change_mm);
         let output = lathe.offsets(&frames, &[]);
         let found = json(&output)["offsets"].clone();
-        assert_eq!((output.status.code(), &found["outcome"]), (Some(1), &Value::from("refused")), "{found:#}");
+        assert_eq!(
+            (output.status.code(), &found["outcome"]),
+            (Some(1), &Value::from("refused")),
+            "{found:#}"
+        );
         let why = found["reason"].as_str().unwrap();
         assert!(why.contains(word), "{name}: {why}");
         // no offset is released: the trial's are still in force
@@ -225,7 +242,11 @@ fn what_does_not_belong_together_is_refused_by_name() {
     lathe.write("job.toml", &JOB.replace("name = \"small\"", "name = \"another\""));
     let output = lathe.offsets(&frames, &[]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(said(&output).contains("job \"small\"") && said(&output).contains("another"), "{}", said(&output));
+    assert!(
+        said(&output).contains("job \"small\"") && said(&output).contains("another"),
+        "{}",
+        said(&output)
+    );
     lathe.write("job.toml", &JOB.replace("station_mm = 10.0", "station_mm = 5.0"));
     let output = lathe.offsets(&frames, &[]);
     assert!(output.status.code() == Some(2) && said(&output).contains("stations"), "{}", said(&output));

@@ -29,7 +29,8 @@ fn run(folder: &Path, job: &str, out: &str, more: &[&str]) -> Output {
     let config = folder.join(format!("{out}.toml"));
     std::fs::write(&config, job).unwrap();
     let (config, out) = (config.to_string_lossy().into_owned(), folder.join(out));
-    let fixed = ["run", &config, "--out", &out.to_string_lossy(), "--backend", "cpu", "--no-reference", "--json"];
+    let fixed =
+        ["run", &config, "--out", &out.to_string_lossy(), "--backend", "cpu", "--no-reference", "--json"];
     shadowgauge([&fixed[..], more].concat())
 }
 
@@ -53,7 +54,12 @@ fn recorded_frames_give_what_the_simulated_run_gave_and_a_missing_pass_is_waited
     let record = folder.join("frames").to_string_lossy().into_owned();
     let simulated = run(folder, JOB, "simulated", &["--record", &record]);
     assert!(matches!(simulated.status.code(), Some(0 | 1)), "{}", said(&simulated));
-    for name in ["masters/pin_1/000001.png", "masters/pin_2/frames.csv", "pass_1/000019.png", "pass_2/master/000000.png"] {
+    for name in [
+        "masters/pin_1/000001.png",
+        "masters/pin_2/frames.csv",
+        "pass_1/000019.png",
+        "pass_2/master/000000.png",
+    ] {
         assert!(folder.join("frames").join(name).is_file(), "{name}");
     }
 
@@ -64,7 +70,10 @@ fn recorded_frames_give_what_the_simulated_run_gave_and_a_missing_pass_is_waited
     let waiting = run(folder, &job, "recorded", &[]);
     assert_eq!(waiting.status.code(), Some(0), "{}", said(&waiting));
     let document = json(&waiting);
-    assert_eq!((document["backend"].as_str(), document["waits_for"]["pass"].as_u64()), (Some("recorded"), Some(2)));
+    assert_eq!(
+        (document["backend"].as_str(), document["waits_for"]["pass"].as_u64()),
+        (Some("recorded"), Some(2))
+    );
     let pass = document["passes"][0].as_object().unwrap();
     assert!(!pass.keys().any(|key| key.starts_with("true_") || key.contains("minus_true")), "{pass:?}");
     let (own, theirs) = (folder.join("recorded"), folder.join("simulated"));
@@ -81,7 +90,10 @@ fn recorded_frames_give_what_the_simulated_run_gave_and_a_missing_pass_is_waited
     assert_eq!(columns(&own, "offsets.csv", &OFFSETS), columns(&theirs, "offsets.csv", &OFFSETS));
     assert_eq!(json(&done)["conformity"], json(&simulated)["conformity"]);
     let page = std::fs::read_to_string(own.join("report.html")).unwrap();
-    assert!(page.contains("the truth of a real part is not given") && !page.contains("(error/u)"), "truth in the report");
+    assert!(
+        page.contains("the truth of a real part is not given") && !page.contains("(error/u)"),
+        "truth in the report"
+    );
 
     // a copy of the first pass is no second pass
     std::fs::remove_dir_all(folder.join("frames/pass_2")).unwrap();
@@ -100,12 +112,19 @@ fn recorded_frames_give_what_the_simulated_run_gave_and_a_missing_pass_is_waited
 #[test]
 fn sources_that_are_none_are_refused_by_their_names() {
     let folder = tempfile::tempdir().unwrap();
-    for (source, word) in
-        [("gige:10.0.0.7", "GigE"), ("sim:job.toml", "simulated camera"), ("nowhere", "nowhere"), ("-", "pass by pass")]
-    {
+    for (source, word) in [
+        ("gige:10.0.0.7", "GigE"),
+        ("sim:job.toml", "simulated camera"),
+        ("nowhere", "nowhere"),
+        ("-", "pass by pass"),
+    ] {
         let output = run(folder.path(), &format!("source = \"{source}\"\n{JOB}"), "refused", &[]);
         assert_eq!(output.status.code(), Some(2), "{source}: {}", said(&output));
-        assert!(said(&output).contains("source") && said(&output).contains(word), "{source}: {}", said(&output));
+        assert!(
+            said(&output).contains("source") && said(&output).contains(word),
+            "{source}: {}",
+            said(&output)
+        );
         assert!(!folder.path().join("refused").exists(), "{source}: something was written");
     }
 }

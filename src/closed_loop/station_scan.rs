@@ -1,5 +1,5 @@
-//! The stations of a part from frames that come one by one from elsewhere, measured as the frames of
-//! a loop are.
+//! The stations of a part from frames that come one by one from elsewhere, measured as the frames
+//! of a loop are.
 
 use super::scan::Measured;
 use crate::frame::Frame;

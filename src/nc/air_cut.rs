@@ -1,10 +1,10 @@
 //! The first run of a program on a machine: the same moves, raised above the stock.
 //!
-//! In: the pass that will be cut. Out: a program that makes its moves, tool call, spindle and feeds,
-//! with every diameter raised so far that the tool stays half the clearance above the stock. It
-//! shows whether zero point, tool offset, directions and feeds are what the program takes them for,
-//! before any of it meets material. In its replay the stock is a solid like the chuck: a feed that
-//! touches it is refused as a rapid is.
+//! In: the pass that will be cut. Out: a program that makes its moves, tool call, spindle and
+//! feeds, with every diameter raised so far that the tool stays half the clearance above the stock.
+//! It shows whether zero point, tool offset, directions and feeds are what the program takes them
+//! for, before any of it meets material. In its replay the stock is a solid like the chuck: a feed
+//! that touches it is refused as a rapid is.
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
@@ -60,7 +60,10 @@ impl AirCut<'_> {
         let mut space = raised.working_space_of(&skeleton);
         space.solids.extend(space.stock.iter().cloned());
         replay::check(&text, &space)?;
-        let uncut = format!("air cut: nothing is cut, the tool stays {} mm clear of the stock", 0.25 * settings.clearance_mm);
+        let uncut = format!(
+            "air cut: nothing is cut, the tool stays {} mm clear of the stock",
+            0.25 * settings.clearance_mm
+        );
         Ok(Written { text, cut: path, uncut })
     }
 }

@@ -303,10 +303,9 @@ impl std::str::FromStr for Dialect {
     type Err = String;
 
     fn from_str(word: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|d| d.as_str() == word)
-            .ok_or_else(|| format!("no dialect is called {word:?}; there are fanuc, linuxcnc, gsk, sinumerik"))
+        Self::ALL.into_iter().find(|d| d.as_str() == word).ok_or_else(|| {
+            format!("no dialect is called {word:?}; there are fanuc, linuxcnc, gsk, sinumerik")
+        })
     }
 }
 

@@ -47,7 +47,10 @@ impl Skeleton<'_> {
     fn framed(&self, title: &str, mut texts: Vec<String>) -> Vec<String> {
         let d = self.dialect;
         if d == Dialect::Sinumerik {
-            texts.push(format!("zero offset G54; {} belongs to these programs alone", sinumerik::variable(RAN_LAST)));
+            texts.push(format!(
+                "zero offset G54; {} belongs to these programs alone",
+                sinumerik::variable(RAN_LAST)
+            ));
         }
         if d.changes_at_reference() {
             texts.push("not verified on a control: run dry above the part first".to_owned());

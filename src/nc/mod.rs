@@ -19,10 +19,10 @@
 //! first.
 //!
 //! `settings`, `machine`, `probe_settings` and `stated` hold the machine's data; `route`, `path`
-//! and `skeleton` plan, `dialect` writes the blocks (`sinumerik` those that are not ISO), `turning`,
-//! `air_cut`, `macro_program` and `probing_program` are the programs, `surroundings` the solids. A new dialect is a variant of
-//! `Dialect` with its words and its match arms in `replay`; a new program is a file beside
-//! `turning`.
+//! and `skeleton` plan, `dialect` writes the blocks (`sinumerik` those that are not ISO),
+//! `turning`, `air_cut`, `macro_program` and `probing_program` are the programs, `surroundings` the
+//! solids. A new dialect is a variant of `Dialect` with its words and its match arms in `replay`; a
+//! new program is a file beside `turning`.
 
 mod air_cut;
 mod dialect;

@@ -1,12 +1,12 @@
 //! The words of SINUMERIK programs: not the control's ISO mode but its own language.
 //!
-//! | here | there |
-//! |---|---|
-//! | a number after X, Z | `X=25.5`, `Z=10`: no increment of the last digit, so no decimal point is due |
-//! | diameters, mm, feed per revolution, the part's zero | `DIAMON`, `G710`, `G95`, `G54` |
-//! | the change position | `G75 FP=1 X1=0`: fixed point 1 of the machine axis (MD30600), no offset acts |
-//! | a variable | `R98`: kept at power-off; `STOPRE` before it is read or written, because blocks are prepared ahead of the motion |
-//! | an alarm | `MSG("…")` and a loop about `M0`: a start alone does not go on |
+//! - Numbers after X and Z are `X=25.5`, `Z=10`: no decimal point is due, because none is taken in
+//!   increments. `DIAMON`, `G710`, `G95`, `G54`: diameters, mm, feed per revolution, the part's zero.
+//! - The change position is fixed point 1 of the machine axes (`G75 FP=1 X1=0`, MD30600), which no
+//!   offset moves.
+//! - Variables are R parameters, kept at power-off; `STOPRE` stands before one is read or written,
+//!   because blocks are prepared ahead of the motion.
+//! - An alarm is `MSG("…")` and a loop about `M0`: a start alone does not go on.
 //!
 //! From the maker's programming guides as commonly used, not checked on a control.
 

@@ -16,8 +16,7 @@ impl NcSettings {
         let has_offset_numbers = dialect != Dialect::Sinumerik;
         let missing: Vec<&str> = [
             (has_offset_numbers && self.wear_x.is_none()).then(|| dialect.look_up_wear_x()),
-            (has_offset_numbers && self.geometry_offset.is_none())
-                .then(|| dialect.look_up_geometry_offset()),
+            (has_offset_numbers && self.geometry_offset.is_none()).then(|| dialect.look_up_geometry_offset()),
             self.spindle.is_none().then(|| dialect.look_up_spindle()),
             (dialect == Dialect::Gsk && self.probe.is_some_and(|p| p.skip_variable.is_none()))
                 .then(|| dialect.look_up_skip_variable()),

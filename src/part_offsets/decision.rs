@@ -114,7 +114,8 @@ pub(crate) fn decide(job: &LoopJob, mut state: OffsetState, seen: &Seen) -> Resu
         ),
         None => take_part(job, &mut state, seen, &old_mm)?,
     };
-    state.held = matches!(concluded.outcome, Outcome::Held | Outcome::Refused).then(|| concluded.reason.clone());
+    state.held =
+        matches!(concluded.outcome, Outcome::Held | Outcome::Refused).then(|| concluded.reason.clone());
     relabel(job, &mut state, &seen.labels, &mut concluded);
     Ok(in_words(job, state, seen, (concluded, &old_mm, was_trial)))
 }
@@ -168,7 +169,11 @@ fn begin_trial(job: &LoopJob, state: &mut OffsetState, part: PartRead) -> Conclu
 }
 
 /// The trial cut: proven, its part is the first that the controller is given.
-fn judge_trial(job: &LoopJob, state: &mut OffsetState, mut part: PartRead) -> Result<Concluded, ControlError> {
+fn judge_trial(
+    job: &LoopJob,
+    state: &mut OffsetState,
+    mut part: PartRead,
+) -> Result<Concluded, ControlError> {
     part.trial = true;
     let z_mm = job.part.station_z_mm();
     let Some(first) = &state.first else {
@@ -290,7 +295,9 @@ fn change_insert(job: &LoopJob, state: &mut OffsetState, concluded: &mut Conclud
     state.history.clear();
     let insert = state.labels.insert.clone();
     let (Stage::Released, Some(new)) = (state.stage, state.new_insert_mm.take()) else {
-        concluded.notes.push(format!("insert {insert:?} in place of {old:?}: no offset was released yet, nothing is reset"));
+        concluded.notes.push(format!(
+            "insert {insert:?} in place of {old:?}: no offset was released yet, nothing is reset"
+        ));
         return;
     };
     state.observed_over_commanded = None;

@@ -14,8 +14,8 @@
 //! measured, and nothing of one part's form is copied into the next.
 //!
 //! `labels` are part, tool and insert, `state` is the file between two parts, `proof` judges the
-//! trial cut, `release` runs the controller, `decision` joins them. A new stage of the sequence is a
-//! variant of `Stage` with an arm in `decision`.
+//! trial cut, `release` runs the controller, `decision` joins them. A new stage of the sequence is
+//! a variant of `Stage` with an arm in `decision`.
 
 mod decision;
 mod labels;

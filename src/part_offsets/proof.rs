@@ -12,8 +12,9 @@
 //! ```
 //!
 //! with the limits of `control.guards` and the plant gain g of `control`. f = −1 is a wrong sign, 2
-//! and ½ radius and diameter, 25.4 inches, 1000 micrometres, 0 an offset without effect. A tool that
-//! stays clear of the blank leaves the diameter from before the pass, however large the factor.
+//! and ½ radius and diameter, 25.4 inches, 1000 micrometres, 0 an offset without effect. A tool
+//! that stays clear of the blank leaves the diameter from before the pass, however large the
+//! factor.
 
 use super::state::{PartRead, TRIAL_MM};
 use crate::control::ControlSettings;
@@ -104,7 +105,10 @@ pub(super) fn prove(
     );
     if high < least || low > most {
         let ratio = c / TRIAL_MM;
-        return Proof::Refused { ratio, why: format!("{found}: {}", cause(control, before_mm, first, &change)) };
+        return Proof::Refused {
+            ratio,
+            why: format!("{found}: {}", cause(control, before_mm, first, &change)),
+        };
     }
     if low < least || high > most {
         return Proof::NotProven(format!(

@@ -1,8 +1,8 @@
 //! The controller of a job on parts instead of passes: part k stands in the place of pass k.
 //!
-//! Every part was cut from a new blank, in one pass of the same nominal. A trial cut is given to the
-//! controller as what it was: a part with a nominal that lies [`TRIAL_MM`] higher, so that what was
-//! left on purpose is no error to correct.
+//! Every part was cut from a new blank, in one pass of the same nominal. A trial cut is given to
+//! the controller as what it was: a part with a nominal that lies [`TRIAL_MM`] higher, so that what
+//! was left on purpose is no error to correct.
 
 use super::state::{OffsetState, PartRead, TRIAL_MM};
 use crate::control::{self, ControlError, ControlSettings, ControllerName, NextPass, PartStart, PassContext};

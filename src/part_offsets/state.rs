@@ -123,7 +123,9 @@ pub(crate) struct OffsetState {
 
 /// A state that does not belong to the job.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the state is of {found}, the job is {wanted}; give the state of this job, or another file to begin anew")]
+#[error(
+    "the state is of {found}, the job is {wanted}; give the state of this job, or another file to begin anew"
+)]
 pub(crate) struct OtherJob {
     found: String,
     wanted: String,
@@ -181,10 +183,9 @@ impl OffsetState {
         let parts = self.history.iter().chain(&self.first);
         let short = parts.map(|p| p.readings.len()).find(|n| *n != z_mm.len());
         match short {
-            Some(n) => other(
-                format!("a part with {n} readings"),
-                format!("one with {} stations", z_mm.len()),
-            ),
+            Some(n) => {
+                other(format!("a part with {n} readings"), format!("one with {} stations", z_mm.len()))
+            }
             None => Ok(()),
         }
     }

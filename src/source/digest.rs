@@ -15,7 +15,8 @@ fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().take(KEPT_BYTES).map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The digest of every file's bytes (SHA-256, its first 8 bytes in hexadecimal), in the order given.
+/// The digest of every file's bytes (SHA-256, its first 8 bytes in hexadecimal), in the order
+/// given.
 ///
 /// # Errors
 /// A file that cannot be read.

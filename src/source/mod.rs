@@ -3,7 +3,8 @@
 //! In: a file or folder (`folder`, in the order of `natural_order`, with `frame_table` where there
 //! is a `frames.csv`), a folder that a camera drops images into (`follow`), images one after
 //! another on a stream (`piped`, by `split`). Out: frames with their scale and encoding (`stored`),
-//! decoded on other threads where `ahead` is asked. `recording` is the folder of a recorded run. `decode` chooses the reader of a format (`png`,
+//! decoded on other threads where `ahead` is asked. `recording` is the folder of a recorded run.
+//! `decode` chooses the reader of a format (`png`,
 //! `tiff`, `jpeg`, `bmp`, `pnm`); each returns a `raster` of channels, which `depth`, `transfer`,
 //! `orientation`, `packed` and `relaid` convert to the pixels of a frame. A new format is a file
 //! with a function from bytes to a raster, an entry in `decode` and one in `extension`; it comes on
@@ -49,11 +50,11 @@ pub use self::{
     stored::StoredFrame,
 };
 pub(crate) use ahead::Ahead;
+#[cfg(feature = "render")]
+pub(crate) use digest::{digest_of_all, image_digests};
 pub(crate) use folder::{list_images, listing, out_of_order};
 pub(crate) use follow::Follow;
 pub(crate) use piped::Piped;
-#[cfg(feature = "render")]
-pub(crate) use digest::{digest_of_all, image_digests};
 pub(crate) use read_error::ReadError;
 #[cfg(feature = "render")]
 pub(crate) use recording::{RecordedScan, Recording, check_places};

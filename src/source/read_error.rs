@@ -74,5 +74,9 @@ pub enum ReadError {
 fn without_places(missing: &str) -> String {
     let right = "frames of a part need frames.csv with the columns frame, z_mm (machine z of the central column) and \
                  angle_deg (spindle angle)";
-    if missing.is_empty() { format!("is not there; {right}") } else { format!("has no column {missing}; {right}") }
+    if missing.is_empty() {
+        format!("is not there; {right}")
+    } else {
+        format!("has no column {missing}; {right}")
+    }
 }

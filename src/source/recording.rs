@@ -56,7 +56,9 @@ fn path_of(source: &str) -> Result<&str, String> {
         (_, Some((kind, what))) => Err(format!(
             "{source:?}: {what} ({kind}) is not read by a run yet; give the folder with the frames of its passes"
         )),
-        ("-", None) => Err("\"-\": a run reads its frames pass by pass; give the folder with them".to_owned()),
+        ("-", None) => {
+            Err("\"-\": a run reads its frames pass by pass; give the folder with them".to_owned())
+        }
         ("", None) => Err("is empty; give the folder with the frames of the passes".to_owned()),
         (path, None) => Ok(path),
     }
@@ -71,7 +73,9 @@ impl Recording {
         let root = folder.join(path_of(source)?);
         match root.exists() {
             true => Ok(Self { root }),
-            false => Err(format!("{}: there is no such folder; give the one with the frames", root.display())),
+            false => {
+                Err(format!("{}: there is no such folder; give the one with the frames", root.display()))
+            }
         }
     }
 
@@ -148,7 +152,10 @@ fn check_table(folder: &Path) -> Result<(), ReadError> {
     let above = folder.parent().filter(|_| folder.ends_with("frames"));
     let tables = [Some(folder), above].into_iter().flatten().map(|folder| folder.join("frames.csv"));
     let Some(table) = tables.into_iter().find(|path| path.is_file()) else {
-        return Err(ReadError::NoPlaces { path: folder.join("frames.csv").display().to_string(), missing: "" });
+        return Err(ReadError::NoPlaces {
+            path: folder.join("frames.csv").display().to_string(),
+            missing: "",
+        });
     };
     match FrameTable::missing_place(&table)? {
         None => Ok(()),

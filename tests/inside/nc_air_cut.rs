@@ -50,8 +50,13 @@ fn feeds(text: &str, dialect: Dialect, settings: &NcSettings, change: Point) -> 
 fn an_air_cut_makes_the_moves_of_the_pass_above_the_stock() {
     let (plan, settings, piece) = (trial(), settings(), Workpiece::new(60.0, STOCK_MM, 11.5));
     for dialect in Dialect::ALL {
-        let program =
-            TurningProgram { plan: &plan, settings: &settings, piece: &piece, limits_mm: None, reason: "trial" };
+        let program = TurningProgram {
+            plan: &plan,
+            settings: &settings,
+            piece: &piece,
+            limits_mm: None,
+            reason: "trial",
+        };
         let change = program.working_space(dialect).expect("a scene").change;
         let change = Point { x: change.x_mm, z: change.z_mm };
         let cut = feeds(&program.write(dialect).expect("a program").text, dialect, &settings, change);

@@ -38,7 +38,10 @@ fn the_words_are_those_of_the_control() {
     let text = text(&settings());
     let lines: Vec<&str> = text.lines().collect();
     let at = |line: &str| lines.iter().position(|l| *l == line).unwrap_or_else(|| panic!("{line}\n{text}"));
-    assert!(lines[0].starts_with("; SG8001.MPF") && !text.contains(['(', '#', '%']) || text.contains("MSG("), "{text}");
+    assert!(
+        lines[0].starts_with("; SG8001.MPF") && !text.contains(['(', '#', '%']) || text.contains("MSG("),
+        "{text}"
+    );
     assert!(at("G18 G40 G54 G710 G90 G95 DIAMON") < at("STOPRE"));
     assert!(at("IF R98 <> 302 GOTOF GO_ON_101") < at("MSG(\"PASS WAS CUT ALREADY\")"));
     assert!(at("GO_ON_101:") < at("G75 FP=1 X1=0") && at("G75 FP=1 X1=0") < at("G75 FP=1 Z1=0"));

@@ -252,7 +252,9 @@ fn check_stream(args: &MeasureArgs, input: &Input) -> Result<(), Failure> {
 fn check_offsets(args: &MeasureArgs, input: &Input) -> Result<(), Failure> {
     let why = match () {
         () if !args.offsets.are_given() => return Ok(()),
-        () if args.calibration.is_none() => "needs --calibration FILE: a scale alone has no uncertainty to decide by",
+        () if args.calibration.is_none() => {
+            "needs --calibration FILE: a scale alone has no uncertainty to decide by"
+        }
         () if input.is_stream() => "decides on the frames of one part, not on a stream (--follow, -)",
         () if args.shape == Shape::Ring => "belongs to --shape shaft",
         () if args.bench.is_some() => "moves offsets, --bench takes times: give one of them",

@@ -1,8 +1,8 @@
 //! `measure --offsets`: the part that was measured decides the offsets of the next one.
 //!
-//! In: a job, a state file, the frames as they are measured. Out: a table or the JSON key `offsets`,
-//! and the state for the next part. The stations are those of the job, measured as a run measures
-//! them; what is decided is in [`part_offsets`](crate::part_offsets).
+//! In: a job, a state file, the frames as they are measured. Out: a table or the JSON key
+//! `offsets`, and the state for the next part. The stations are those of the job, measured as a run
+//! measures them; what is decided is in [`part_offsets`](crate::part_offsets).
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -142,7 +142,10 @@ fn checked(path: &Path, text: &ConfigText) -> Result<LoopJob, Failure> {
     let job: Job = config::load(path).map_err(Failure::refused)?;
     job.check_coverage().and_then(|()| job.check_control()).map_err(|e| text.refuse_at(e))?;
     if job.probe.is_some() {
-        let at = crate::setting::SettingError::at("probe", "offsets are decided by frames: leave the touch probe out");
+        let at = crate::setting::SettingError::at(
+            "probe",
+            "offsets are decided by frames: leave the touch probe out",
+        );
         return Err(text.refuse_at(at));
     }
     job.cautions().iter().for_each(|word| tracing::warn!("{}: {word}", text.name));
@@ -188,7 +191,8 @@ impl OffsetResult {
         json["measurement"] = state.measurements.into();
         json["pass"] = state.pass.into();
         json["labels"] = json!(state.labels);
-        json["conformity"] = json!(decided.verdict.as_ref().map(crate::conformity::part_verdict::Verdict::part));
+        json["conformity"] =
+            json!(decided.verdict.as_ref().map(crate::conformity::part_verdict::Verdict::part));
         json
     }
 
@@ -202,7 +206,8 @@ impl OffsetResult {
         for s in &d.stations {
             let value = s.d_mm.map_or_else(|| "-".to_owned(), |v| format!("{v:.5}"));
             let u = s.expanded_u_mm.map_or_else(|| "-".to_owned(), |u| format!("{:.2}", 1e3 * u));
-            let judged = s.judgement.map_or_else(|| "-".to_owned(), |j| json!(j).as_str().unwrap_or("-").to_owned());
+            let judged =
+                s.judgement.map_or_else(|| "-".to_owned(), |j| json!(j).as_str().unwrap_or("-").to_owned());
             let _ = writeln!(
                 text,
                 "{:11.3} {:11.4} {value:>12} {u:>7}  {judged:<10} {:>10.2} {:>9.2}  {}",

@@ -36,7 +36,10 @@ fn reason(state: &OffsetState) -> String {
     match state.stage {
         Stage::First => format!("first part of this tool, without offsets{held}"),
         Stage::Trial => {
-            format!("trial cut, {:.0} um larger: sign and unit of the offset are not proven yet", 1e3 * TRIAL_MM)
+            format!(
+                "trial cut, {:.0} um larger: sign and unit of the offset are not proven yet",
+                1e3 * TRIAL_MM
+            )
         }
         Stage::Released => format!("offsets after measurement {}{held}", state.measurements),
     }

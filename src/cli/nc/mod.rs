@@ -94,7 +94,9 @@ pub(crate) fn run(args: &NcArgs) -> CommandResult {
     let Source { job, settings, pass, inputs } = source;
     let text = match args.form {
         _ if args.air && (args.form != Form::Knots || args.dry_run) => {
-            return Err(Failure::refuse("--air raises the program of --form knots: leave --form and --dry-run out"));
+            return Err(Failure::refuse(
+                "--air raises the program of --form knots: leave --form and --dry-run out",
+            ));
         }
         Form::Knots => knots(args, &settings, &pass?)?,
         Form::Macro => line(args, &job, &settings, &pass?)?,

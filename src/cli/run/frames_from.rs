@@ -29,11 +29,7 @@ impl FramesFrom {
     /// Exit 3 for a device that fails.
     pub(crate) fn simulation(backend: BackendChoice) -> Result<Self, Failure> {
         let renderer = Renderer::new(backend).map_err(Failure::fail)?;
-        tracing::info!(
-            backend = renderer.backend_name(),
-            adapter = renderer.adapter_name(),
-            "rendering"
-        );
+        tracing::info!(backend = renderer.backend_name(), adapter = renderer.adapter_name(), "rendering");
         Ok(Self::Simulation(renderer))
     }
 
@@ -47,7 +43,9 @@ impl FramesFrom {
         let refused = |what: String| SettingError::at("source", what);
         let recording = Recording::open(source, folder).map_err(refused)?;
         if job.probe.is_some() {
-            return Err(refused("a recorded run has frames; touches of [probe] are not recorded: leave it out".into()));
+            return Err(refused(
+                "a recorded run has frames; touches of [probe] are not recorded: leave it out".into(),
+            ));
         }
         Ok(Some(Self::Recording(recording)))
     }
@@ -79,9 +77,7 @@ impl FramesFrom {
     /// Exit 3 where a stage refuses its settings.
     pub(super) fn cell<'a>(&'a self, job: &Job) -> Result<Box<dyn TurningCell + 'a>, Failure> {
         Ok(match self {
-            Self::Simulation(renderer) => {
-                Box::new(SimulatedCell::new(job, renderer).map_err(Failure::fail)?)
-            }
+            Self::Simulation(renderer) => Box::new(SimulatedCell::new(job, renderer).map_err(Failure::fail)?),
             Self::Recording(recording) => Box::new(RecordedCell::new(recording.clone())),
         })
     }

@@ -19,8 +19,8 @@ use std::time::Instant;
 
 use crate::config;
 use crate::control::{ControllerName, OnAlarm};
-use crate::job::Job;
 use crate::files::OutputFolder;
+use crate::job::Job;
 use crate::job::ScanWhen;
 use crate::render::BackendChoice;
 use crate::report::{self, RunView};
@@ -114,7 +114,9 @@ fn claim_record(job: &Job, from: &FramesFrom, path: &Path) -> Result<OutputFolde
     let why = match () {
         () if !from.is_simulated() => "the frames of this run are recorded already (source)",
         () if job.probe.is_some() => "a run with [probe] takes no frames",
-        () if is_followed => "scan.when = \"during_cut\": frames are recorded of a part that was cut (after_pass)",
+        () if is_followed => {
+            "scan.when = \"during_cut\": frames are recorded of a part that was cut (after_pass)"
+        }
         () if job.camera.windows.is_some() => "camera.windows: frames of two windows are not recorded",
         () => return Ok(OutputFolder::claim(path)?),
     };

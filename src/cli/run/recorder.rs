@@ -68,7 +68,9 @@ impl<'a> Recorder<'a> {
         let mut cell = from.cell(job)?;
         if let Some(record) = record {
             if is_resumed {
-                return Err(Failure::refuse("--record: this run is resumed, the frames of its first passes are gone"));
+                return Err(Failure::refuse(
+                    "--record: this run is resumed, the frames of its first passes are gone",
+                ));
             }
             let um_per_px = job.setup_settings().nominal_pixel_mm() * 1e3;
             cell = Box::new(RecordingCell::new(cell, record, um_per_px));

@@ -80,8 +80,7 @@ impl RunTables {
     /// # Errors
     /// Where the disk fails.
     pub(super) fn write(&self, folder: &RunFolder, run_id: &str) -> Result<(), Failure> {
-        let truth =
-            |s: &StationRow| Some(TruthRow { pass: s.pass, z_mm: s.z_mm, d_mm: s.true_d_mm? });
+        let truth = |s: &StationRow| Some(TruthRow { pass: s.pass, z_mm: s.z_mm, d_mm: s.true_d_mm? });
         let truth: Vec<TruthRow> = self.stations.iter().filter_map(truth).collect();
         folder
             .write_stations(&self.stations)

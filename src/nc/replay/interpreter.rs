@@ -1,11 +1,11 @@
 //! Runs a program block by block, as its control would, and lists the events.
 //!
-//! The subset of G code that this crate emits, in the ISO dialects (`sinumerik` reads the other): G00 G01 G07 G08 (LinuxCNC)
-//! G10 G18 G21 G28 G40 G43 G49 G50 G65 H99 G80 G90 G95 G96 G97 G99, probing by G31 or G38.2 with
-//! G94 or G98, M02-M06 M30 and one M code that measures, T, `#` variables, IF THEN, IF GOTO, WHILE
-//! DO END, and LinuxCNC's `o` words. Everything else is refused: a code without an implementation
-//! here cannot be shown to be safe. Positions are those of the programmed point of the nose, with
-//! the wear offset in force (X a diameter).
+//! The subset of G code that this crate emits, in the ISO dialects (`sinumerik` reads the other):
+//! G00 G01 G07 G08 (LinuxCNC) G10 G18 G21 G28 G40 G43 G49 G50 G65 H99 G80 G90 G95 G96 G97 G99,
+//! probing by G31 or G38.2 with G94 or G98, M02-M06 M30 and one M code that measures, T, `#`
+//! variables, IF THEN, IF GOTO, WHILE DO END, and LinuxCNC's `o` words. Everything else is refused:
+//! a code without an implementation here cannot be shown to be safe. Positions are those of the
+//! programmed point of the nose, with the wear offset in force (X a diameter).
 
 use super::expression::{Reader, Variables};
 use super::flow::{Program, leading, o_word};
@@ -436,10 +436,15 @@ impl<'a> Interpreter<'a> {
     /// Diameter of one unit of X, where absolute positions can be taken.
     pub(super) fn x_unit(&self) -> Result<f64, String> {
         let m = &self.modal.positions;
-        let unit =
-            m.x_unit.filter(|_| m.absolute).ok_or("how X is taken (G7 or G8, DIAMON), and G90, must come before the first move")?;
+        let unit = m
+            .x_unit
+            .filter(|_| m.absolute)
+            .ok_or("how X is taken (G7 or G8, DIAMON), and G90, must come before the first move")?;
         if !(m.plane && m.millimetres && m.no_nose_compensation) {
-            return Err("the plane, millimetres and G40 (G18 G21 G40, G18 G40 G710) must come before the first move".into());
+            return Err(
+                "the plane, millimetres and G40 (G18 G21 G40, G18 G40 G710) must come before the first move"
+                    .into(),
+            );
         }
         Ok(unit)
     }

@@ -1,6 +1,6 @@
 //! Blocks of SINUMERIK programs, as far as this crate emits them: G00 G01 G18 G40 G54 G75 G90 G94
-//! G95 G96 G97 G710, DIAMON, `X=` and `Z=`, F, S, `LIMS=`, T with D, M02-M05 M30 and one M code that
-//! measures, R parameters, MSG, STOPRE, M0, `IF … GOTOF`, GOTOB and labels. Everything else is
+//! G95 G96 G97 G710, DIAMON, `X=` and `Z=`, F, S, `LIMS=`, T with D, M02-M05 M30 and one M code
+//! that measures, R parameters, MSG, STOPRE, M0, `IF … GOTOF`, GOTOB and labels. Everything else is
 //! refused.
 //!
 //! `M0` after a message is an alarm: the programs loop about it. An R parameter may be read or
