@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::labels::Labels;
 use super::proof::{Proof, prove};
 use super::release::{before_mm, observed_over_commanded, release};
-use super::state::{OffsetState, PartRead, Stage, TRIAL_MM};
+use super::state::{OffsetState, PartRead, Stage, TRIAL_MM, station_z_mm};
 use crate::closed_loop::part_verdict;
 use crate::conformity::part_verdict::{Conformity, Verdict};
 use crate::control::ControlError;
@@ -129,9 +129,7 @@ fn take_part(
 ) -> Result<Concluded, ControlError> {
     state.measurements += 1;
     state.used.push(seen.all_images.clone());
-    if !seen.labels.part.is_empty() {
-        state.labels.part.clone_from(&seen.labels.part);
-    }
+    state.labels.part.clone_from(&seen.labels.part);
     let mut part = PartRead::new(&seen.profile, old_mm, seen.images.clone());
     (part.measurement, part.part) = (state.measurements, state.labels.part.clone());
     match state.stage {
@@ -158,7 +156,7 @@ fn begin_trial(job: &LoopJob, state: &mut OffsetState, part: PartRead) -> Conclu
         Ok(notes) => {
             state.stage = Stage::Trial;
             let reason = format!(
-                "first use of these offsets: cut air, then a trial cut that leaves {:.0} µm more on the diameter; measure it before any \
+                "first use of these offsets: cut air, then a trial cut of a new blank that leaves {:.0} µm more on the diameter; measure it before any \
                  offset is released",
                 1e3 * TRIAL_MM
             );
@@ -175,7 +173,7 @@ fn judge_trial(
     mut part: PartRead,
 ) -> Result<Concluded, ControlError> {
     part.trial = true;
-    let z_mm = job.part.station_z_mm();
+    let z_mm = station_z_mm(job);
     let Some(first) = &state.first else {
         state.stage = Stage::First;
         return Ok(begin_trial(job, state, part));
@@ -322,19 +320,22 @@ fn in_words(
     let finishing = state.pass as usize == job.part.passes();
     // a trial cut is too large on purpose
     let verdict = (finishing && !was_trial).then(|| part_verdict(&job.part, &seen.profile)).flatten();
+    let plan = state.plan(job);
+    let nominal_mm: Vec<f64> = plan.commanded_mm().zip(&plan.offset.o_mm).map(|(b, o)| b + o).collect();
     let stations = seen.profile.stations.iter().zip(&state.stations).enumerate().map(|(i, (read, new))| {
         let value = read.reading.value();
         let old = old_mm.get(i).copied().unwrap_or(0.0);
         let step_um = 1e3 * (new.offset_mm - old);
+        let nominal_mm = nominal_mm.get(i).copied().unwrap_or(state.nominal_mm);
         StationOffset {
             z_mm: new.z_mm,
-            nominal_mm: state.nominal_mm,
+            nominal_mm,
             d_mm: value.map(|d| d.d_mm),
             expanded_u_mm: value.map(|d| 2.0 * d.u_mm()),
             judgement: verdict.as_ref().and_then(|v| v.stations.get(i).copied()),
             old_offset_mm: old,
             new_offset_mm: new.offset_mm,
-            commanded_mm: state.nominal_mm - new.offset_mm,
+            commanded_mm: nominal_mm - new.offset_mm,
             reason: match (concluded.outcome, read.reading) {
                 (Outcome::FirstUse, _) => format!("trial cut: {:.0} µm larger", 1e3 * TRIAL_MM),
                 (Outcome::Refused, _) => "trial cut: not proven".to_owned(),

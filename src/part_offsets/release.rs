@@ -4,7 +4,7 @@
 //! the controller as what it was: a part with a nominal that lies [`TRIAL_MM`] higher, so that what
 //! was left on purpose is no error to correct.
 
-use super::state::{OffsetState, PartRead, TRIAL_MM};
+use super::state::{OffsetState, PartRead, TRIAL_MM, station_z_mm};
 use crate::control::{self, ControlError, ControlSettings, ControllerName, NextPass, PartStart, PassContext};
 use crate::job::LoopJob;
 use crate::plan::{Decision, DiameterOffset, PassPlan};
@@ -47,7 +47,7 @@ fn plan_of(job: &LoopJob, state: &OffsetState, part: &PartRead, number: u32) -> 
 /// # Errors
 /// A controller that cannot be built, or that follows the passes of one part.
 pub(super) fn release(job: &LoopJob, state: &OffsetState) -> Result<Option<Released>, ControlError> {
-    let z_mm = job.part.station_z_mm();
+    let z_mm = station_z_mm(job);
     let mut controller = control::build(&settings(job)?, &z_mm)?;
     controller.begin_part(&PartStart::default(), z_mm.len());
     let context = PassContext {

@@ -147,7 +147,7 @@ impl OffsetState {
             held: None,
             used: Vec::new(),
             new_insert_mm: None,
-            stations: job.part.station_z_mm().into_iter().map(station).collect(),
+            stations: station_z_mm(job).into_iter().map(station).collect(),
             first: None,
             history: Vec::new(),
         }
@@ -172,7 +172,7 @@ impl OffsetState {
                 format!("at pass {pass} with {nominal_mm} mm"),
             );
         }
-        let z_mm = job.part.station_z_mm();
+        let z_mm = station_z_mm(job);
         let same = |(s, z): (&StationInForce, &f64)| (s.z_mm - z).abs() <= SAME_MM;
         if self.stations.len() != z_mm.len() || !self.stations.iter().zip(&z_mm).all(same) {
             return other(
@@ -218,6 +218,11 @@ impl OffsetState {
             u32::try_from(index + 1).ok()
         })
     }
+}
+
+/// Middles of the stations that a pass of the job has, mm.
+pub(super) fn station_z_mm(job: &LoopJob) -> Vec<f64> {
+    job.pass_plan(1, DiameterOffset::zero(0)).station_z_mm
 }
 
 /// Difference below which places and diameters are the same, mm: tables hold all digits.
