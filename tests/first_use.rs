@@ -164,12 +164,12 @@ fn a_trial_cut_proves_sign_and_unit_and_then_parts_converge() {
     let held = json(&lathe.offsets(&copy, &[]))["offsets"].clone();
     assert!(held["reason"].as_str().unwrap().contains("used once"), "{held:#}");
 
-    programs(&lathe, o_um);
+    programs(&lathe);
     resets(&lathe, &second, &new_um(&found));
 }
 
 /// Programs of the next part in every dialect, its air cut and the list.
-fn programs(lathe: &Lathe, _o_um: f64) {
+fn programs(lathe: &Lathe) {
     let machine = lathe.write(
         "machine.toml",
         "wear_x = \"diameter\"\ngeometry_offset = \"by_tool\"\nspindle = \"M03\"\ntailstock = \"none\"\n",
@@ -191,7 +191,9 @@ fn programs(lathe: &Lathe, _o_um: f64) {
 
 /// A worn insert's offsets do not hold for a new one, a tool's not for another tool.
 fn resets(lathe: &Lathe, images: &str, before_um: &[f64]) {
-    let found = json(&lathe.offsets(images, &["--insert", "I2"]))["offsets"].clone();
+    let output = lathe.offsets(images, &["--insert", "I2"]);
+    let found = json(&output)["offsets"].clone();
+    assert_eq!((output.status.code(), &found["outcome"]), (Some(0), &Value::from("reset")), "{found:#}");
     let notes = found["notes"].to_string();
     assert!(notes.contains("new edge cuts deeper") && notes.contains("Kept: proof"), "{found:#}");
     let kept = new_um(&found);

@@ -153,7 +153,7 @@ impl Dialect {
     /// What the reference point is called in a program's head.
     pub(super) fn reference_words(self) -> &'static str {
         match self {
-            Self::Sinumerik => "fixed point 1 (G75)",
+            Self::Sinumerik => "fixed point 1 of G75",
             _ => "reference point G28",
         }
     }

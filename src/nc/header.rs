@@ -48,7 +48,7 @@ impl Skeleton<'_> {
         let d = self.dialect;
         if d == Dialect::Sinumerik {
             texts.push(format!(
-                "zero offset G54; {} belongs to these programs alone",
+                "zero offset G54, {} belongs to these programs alone",
                 sinumerik::variable(RAN_LAST)
             ));
         }

@@ -36,6 +36,8 @@ pub(crate) enum Outcome {
     Released,
     /// The offsets stay as they were.
     Held,
+    /// Tool or insert were changed: the offsets are those to begin with.
+    Reset,
     /// The trial cut did not prove sign and unit.
     Refused,
 }
@@ -284,8 +286,15 @@ fn change_tool(job: &LoopJob, state: &mut OffsetState, concluded: &mut Concluded
         state.labels.tool
     ));
     concluded.notes.extend(put.err());
-    (concluded.outcome, concluded.reason) = (Outcome::Held, "the tool was changed".to_owned());
-    state.held = Some(concluded.reason.clone());
+    reset(state, concluded, "the tool was changed");
+}
+
+/// Records a reset as the outcome; what the images gave stands in the notes.
+fn reset(state: &mut OffsetState, concluded: &mut Concluded, why: &str) {
+    let before = std::mem::replace(&mut concluded.reason, why.to_owned());
+    concluded.notes.insert(0, format!("by the images: {before}"));
+    concluded.outcome = Outcome::Reset;
+    state.held = None;
 }
 
 /// A new insert is not worn: offsets that make up for wear would cut too small.
@@ -308,6 +317,7 @@ fn change_insert(job: &LoopJob, state: &mut OffsetState, concluded: &mut Conclud
          Kept: proof of sign and unit"
     ));
     concluded.notes.extend(put.err());
+    reset(state, concluded, "the insert was changed");
 }
 
 /// The result, with a reason a station.
@@ -340,6 +350,7 @@ fn in_words(
                 (Outcome::FirstUse, _) => format!("trial cut: {:.0} µm larger", 1e3 * TRIAL_MM),
                 (Outcome::Refused, _) => "trial cut: not proven".to_owned(),
                 (Outcome::Held, _) => "held".to_owned(),
+                (Outcome::Reset, _) => format!("reset, {step_um:+.2} µm"),
                 (Outcome::Released, _) if step_um == 0.0 => "no change: within the deadband".to_owned(),
                 (Outcome::Released, crate::profile::Reading::Gap(gap)) => {
                     format!("{step_um:+.2} µm, interpolated: {gap}")

@@ -53,6 +53,9 @@ const CAUSES: [(f64, &str); 11] = [
 const LEAST_SHARE: f64 = 0.8;
 /// Coverage factor of U.
 const COVERAGE: f64 = 2.0;
+/// By so much two parts of one command may differ, mm: the repeatability of a lathe, which no scan
+/// of one part shows. It is allowed for when a cause is named, not when a trial cut is proven.
+const PART_TO_PART_MM: f64 = 0.002;
 
 /// A mean change and its expanded uncertainty, mm.
 struct Change {
@@ -134,7 +137,7 @@ pub(super) fn prove(
 
 /// The causes that fit the change, in words.
 fn cause(control: &ControlSettings, before_mm: f64, first: &PartRead, change: &Change) -> String {
-    let (c, expanded) = (change.mean_mm, change.expanded_mm);
+    let (c, expanded) = (change.mean_mm, change.expanded_mm + PART_TO_PART_MM);
     let read: Vec<f64> = first.readings.iter().filter_map(|r| r.d_mm).collect();
     let uncut_mm = before_mm - read.iter().sum::<f64>() / read.len().max(1) as f64;
     let (least, most) = (control.guards.response_min, control.guards.response_max);
@@ -152,7 +155,7 @@ fn cause(control: &ControlSettings, before_mm: f64, first: &PartRead, change: &C
     let mut named: Vec<(f64, &str)> = CAUSES.into_iter().filter(|(factor, _)| fits(*factor)).collect();
     let off = |factor: f64| (c - factor * control.plant_gain * TRIAL_MM).abs();
     named.sort_by(|a, b| off(a.0).total_cmp(&off(b.0)));
-    // a factor whose effect lies within U of the nearest one cannot be separated from it
+    // a factor whose effect lies within this of the nearest one cannot be separated from it
     let nearest = named.first().map_or(0.0, |n| off(n.0));
     named.retain(|n| off(n.0) <= nearest + expanded);
     match named[..] {

@@ -174,11 +174,11 @@ fn state_text(state: &OffsetState) -> Result<String, Failure> {
 pub(super) struct OffsetResult(Decided);
 
 impl OffsetResult {
-    /// Exit 1 unless new offsets or a trial cut came of it, and where the part is not in tolerance.
+    /// Exit 1 unless new offsets, a trial cut or a reset came of it, and where the part is not in tolerance.
     pub(super) fn ended(&self) -> Ended {
         let decided = &self.0;
         let is_good = decided.verdict.as_ref().is_none_or(|v| v.part() == PartConformity::Conforms);
-        let goes_on = matches!(decided.outcome, Outcome::FirstUse | Outcome::Released);
+        let goes_on = matches!(decided.outcome, Outcome::FirstUse | Outcome::Released | Outcome::Reset);
         if is_good && goes_on && decided.alarm.is_none() { Ended::Done } else { Ended::OutOfTolerance }
     }
 
