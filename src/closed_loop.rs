@@ -6,7 +6,8 @@
 //!
 //! `instrument` (camera or probe) is calibrated on `masters`; a pass is cut, then scanned (`scan`;
 //! `touches` by a probe), or measured while it is cut (`in_process`); `pass_before` compares it
-//! with the last one, `evidence` is the input of a decision besides the profile. A new way to
+//! with the last one, `evidence` is the input of a decision besides the profile; `station_scan` is
+//! a scan whose frames come from elsewhere. A new way to
 //! measure a pass is a method of [`ClosedLoop`] in a file of its own that returns a `Scanned`.
 
 mod error;
@@ -16,6 +17,8 @@ mod instrument;
 mod masters;
 mod pass_before;
 mod scan;
+#[cfg(feature = "render")]
+mod station_scan;
 mod touches;
 
 use std::time::Duration;
@@ -29,6 +32,8 @@ pub use self::{
 use crate::cell::{SeenStation, TrueAxis, TurningCell};
 use crate::conformity::{DecisionRule, part_verdict};
 pub(crate) use scan::Progress;
+#[cfg(feature = "render")]
+pub(crate) use station_scan::StationScan;
 
 use crate::control::{self, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::gauge::axis_line::AxisLine;
@@ -377,7 +382,9 @@ impl<'a> ClosedLoop<'a> {
     /// Third stage: a second scan, where the controller needs one before it takes a large step.
     fn repeat(&mut self, mut judged: JudgedPass, progress: Progress<'_>) -> Result<JudgedPass, LoopError> {
         let JudgedPass { plan, scan, evidence, .. } = &mut judged;
-        if self.controller.needs_repeat(plan, &scan.profile, &self.context(evidence)) {
+        let needed = self.controller.needs_repeat(plan, &scan.profile, &self.context(evidence));
+        // without a second scan the guard of large steps holds and names what it lacks
+        if needed && self.cell.can_scan_again() {
             let again = self.scan(plan.pass, progress)?;
             scan.tally.add(again.tally);
             evidence.repeat = Some(again.profile);
@@ -464,6 +471,7 @@ impl<'a> ClosedLoop<'a> {
             in_machine: evidence.in_machine.as_ref(),
             repeat: evidence.repeat.as_ref(),
             next,
+            blank_mm: None,
         }
     }
 

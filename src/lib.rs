@@ -65,6 +65,8 @@ pub mod closed_loop;
 pub mod job;
 pub mod measurement;
 #[cfg(feature = "render")]
+pub(crate) mod part_offsets;
+#[cfg(feature = "render")]
 pub mod studies;
 #[cfg(feature = "render")]
 pub mod truth;

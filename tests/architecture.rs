@@ -18,7 +18,8 @@ mod imports;
 const VOCABULARY: [&str; 7] = ["numerics", "setting", "frame", "shaft", "profile", "plan", "conformity"];
 const STAGES: [&str; 9] =
     ["process", "render", "gauge", "probe", "control", "source", "nc", "tool", "machine"];
-const COMPOSITION: [&str; 6] = ["measurement", "truth", "job", "cell", "closed_loop", "studies"];
+const COMPOSITION: [&str; 7] =
+    ["measurement", "truth", "job", "cell", "closed_loop", "part_offsets", "studies"];
 const SURFACE: [&str; 6] = ["files", "config", "run_folder", "report", "cli", "main"];
 /// The instrument must not import the simulation or the truth.
 const INSTRUMENT: [&str; 5] = ["gauge", "probe", "control", "nc", "source"];

@@ -2,16 +2,18 @@
 //! cell joins process and renderer.
 //!
 //! In: plans of passes, scans and touches. Out: frames, touches, and, for comparison only, true
-//! values of the part. [`TurningCell`] and `FollowedCut` are the interface between the closed
-//! loop and a lathe; an adapter to a real lathe implements them. `simulated` holds the state of the
+//! values of the part. [`TurningCell`] and `FollowedCut` are the interface between the closed loop
+//! and a lathe; an adapter to a real lathe implements them. `simulated` holds the state of the
 //! simulated cell, `operations` its commands, `in_process` a pass with the gauge behind the tool,
-//! `true_probe` its touch probe. A new ability of a cell is a method of the trait with an error as
-//! its default.
+//! `true_probe` its touch probe; `recorded` is a cell of frames that were recorded. A new ability
+//! of a cell is a method of the trait with an error as its default.
 
 #[cfg(feature = "render")]
 mod in_process;
 #[cfg(feature = "render")]
 mod operations;
+#[cfg(feature = "render")]
+mod recorded;
 #[cfg(feature = "render")]
 mod seen_burst;
 #[cfg(feature = "render")]
@@ -20,6 +22,8 @@ mod simulated;
 mod true_probe;
 mod turning_cell;
 
+#[cfg(feature = "render")]
+pub(crate) use recorded::RecordedCell;
 #[cfg(feature = "render")]
 pub use simulated::SimulatedCell;
 #[cfg(feature = "render")]

@@ -91,6 +91,11 @@ pub trait TurningCell {
     /// Where no frame can be taken at all.
     fn scan(&mut self, plan: &ScanPlan) -> Result<Box<dyn FrameSource + '_>, CellError>;
 
+    /// Whether the part can be scanned once more as it is: a recording may hold one scan alone.
+    fn can_scan_again(&self) -> bool {
+        true
+    }
+
     /// Frames of master pin `index` of the job.
     ///
     /// # Errors

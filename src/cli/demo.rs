@@ -8,7 +8,8 @@ use crate::run_folder::RunFolder;
 
 use super::failure::{CommandResult, Failure, Outcome};
 use super::process::interrupt;
-use super::run::execute;
+use super::run::frames_from::FramesFrom;
+use super::run::{Execution, execute};
 
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
@@ -34,7 +35,8 @@ pub(crate) fn run(args: &DemoArgs) -> CommandResult {
         "interrupted: {} holds an unfinished demo; the next one starts anew",
         args.out.display()
     ));
-    let finished = execute(&job, &args.out, args.backend, true)?;
+    let from = FramesFrom::simulation(args.backend)?;
+    let finished = execute(&job, &args.out, &Execution { from: &from, reference: true, record: None })?;
     say!("{}", finished.to_table());
     say_line!("report: {}", args.out.join("report.html").display());
     Ok(Outcome::Done)

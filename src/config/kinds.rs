@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use crate::gauge::calibration::Conditions;
 use crate::job::Job;
 use crate::nc::NcSettings;
+use crate::part_offsets::OffsetState;
 use crate::studies::calibration::CalibrationPlan;
 use crate::studies::deflection::DeflectionConfig;
 use crate::studies::factor::FactorConfig;
@@ -28,7 +29,7 @@ pub(crate) struct FileKind {
 }
 
 /// Config files, jobs first.
-pub(crate) const CONFIGS: [FileKind; 8] = [
+pub(crate) const CONFIGS: [FileKind; 9] = [
     FileKind { name: "job", title: "A job (`run`, `render`, most studies)", schema: || schema_for!(Job) },
     FileKind {
         name: "calibration",
@@ -41,6 +42,11 @@ pub(crate) const CONFIGS: [FileKind; 8] = [
         schema: || schema_for!(Conditions),
     },
     FileKind { name: "machine", title: "A machine (`nc --machine`)", schema: || schema_for!(NcSettings) },
+    FileKind {
+        name: "offsets",
+        title: "The offsets between two parts (`measure --offsets`, `nc --state`)",
+        schema: || schema_for!(OffsetState),
+    },
     FileKind {
         name: "optimize",
         title: "A choice of cutting data (`optimize`)",

@@ -10,7 +10,7 @@ use super::guards::{self, GuardState, Guarded, Refusal};
 use super::law::{Feedforward, Law, Observation};
 use super::parts::PartLoop;
 use super::readings::{self, Errors};
-use super::settings::ControlSettings;
+use super::settings::{ControlSettings, GuardSettings};
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
 use crate::profile::DiameterProfile;
 
@@ -100,7 +100,7 @@ impl<L: Law> Compensator<L> {
             }
             let mut offsets = proposal.o_mm;
             add_earlier_parts(parts, plan.pass, law.feedforward(), &mut offsets);
-            leave_deadband(settings.guards.deadband_mm, &plan.offset.o_mm, &mut offsets);
+            leave_deadband(&settings.guards, errors, &plan.offset.o_mm, &mut offsets);
             guards::check_proposed(&guarded, &offsets).map(|()| offsets)
         });
         let alarm = outcome.as_ref().err().and_then(|_| guards::held_undersize(&guarded));
@@ -136,8 +136,9 @@ fn add_earlier_parts(parts: &PartLoop, pass: u32, how: Feedforward, proposed: &m
     }
 }
 
-fn leave_deadband(band_mm: f64, in_force: &[f64], proposed: &mut [f64]) {
-    for (new, old) in proposed.iter_mut().zip(in_force) {
+fn leave_deadband(limits: &GuardSettings, errors: &Errors, in_force: &[f64], proposed: &mut [f64]) {
+    for ((new, old), read) in proposed.iter_mut().zip(in_force).zip(&errors.stations) {
+        let band_mm = limits.deadband_mm.max(limits.deadband_uncertainties * read.u_mm);
         if (*new - old).abs() < band_mm {
             *new = *old;
         }

@@ -52,6 +52,9 @@ pub struct PassContext<'a> {
     pub repeat: Option<&'a DiameterProfile>,
     /// The next pass.
     pub next: Option<NextPass>,
+    /// Diameter before the next pass where that is cut from another blank than the one measured,
+    /// mm; `None` where it is cut from the part as it was measured.
+    pub blank_mm: Option<f64>,
 }
 
 /// The start of a part.

@@ -283,7 +283,7 @@ fn check_cutting(g: &Guarded<'_>, next: &NextPass) -> Result<(), Refusal> {
 fn check_depth(g: &Guarded<'_>, next: &NextPass, proposed_mm: &[f64]) -> Result<(), Refusal> {
     let (least, most) = (g.limits.min_depth_mm, g.limits.max_depth_mm);
     for (i, (s, o)) in g.errors.stations.iter().zip(proposed_mm).enumerate() {
-        let diameter = g.plan.nominal_mm + s.e_mm;
+        let diameter = g.context.blank_mm.unwrap_or(g.plan.nominal_mm + s.e_mm);
         let cut = 0.5 * (diameter - next.nominal_mm);
         let set = 0.5 * (diameter - (next.nominal_mm - o));
         let z = g.plan.station_z_mm[i];
@@ -330,9 +330,13 @@ fn lower_limit_mm(g: &Guarded<'_>, z_mm: f64) -> Option<f64> {
 
 /// Predicted diameter after the next pass, mm: r + e with e = (1 − g) e(k) − g o(k+1) + w. The
 /// disturbance besides offset and copying, w(k) = e(k) − (1 − g) e(k−1) + g o(k), is extrapolated
-/// by its growth since the pass before.
+/// by its growth since the pass before. From another blank nothing is copied: e = e(k) − g Δo.
 fn predicted_mm(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Vec<f64> {
     let (e, o, gain) = (g.errors.e_mm(), &g.plan.offset.o_mm, g.plant_gain);
+    if g.context.blank_mm.is_some() {
+        let steps = offsets_mm.iter().zip(o).map(|(new, old)| gain * (new - old));
+        return e.iter().zip(steps).map(|(e, step)| next.nominal_mm + e - step).collect();
+    }
     let before = |passes: u32| {
         let pass = g.plan.pass.checked_sub(passes)?;
         g.history.iter().find(|m| m.pass == pass && m.stations.len() == e.len())

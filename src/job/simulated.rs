@@ -30,6 +30,10 @@ pub struct Job {
     pub name: String,
     /// Seed of everything random.
     pub seed: u64,
+    /// Where a run takes its frames from in place of the simulation: a folder with the frames of
+    /// its passes, from the folder of this file (docs/control.md).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
     /// The part and its passes.
     pub part: Part,
     /// Passes to cut, where not all of the part's.
@@ -75,6 +79,7 @@ impl Default for Job {
         Self {
             name: "slender shaft".to_owned(),
             seed: 1,
+            source: None,
             part: Part::default(),
             passes: None,
             cutting: CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 },

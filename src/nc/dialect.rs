@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::error::NcError;
 use super::machine::{ChangePosition, Spindle, SpindleOrientation};
+use super::sinumerik;
 
 /// The control that a program is written for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -14,6 +16,8 @@ pub enum Dialect {
     Linuxcnc,
     /// GSK 980TDi.
     Gsk,
+    /// Siemens SINUMERIK 840D and alike, in its own language.
+    Sinumerik,
 }
 
 /// Longest alarm text that a Fanuc screen shows.
@@ -24,7 +28,10 @@ const ORIENT_LIMIT_S: f64 = 10.0;
 
 impl Dialect {
     /// All dialects.
-    pub(crate) const ALL: [Self; 3] = [Self::Fanuc, Self::Linuxcnc, Self::Gsk];
+    pub(crate) const ALL: [Self; 4] = [Self::Fanuc, Self::Linuxcnc, Self::Gsk, Self::Sinumerik];
+
+    /// Dialects with macro variables, in which programs compute and probe.
+    pub(crate) const WITH_MACROS: [Self; 3] = [Self::Fanuc, Self::Linuxcnc, Self::Gsk];
 
     /// The word used on the command line.
     pub(crate) fn as_str(self) -> &'static str {
@@ -32,7 +39,21 @@ impl Dialect {
             Self::Fanuc => "fanuc",
             Self::Linuxcnc => "linuxcnc",
             Self::Gsk => "gsk",
+            Self::Sinumerik => "sinumerik",
         }
+    }
+
+    /// Whether programs with macro variables are written for it: those that compute a line, and
+    /// those that probe.
+    pub(super) fn check_macros(self) -> Result<(), NcError> {
+        if Self::WITH_MACROS.contains(&self) {
+            return Ok(());
+        }
+        Err(NcError::Plan(format!(
+            "{} has the offsets of the run alone (--form knots): programs that compute a line or probe (nc.probe) are written for fanuc, \
+             linuxcnc and gsk",
+            self.as_str()
+        )))
     }
 
     /// Least increment of X as a diameter, mm, and its decimals: what a number is rounded to.
@@ -40,6 +61,8 @@ impl Dialect {
         match self {
             // IS-B, the usual increment system; 980TDi in its .001 mm setting
             Self::Fanuc | Self::Gsk => 3,
+            // MD10200, 1000 increments a millimetre by default
+            Self::Sinumerik => 3,
             Self::Linuxcnc => 5,
         }
     }
@@ -50,7 +73,33 @@ impl Dialect {
     }
 
     pub(super) fn comment(self, text: &str) -> String {
-        format!("({})", plain(text))
+        match self {
+            Self::Sinumerik => format!("; {}", plain(text)),
+            _ => format!("({})", plain(text)),
+        }
+    }
+
+    /// A position of an axis; `text` is a number or a variable.
+    pub(super) fn axis(self, letter: char, text: &str) -> String {
+        match self {
+            Self::Sinumerik => format!("{letter}={}", sinumerik::value(text)),
+            _ => format!("{letter}{text}"),
+        }
+    }
+
+    fn axis_at(self, letter: char, value: f64) -> String {
+        self.axis(letter, &number(value, 3))
+    }
+
+    /// A value into a variable.
+    pub(super) fn assign(self, variable: u32, value: &str) -> Vec<String> {
+        match self {
+            Self::Sinumerik => vec![
+                "STOPRE".to_owned(),
+                format!("{}={}", sinumerik::variable(variable), sinumerik::value(value)),
+            ],
+            _ => vec![format!("#{variable}={value}")],
+        }
     }
 
     /// First lines: program number and preparatory codes.
@@ -66,6 +115,10 @@ impl Dialect {
                 // reached
                 vec!["%".into(), title, "G7 G18 G21 G40 G80 G90 G95".into()]
             }
+            Self::Sinumerik => {
+                let name = self.comment(&format!("SG{program:04}.MPF"));
+                vec![name, title, "G18 G40 G54 G710 G90 G95 DIAMON".into()]
+            }
         }
     }
 
@@ -79,6 +132,7 @@ impl Dialect {
         match self {
             Self::Fanuc | Self::Gsk => vec![format!("G50 S{limit}"), format!("G96 S{speed:.0} M{code:02}")],
             Self::Linuxcnc => vec![format!("G96 D{limit}. S{speed_m_per_min:.1} M{code}")],
+            Self::Sinumerik => vec![format!("G96 S{speed:.0} LIMS={limit} M{code}")],
         }
     }
 
@@ -87,6 +141,7 @@ impl Dialect {
         match self {
             Self::Fanuc | Self::Gsk => vec![format!("T{tool:02}{offset:02}")],
             Self::Linuxcnc => vec![format!("T{tool} M6"), "G43".into()],
+            Self::Sinumerik => vec![format!("T{tool} D1")],
         }
     }
 
@@ -95,12 +150,23 @@ impl Dialect {
         self != Self::Linuxcnc
     }
 
+    /// What the reference point is called in a program's head.
+    pub(super) fn reference_words(self) -> &'static str {
+        match self {
+            Self::Sinumerik => "fixed point 1 of G75",
+            _ => "reference point G28",
+        }
+    }
+
     /// To the change position, X alone and then Z.
     pub(super) fn to_change(self, change: ChangePosition) -> Vec<String> {
-        if self.changes_at_reference() {
-            return vec!["G28 U0.".into(), "G28 W0.".into()];
+        match self {
+            Self::Fanuc | Self::Gsk => vec!["G28 U0.".into(), "G28 W0.".into()],
+            Self::Sinumerik => vec!["G75 FP=1 X1=0".into(), "G75 FP=1 Z1=0".into()],
+            Self::Linuxcnc => {
+                vec![format!("G00 X{}", number(change.x_mm, 3)), format!("Z{}", number(change.z_mm, 3))]
+            }
         }
-        vec![format!("G00 X{}", number(change.x_mm, 3)), format!("Z{}", number(change.z_mm, 3))]
     }
 
     /// From the change position, where the tool was called, to the clear diameter above `z`.
@@ -110,8 +176,8 @@ impl Dialect {
             // the offset of the tool just called acts from here on
             lines.push(format!("G00 X{}", number(change.x_mm, 3)));
         }
-        lines.push(format!("G00 Z{}", number(z, 3)));
-        lines.push(format!("X{}", number(clear_mm, 3)));
+        lines.push(format!("G00 {}", self.axis_at('Z', z)));
+        lines.push(self.axis_at('X', clear_mm));
         lines
     }
 
@@ -154,7 +220,7 @@ impl Dialect {
     pub(super) fn spindle_off(self) -> &'static str {
         match self {
             Self::Fanuc | Self::Gsk => "M05",
-            Self::Linuxcnc => "M5",
+            Self::Linuxcnc | Self::Sinumerik => "M5",
         }
     }
 
@@ -165,6 +231,7 @@ impl Dialect {
         match self {
             Self::Fanuc | Self::Gsk => format!("M{:02} R{angle}", orientation.m_code),
             Self::Linuxcnc => format!("M19 R{angle} Q{ORIENT_LIMIT_S:.0}."),
+            Self::Sinumerik => format!("SPOS={}", sinumerik::value(&angle)),
         }
     }
 
@@ -172,7 +239,7 @@ impl Dialect {
     pub(super) fn feed_per_minute(self) -> &'static str {
         match self {
             Self::Fanuc | Self::Gsk => "G98",
-            Self::Linuxcnc => "G94",
+            Self::Linuxcnc | Self::Sinumerik => "G94",
         }
     }
 
@@ -180,7 +247,7 @@ impl Dialect {
     pub(super) fn feed_per_revolution(self) -> &'static str {
         match self {
             Self::Fanuc | Self::Gsk => "G99",
-            Self::Linuxcnc => "G95",
+            Self::Linuxcnc | Self::Sinumerik => "G95",
         }
     }
 
@@ -189,6 +256,8 @@ impl Dialect {
         match self {
             Self::Fanuc | Self::Gsk => "G31",
             Self::Linuxcnc => "G38.2",
+            // refused by `check_macros` before a program gets here
+            Self::Sinumerik => "MEAS=1 G1",
         }
     }
 
@@ -215,6 +284,7 @@ impl Dialect {
                 format!("G65 H99 P{} ({text})", label % 100),
                 format!("N{label}"),
             ],
+            Self::Sinumerik => sinumerik::alarm_if(label, (left, negated(op), right), &text),
         }
     }
 
@@ -223,6 +293,7 @@ impl Dialect {
         let stop = match self {
             Self::Fanuc | Self::Gsk => ["M05", "M30", "%"],
             Self::Linuxcnc => ["M5", "M2", "%"],
+            Self::Sinumerik => return vec!["M5".to_owned(), "M30".to_owned()],
         };
         stop.map(str::to_owned).to_vec()
     }
@@ -232,10 +303,9 @@ impl std::str::FromStr for Dialect {
     type Err = String;
 
     fn from_str(word: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|d| d.as_str() == word)
-            .ok_or_else(|| format!("no dialect is called {word:?}; there are fanuc, linuxcnc, gsk"))
+        Self::ALL.into_iter().find(|d| d.as_str() == word).ok_or_else(|| {
+            format!("no dialect is called {word:?}; there are fanuc, linuxcnc, gsk, sinumerik")
+        })
     }
 }
 

@@ -1,9 +1,10 @@
 //! The comments at the head of a program: points that the operator must check before the start.
 
-use super::dialect::number;
+use super::dialect::{Dialect, number};
 use super::machine::{Centre, Direction, Spindle, Tailstock};
 use super::probe::CORRECTION;
 use super::probe_settings::NcProbe;
+use super::sinumerik::{self, RAN_LAST};
 use super::skeleton::Skeleton;
 use super::surroundings::assumed_centre;
 
@@ -26,6 +27,14 @@ impl Skeleton<'_> {
         self.framed(title, texts)
     }
 
+    /// First lines of a program that cuts nothing; `raised_mm` is its least diameter.
+    pub(super) fn head_of_air(&self, title: &str, about: &[String], raised_mm: f64) -> Vec<String> {
+        let mut texts = about.to_vec();
+        texts.extend(self.setup());
+        texts.extend(self.assumed(raised_mm, true));
+        self.framed(title, texts)
+    }
+
     /// First lines of a program that moves the probe alone.
     pub(super) fn head_of_probe(&self, title: &str, about: &[String]) -> Vec<String> {
         let mut texts = about.to_vec();
@@ -37,6 +46,12 @@ impl Skeleton<'_> {
 
     fn framed(&self, title: &str, mut texts: Vec<String>) -> Vec<String> {
         let d = self.dialect;
+        if d == Dialect::Sinumerik {
+            texts.push(format!(
+                "zero offset G54, {} belongs to these programs alone",
+                sinumerik::variable(RAN_LAST)
+            ));
+        }
         if d.changes_at_reference() {
             texts.push("not verified on a control: run dry above the part first".to_owned());
         }
@@ -79,7 +94,7 @@ impl Skeleton<'_> {
         let change = format!("X {} Z {}", mm(change.x_mm), mm(change.z_mm));
         if self.dialect.changes_at_reference() {
             [
-                format!("change position: reference point G28, at or beyond {change}"),
+                format!("change position: {}, at or beyond {change}", self.dialect.reference_words()),
                 "start: anywhere clear, first X then Z goes to the reference point".to_owned(),
             ]
         } else {

@@ -92,6 +92,7 @@ impl MacroProgram<'_> {
     /// block that collides.
     pub(crate) fn write(&self, dialect: Dialect) -> Result<Written<MacroValues>, NcError> {
         let (s, v) = (self.settings, self.values());
+        dialect.check_macros()?;
         s.validate()?;
         let nominal = self.diameter_mm.0.max(self.diameter_mm.1);
         let route = skeleton::check(s, &self.piece, nominal, dialect)?;

@@ -1,4 +1,4 @@
-//! Offsets as NC programs for a lathe: one emitter, three dialects.
+//! Offsets as NC programs for a lathe: one emitter, four dialects.
 //!
 //! X is a diameter, Z runs along the spindle from the chuck face, as in the rest of the crate. A
 //! correction o(z) splits into its mean ō and its shape: on a control whose wear register can be
@@ -14,15 +14,18 @@
 //! Verification: the tests run programs of the `linuxcnc` dialect through LinuxCNC's stand-alone
 //! interpreter. `fanuc` is written for G-code system A with custom macro B, `gsk` for the GSK 980TD
 //! family, both from common usage, not checked against the makers' manuals; neither has been run on
-//! a control, and the user alarm G65 H99 of `gsk` is unverified. Run such programs dry, above the
-//! part, first.
+//! a control, and the user alarm G65 H99 of `gsk` is unverified. `sinumerik` is the 840D's own
+//! language (not its ISO mode), as unverified as they are. Run such programs dry, above the part,
+//! first.
 //!
 //! `settings`, `machine`, `probe_settings` and `stated` hold the machine's data; `route`, `path`
-//! (`contour_path` of a stepped shaft) and `skeleton` plan, `dialect` writes the blocks, `turning`,
-//! `macro_program` and `probing_program` are the programs, `surroundings` the solids. A new dialect
-//! is a variant of `Dialect` with its words and its match arms in `replay`; a new program is a file
-//! beside `turning`.
+//! (`contour_path` of a stepped shaft) and `skeleton` plan, `dialect` writes the blocks
+//! (`sinumerik` those that are not ISO), `turning`, `air_cut`, `macro_program` and
+//! `probing_program` are the programs, `surroundings` the solids. A new dialect is a variant of
+//! `Dialect` with its words and its match arms in `replay`; a new program is a file beside
+//! `turning`.
 
+mod air_cut;
 mod contour_path;
 mod dialect;
 mod error;
@@ -38,6 +41,7 @@ mod qualification;
 pub(crate) mod replay;
 mod route;
 mod settings;
+mod sinumerik;
 mod skeleton;
 mod stated;
 mod surroundings;
@@ -52,6 +56,7 @@ pub use self::{
     probe_settings::{NcProbe, ProbeReference},
     settings::{NcSettings, Remeasure},
 };
+pub(crate) use air_cut::AirCut;
 pub(crate) use error::NcError;
 pub(crate) use line::{LineFit, fit_line};
 pub(crate) use machine::Direction;

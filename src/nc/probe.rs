@@ -41,7 +41,7 @@ impl NcProbe {
     pub(super) fn variable(&self, dialect: Dialect) -> u32 {
         match dialect {
             Dialect::Linuxcnc => 5061,
-            Dialect::Fanuc | Dialect::Gsk => self.skip_variable.unwrap_or(5061),
+            Dialect::Fanuc | Dialect::Gsk | Dialect::Sinumerik => self.skip_variable.unwrap_or(5061),
         }
     }
 
@@ -190,7 +190,7 @@ impl Skeleton<'_> {
         match self.dialect {
             // its #5061 is a radius, even under G7
             Dialect::Linuxcnc => format!("2.*#{variable}"),
-            Dialect::Fanuc | Dialect::Gsk => format!("#{variable}"),
+            Dialect::Fanuc | Dialect::Gsk | Dialect::Sinumerik => format!("#{variable}"),
         }
     }
 

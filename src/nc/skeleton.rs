@@ -6,11 +6,8 @@ use super::error::NcError;
 use super::machine::{Spindle, WearX};
 use super::route::{Route, Workpiece};
 use super::settings::NcSettings;
+use super::sinumerik::RAN_LAST;
 use crate::plan::CuttingData;
-
-/// Variable with part and pass of the program that ran last: a common variable, kept at power-off
-/// on a Fanuc.
-pub(super) const RAN_LAST: u32 = 820;
 
 /// A program without its cut.
 #[derive(Clone, Copy, Debug)]
@@ -72,15 +69,15 @@ impl Skeleton<'_> {
     /// Blocks of a cut through `points` (X as it stands in the program, Z), entered and left
     /// radially in feed.
     pub(super) fn cut(&self, points: &[(String, f64)]) -> Vec<String> {
-        let feed = number(self.cutting.feed_mm_per_rev, 4);
+        let (d, feed) = (self.dialect, number(self.cutting.feed_mm_per_rev, 4));
         let mut lines = Vec::with_capacity(points.len() + 1);
         for (i, (x, z)) in points.iter().enumerate() {
             lines.push(match i {
-                0 => format!("G01 X{x} F{feed}"),
-                _ => format!("X{x} Z{}", number(*z, 4)),
+                0 => format!("G01 {} F{feed}", d.axis('X', x)),
+                _ => format!("{} {}", d.axis('X', x), d.axis('Z', &number(*z, 4))),
             });
         }
-        lines.push(format!("X{}", number(self.route.clear_mm, 3)));
+        lines.push(d.axis('X', &number(self.route.clear_mm, 3)));
         lines
     }
 
@@ -102,7 +99,7 @@ impl Skeleton<'_> {
     pub(super) fn after_cut(&self) -> Vec<String> {
         let (d, s) = (self.dialect, self.settings);
         let mut lines = d.to_change(self.route.change);
-        lines.push(format!("#{RAN_LAST}={}", self.identity()));
+        lines.extend(d.assign(RAN_LAST, &self.identity()));
         if self.register().is_some() {
             lines.push(format!("T{:02}00", s.tool));
             lines.push(format!("G10 P{} X0.", s.wear_offset));
@@ -127,6 +124,9 @@ pub(super) fn check(
 ) -> Result<Route, NcError> {
     settings.validate()?;
     settings.check_stated(dialect)?;
+    if settings.probe.is_some() {
+        dialect.check_macros()?;
+    }
     piece.check(nominal_mm)?;
     Route::new(piece, settings)
 }

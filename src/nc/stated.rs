@@ -12,9 +12,11 @@ impl NcSettings {
     /// # Errors
     /// [`NcError::Unstated`] names each key and where to look up its value.
     pub(crate) fn check_stated(&self, dialect: Dialect) -> Result<(), NcError> {
+        // the path carries the whole correction where T and D do not choose among offset numbers
+        let has_offset_numbers = dialect != Dialect::Sinumerik;
         let missing: Vec<&str> = [
-            self.wear_x.is_none().then(|| dialect.look_up_wear_x()),
-            self.geometry_offset.is_none().then(|| dialect.look_up_geometry_offset()),
+            (has_offset_numbers && self.wear_x.is_none()).then(|| dialect.look_up_wear_x()),
+            (has_offset_numbers && self.geometry_offset.is_none()).then(|| dialect.look_up_geometry_offset()),
             self.spindle.is_none().then(|| dialect.look_up_spindle()),
             (dialect == Dialect::Gsk && self.probe.is_some_and(|p| p.skip_variable.is_none()))
                 .then(|| dialect.look_up_skip_variable()),

@@ -9,7 +9,8 @@ use super::machine::{Centre, Direction, Tailstock};
 use super::probe::{CORRECTION, QUALIFIED};
 use super::replay::{CommandedCut, Convex, Solid, WorkingSpace};
 use super::route::{QUILL_MM, Route, Workpiece};
-use super::skeleton::{RAN_LAST, Skeleton};
+use super::sinumerik::RAN_LAST;
+use super::skeleton::Skeleton;
 
 /// A length beyond all dimensions of a lathe, mm.
 const FAR_MM: f64 = 1e4;

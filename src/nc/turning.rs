@@ -48,7 +48,7 @@ impl<'a> TurningProgram<'a> {
     /// As [`Path::new`]; a part that does not fit the plan; machine data that are missing; a block
     /// that collides.
     pub(crate) fn write(&self, dialect: Dialect) -> Result<Written<Path>, NcError> {
-        let (path, skeleton) = self.prepare(dialect)?;
+        let (path, skeleton) = self.prepare(dialect, self.plan.nominal_mm)?;
         let mut lines = self.head(&skeleton, &path);
         lines.extend(skeleton.once("PASS WAS CUT ALREADY"));
         lines.extend(skeleton.approach());
@@ -69,10 +69,10 @@ impl<'a> TurningProgram<'a> {
     /// As [`Self::write`], but for the replay.
     #[cfg(test)]
     pub(crate) fn working_space(&self, dialect: Dialect) -> Result<replay::WorkingSpace<'a>, NcError> {
-        self.prepare(dialect).map(|(_, skeleton)| self.working_space_of(&skeleton))
+        self.prepare(dialect, self.plan.nominal_mm).map(|(_, skeleton)| self.working_space_of(&skeleton))
     }
 
-    fn working_space_of(&self, skeleton: &Skeleton<'a>) -> replay::WorkingSpace<'a> {
+    pub(super) fn working_space_of(&self, skeleton: &Skeleton<'a>) -> replay::WorkingSpace<'a> {
         let mut working_space = skeleton.working_space(self.commanded());
         working_space.surface = skeleton.surface(self.plan.nominal_mm);
         if let Some(contour) = self.plan.form.contour() {
@@ -91,10 +91,11 @@ impl<'a> TurningProgram<'a> {
         self.plan.station_z_mm.iter().copied().zip(self.plan.commanded_mm()).collect()
     }
 
-    fn prepare(&self, dialect: Dialect) -> Result<(Path, Skeleton<'a>), NcError> {
+    /// The path and what is around it; `nominal_mm` is the diameter that is left at the least.
+    pub(super) fn prepare(&self, dialect: Dialect, nominal_mm: f64) -> Result<(Path, Skeleton<'a>), NcError> {
         let (plan, s) = (self.plan, self.settings);
         let path = Path::new(plan, s, dialect)?;
-        let route = skeleton::check(s, self.piece, plan.nominal_mm, dialect)?;
+        let route = skeleton::check(s, self.piece, nominal_mm, dialect)?;
         let last = plan.station_z_mm[plan.station_z_mm.len() - 1];
         if last > self.piece.length_mm {
             return Err(NcError::Plan(format!(
@@ -145,7 +146,7 @@ impl<'a> TurningProgram<'a> {
 }
 
 /// The path's knots in the order of cutting, level from the outer ones to the ends of the cut.
-fn points(skeleton: &Skeleton<'_>, path: &Path) -> Vec<(String, f64)> {
+pub(super) fn points(skeleton: &Skeleton<'_>, path: &Path) -> Vec<(String, f64)> {
     let (route, decimals) = (&skeleton.route, skeleton.dialect.x_decimals());
     let (z, x): (Vec<f64>, Vec<f64>) = path.knots.iter().rev().copied().unzip();
     let (low, high) = (route.z_first.min(route.z_last), route.z_first.max(route.z_last));

@@ -68,6 +68,11 @@ impl Rows {
         Ok(Self { passes: folder.passes()?, levelled: stations.iter().map(level).collect(), stations })
     }
 
+    /// Whether the part's truth is given: that of a recorded one is not.
+    fn has_truth(&self) -> bool {
+        self.passes.iter().any(|p| p.true_max_abs_error_mm.is_some())
+    }
+
     fn of_pass(&self, pass: u32) -> impl Iterator<Item = &StationRow> {
         self.levelled.iter().filter(move |s| s.pass == pass)
     }
@@ -128,11 +133,7 @@ pub(crate) fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     let controller = view.job.control.controller.as_str();
     let mut page =
         Page::new(format!("{}: {} passes, controller {controller}", view.job.name, rows.passes.len()));
-    page.text(&format!(
-        "Seed {}, backend {} ({}). Errors are diameter minus the pass's nominal; \"true\" figures come from the simulation's \
-         geometry and are for comparison only: the controller saw measured diameters alone.",
-        view.job.seed, view.backend, view.adapter
-    ));
+    page.text(&origin(view, rows));
     summary(&mut page, view, rows, reference);
     if let Some((contour, results)) = &record.stepped {
         let nominal_mm = view.job.part.target_mm(rows.passes.len() as u32);
@@ -161,8 +162,28 @@ pub(crate) fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     Ok(RunPage { html: page.finish(), files })
 }
 
+/// Where the frames are from, and whether the truth is given.
+fn origin(view: &RunView<'_>, rows: &Rows) -> String {
+    if !rows.has_truth() {
+        return format!(
+            "Frames: {} ({}). Errors are measured diameter minus the pass's nominal; the truth of a real part is not given.",
+            view.backend, view.adapter
+        );
+    }
+    format!(
+        "Seed {}, backend {} ({}). Errors are diameter minus the pass's nominal; \"true\" figures come from the simulation's \
+         geometry and are for comparison only: the controller saw measured diameters alone.",
+        view.job.seed, view.backend, view.adapter
+    )
+}
+
 fn um(mm: f64) -> String {
     format!("{:.2}", mm * 1e3)
+}
+
+/// Empty where there is none: a column of these is left out.
+fn um_or_none(mm: Option<f64>) -> String {
+    mm.map_or_else(String::new, um)
 }
 
 fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&Rows>) {
@@ -172,15 +193,15 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
         .map(|p| {
             let beside = reference.map_or_else(String::new, |r| {
                 let same = r.passes.iter().find(|q| q.pass == p.pass);
-                same.map_or("–".to_owned(), |q| um(q.true_max_abs_error_mm))
+                same.and_then(|q| q.true_max_abs_error_mm).map_or("–".to_owned(), um)
             });
             vec![
                 p.pass.to_string(),
                 format!("{:.4}", p.nominal_mm),
                 um(p.max_abs_error_mm),
-                um(p.true_max_abs_error_mm),
-                um(p.worst_measured_minus_true_mm),
-                format!("{:.2}", p.rms_error_over_u),
+                um_or_none(p.true_max_abs_error_mm),
+                um_or_none(p.worst_measured_minus_true_mm),
+                p.rms_error_over_u.map_or_else(String::new, |ratio| format!("{ratio:.2}")),
                 beside,
                 p.decision.clone(),
             ]
@@ -251,18 +272,20 @@ fn error_along_z(page: &mut Page, rows: &Rows, reference: Option<&Rows>) -> Resu
 
 /// The passes after the first, where errors are too small for the chart of all.
 fn corrected_passes(page: &mut Page, job: &Job, rows: &Rows) -> Result<(), ReportError> {
-    let corrected: Vec<Series> = rows
+    let mut corrected: Vec<Series> = rows
         .passes
         .iter()
         .skip(1)
         .flat_map(|p| {
-            let truth = rows.of_pass(p.pass).map(|s| (s.z_mm, (s.true_d_mm - p.nominal_mm) * 1e3)).collect();
+            let true_um = |s: &StationRow| Some((s.z_mm, (s.true_d_mm? - p.nominal_mm) * 1e3));
+            let truth: Vec<(f64, f64)> = rows.of_pass(p.pass).filter_map(true_um).collect();
             [
                 Series::new(String::new(), Mark::Faint, p.pass as usize - 1, truth),
                 error_series(rows, p, Mark::Dots, format!("pass {}", p.pass)),
             ]
         })
         .collect();
+    corrected.retain(|series| !series.points.is_empty());
     if corrected.is_empty() {
         return Ok(());
     }
@@ -281,11 +304,8 @@ fn corrected_passes(page: &mut Page, job: &Job, rows: &Rows) -> Result<(), Repor
     };
     let shaded =
         if band.is_some() { " Shaded: the finished part's tolerance about the last pass's aim." } else { "" };
-    draw(
-        page,
-        &chart,
-        &format!("The passes after the first alone: measured (dots) and true (dotted lines).{shaded}"),
-    )?;
+    let drawn = if rows.has_truth() { "measured (dots) and true (dotted lines)" } else { "measured" };
+    draw(page, &chart, &format!("The passes after the first alone: {drawn}.{shaded}"))?;
     Ok(())
 }
 
@@ -296,14 +316,16 @@ fn convergence(
     reference: Option<&Rows>,
 ) -> Result<String, ReportError> {
     let line = |rows: &Rows, name: &str, colour: usize| {
-        let points = rows.passes.iter().map(|p| (f64::from(p.pass), p.true_max_abs_error_mm * 1e3)).collect();
+        let largest_mm = |p: &PassRow| p.true_max_abs_error_mm.unwrap_or(p.max_abs_error_mm);
+        let points = rows.passes.iter().map(|p| (f64::from(p.pass), largest_mm(p) * 1e3)).collect();
         Series::new(name, Mark::LineDots, colour, points)
     };
+    let errors = if rows.has_truth() { "true" } else { "measured" };
     let mut series = vec![line(rows, controller, 0)];
     series.extend(reference.map(|r| line(r, "none", 1)));
     let chart = Chart {
         x_label: "pass".into(),
-        y_label: "true max |error| / µm".into(),
+        y_label: format!("{errors} max |error| / µm"),
         series,
         log_y: true,
         x_labels: Some(rows.passes.len()),
@@ -311,7 +333,7 @@ fn convergence(
     };
     page.heading("Convergence");
     let both = if reference.is_some() { ", with and without control" } else { "" };
-    draw(page, &chart, &format!("Largest true error over all stations after each pass{both}."))
+    draw(page, &chart, &format!("Largest {errors} error over all stations after each pass{both}."))
 }
 
 fn offsets(page: &mut Page, rows: &[OffsetRow]) -> Result<(), ReportError> {
@@ -368,7 +390,7 @@ fn decisions(page: &mut Page, record: &ControlRecord) {
 }
 
 fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {
-    let stated = |s: &StationRow| Some((s.d_mm? - s.true_d_mm, s.u_random_mm?.hypot(s.u_common_mm?)));
+    let stated = |s: &StationRow| Some((s.d_mm? - s.true_d_mm?, s.u_random_mm?.hypot(s.u_common_mm?)));
     let mut ratios: Vec<f64> = rows.stations.iter().filter_map(stated).map(|(e, u)| e / u).collect();
     if ratios.is_empty() {
         return Ok(());

@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::folder::{RunFolder, RunFolderError};
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 
-/// A row of `passes.csv`: one finished pass. The `true_` columns are for comparison only.
+/// A row of `passes.csv`: one finished pass. The `true_` columns are for comparison only; they and
+/// those that follow from them are empty where no truth is given: of a recorded part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PassRow {
     /// Pass, from 1.
@@ -18,11 +19,11 @@ pub(crate) struct PassRow {
     /// Root mean square of measured - nominal, mm.
     pub rms_error_mm: f64,
     /// Largest |true - nominal|, mm.
-    pub true_max_abs_error_mm: f64,
+    pub true_max_abs_error_mm: Option<f64>,
     /// Largest |measured - true|, mm.
-    pub worst_measured_minus_true_mm: f64,
+    pub worst_measured_minus_true_mm: Option<f64>,
     /// Rms over stations of (measured - true)/u.
-    pub rms_error_over_u: f64,
+    pub rms_error_over_u: Option<f64>,
     /// Stations with a reading.
     pub stations_measured: usize,
     /// Frames measured.
@@ -65,8 +66,8 @@ pub(crate) struct StationRow {
     pub u_common_mm: Option<f64>,
     /// Reason of a gap.
     pub flag: Option<Reason>,
-    /// True mean caliper diameter, mm.
-    pub true_d_mm: f64,
+    /// True mean caliper diameter, mm; empty where it is not given.
+    pub true_d_mm: Option<f64>,
     /// Effective degrees of freedom of the uncertainty; empty where they are very many, absent from
     /// older tables.
     #[serde(default)]
@@ -75,7 +76,7 @@ pub(crate) struct StationRow {
 
 impl StationRow {
     /// The row of a station.
-    pub(crate) fn new(pass: u32, station: &Station, true_d_mm: f64) -> Self {
+    pub(crate) fn new(pass: u32, station: &Station, true_d_mm: Option<f64>) -> Self {
         let value = station.reading.value();
         Self {
             pass,

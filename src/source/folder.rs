@@ -308,7 +308,7 @@ fn page_name(open: &Open) -> String {
 }
 
 /// All bytes of a file, in empty memory.
-fn bytes_of(path: &Path, mut bytes: Vec<u8>) -> Result<Vec<u8>, ReadError> {
+pub(super) fn bytes_of(path: &Path, mut bytes: Vec<u8>) -> Result<Vec<u8>, ReadError> {
     let io = |cause| ReadError::Io { path: path.display().to_string(), cause };
     let file = fs::File::open(path).map_err(io)?;
     // As much as the file has, so that its bytes are not copied from one place to a larger one.

@@ -67,6 +67,21 @@ impl FrameTable {
         Self::parse(path, &text)
     }
 
+    /// The first column of a file that is missing of those that place a frame on a part.
+    ///
+    /// # Errors
+    /// Where the file cannot be read.
+    #[cfg(feature = "render")]
+    pub(super) fn missing_place(path: &Path) -> Result<Option<&'static str>, TableError> {
+        let refuse = |what: String| TableError { path: path.to_owned(), row: None, what };
+        let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
+        let text = text(&bytes).map_err(refuse)?;
+        let (text, stated) = separator_line(&text);
+        let separators = stated.map_or(SEPARATORS.to_vec(), |s| vec![s]);
+        let has = |name: &str| separators.iter().any(|s| names(text, *s).iter().any(|n| n == name));
+        Ok(["frame", "z_mm", "angle_deg"].into_iter().find(|name| !has(name)))
+    }
+
     fn parse(path: &Path, text: &str) -> Result<Self, TableError> {
         let (text, told) = separator_line(text);
         let refuse = |row: Option<usize>, what: String| TableError { path: path.to_owned(), row, what };

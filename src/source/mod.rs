@@ -4,15 +4,18 @@
 //! is a `frames.csv`), a folder that a camera drops images into (`follow`), images one after
 //! another on a stream (`piped`, by `split`). Out: frames with their scale and encoding (`stored`),
 //! decoded on other threads where `ahead` is asked, in memory that is used again (`spare`).
-//! `decode` chooses the reader of a format (`png`, `tiff`, `jpeg`, `bmp`, `pnm`); each returns a
-//! `raster` of channels, which `depth`, `transfer`, `orientation`, `packed` and `relaid` convert to
-//! the pixels of a frame. A new format is a file with a function from bytes to a raster, an entry
-//! in `decode` and one in `extension`; it comes on a stream where `split` finds its end.
+//! `recording` is the folder of a recorded run. `decode` chooses the reader of a format (`png`,
+//! `tiff`, `jpeg`, `bmp`, `pnm`); each returns a `raster` of channels, which `depth`, `transfer`,
+//! `orientation`, `packed` and `relaid` convert to the pixels of a frame. A new format is a file
+//! with a function from bytes to a raster, an entry in `decode` and one in `extension`; it comes on
+//! a stream where `split` finds its end.
 
 mod ahead;
 mod bmp;
 mod decode;
 mod depth;
+#[cfg(feature = "render")]
+mod digest;
 mod error;
 mod extension;
 mod folder;
@@ -29,6 +32,8 @@ mod png;
 mod pnm;
 mod raster;
 mod read_error;
+#[cfg(feature = "render")]
+mod recording;
 mod relaid;
 mod scale;
 mod spare;
@@ -46,8 +51,13 @@ pub use self::{
     stored::StoredFrame,
 };
 pub(crate) use ahead::Ahead;
+#[cfg(feature = "render")]
+pub(crate) use digest::{digest_of_all, image_digests};
 pub(crate) use folder::{list_images, listing, out_of_order};
 pub(crate) use follow::Follow;
 pub(crate) use piped::Piped;
+pub(crate) use read_error::ReadError;
+#[cfg(feature = "render")]
+pub(crate) use recording::{RecordedScan, Recording, check_places};
 pub(crate) use scale::SAME_SCALE;
 pub(crate) use stored::Arrival;

@@ -53,6 +53,14 @@ pub enum ReadError {
         /// The frame.
         frame: String,
     },
+    /// Frames of a part without their places and angles.
+    #[error("{path}: {}", without_places(missing))]
+    NoPlaces {
+        /// The table, or where it would be.
+        path: String,
+        /// The column that is missing; empty where there is no table.
+        missing: &'static str,
+    },
     /// The file's own scale differs from the table's.
     #[error("{path}: {what}")]
     Scale {
@@ -61,4 +69,14 @@ pub enum ReadError {
         /// Both scales.
         what: String,
     },
+}
+
+fn without_places(missing: &str) -> String {
+    let right = "frames of a part need frames.csv with the columns frame, z_mm (machine z of the central column) and \
+                 angle_deg (spindle angle)";
+    if missing.is_empty() {
+        format!("is not there; {right}")
+    } else {
+        format!("has no column {missing}; {right}")
+    }
 }

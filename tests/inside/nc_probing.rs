@@ -94,7 +94,7 @@ fn normal_equations(x: &[f64], y: &[f64]) -> (f64, f64) {
 fn what_is_probed_is_fitted_and_its_inverse_cut() {
     let settings = settings();
     let program = program(&settings);
-    for dialect in Dialect::ALL {
+    for dialect in Dialect::WITH_MACROS {
         let written = program.write(dialect).expect("a program");
         let (text, places) = (written.text, written.cut);
         // clear of nc.least_z_mm, the nose's fillet and the ball: .5 + .8 + 3
@@ -137,7 +137,7 @@ fn alarms_stop_what_must_not_go_on() {
     let program = program(&settings);
     let last =
         |text: &str, working_space: &WorkingSpace<'_>| run(text, working_space).pop().expect("events").deed;
-    for dialect in Dialect::ALL {
+    for dialect in Dialect::WITH_MACROS {
         let text = program.write(dialect).expect("a program").text;
         let mut working_space = program.working_space(dialect, before()).expect("a scene");
         let surface = |before: f64, after: f64| {
@@ -180,7 +180,7 @@ fn changed(text: &str, change: impl FnMut(&str) -> String) -> String {
 fn a_probe_that_may_hit_something_is_refused() {
     let settings = settings();
     let program = program(&settings);
-    for dialect in Dialect::ALL {
+    for dialect in Dialect::WITH_MACROS {
         let text = program.write(dialect).expect("a program").text;
         let working_space = program.working_space(dialect, before()).expect("a scene");
         let refused = |change: &dyn Fn(&str) -> String, word: &str| {
@@ -273,7 +273,7 @@ fn every_program_measures_again_or_says_that_it_does_not() {
     let piece = program(&settings()).piece;
     let plan = plan();
     let offsets = fit_line(&[0.2, 0.5, 1.0], &[0.03, 0.03, 0.03]).expect("a line");
-    for dialect in Dialect::ALL {
+    for dialect in Dialect::WITH_MACROS {
         for (probes, finishing) in [(true, true), (true, false), (false, true), (false, false)] {
             let mut settings = settings();
             settings.probe = settings.probe.filter(|_| probes);
@@ -315,7 +315,7 @@ fn every_program_measures_again_or_says_that_it_does_not() {
 /// The whole program measures again without an alarm where the tolerance belongs to the last pass.
 #[test]
 fn an_earlier_pass_is_measured_again_without_an_alarm() {
-    for dialect in Dialect::ALL {
+    for dialect in Dialect::WITH_MACROS {
         let settings = settings();
         let earlier = ProbingProgram { limits_mm: None, ..program(&settings) };
         let text = earlier.write(dialect).expect("a program").text;

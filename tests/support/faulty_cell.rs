@@ -286,6 +286,7 @@ impl Cell {
             in_machine: guarded.then_some(&here),
             repeat: guarded.then_some(&again),
             next: guarded.then_some(next),
+            blank_mm: None,
         };
         self.tally.cycles += 1;
         let released = match self.controller.decide_in(plan, &profile, &context) {

@@ -3,7 +3,8 @@
 //! In: frames (`frames`) of files, a folder that is followed or stdin (`input`), a calibration and
 //! conditions, an edge-spread function (`esf_argument`). Out, as the frames come (`results`): a
 //! table (`table`, `statistics`, `turn`, `words`, `legend`) or JSON (`document`), edges as CSV
-//! (`edges_file`), diameters as CSV and a report (`leaves`, `csv_file`); times (`timing`). This
+//! (`edges_file`), diameters as CSV and a report (`leaves`, `csv_file`); the
+//! offsets of the next part (`offsets`); times (`timing`). This
 //! file turns arguments into settings and frames into a [`Stream`](crate::measurement::Stream);
 //! what is measured is in [`measurement`](crate::measurement), where a new result goes too.
 
@@ -17,6 +18,7 @@ mod input;
 mod judge_args;
 mod leaves;
 mod legend;
+pub(super) mod offsets;
 mod results;
 mod ring;
 mod statistics;
@@ -41,7 +43,8 @@ use self::input::{Input, InputArgs};
 use self::judge_args::JudgeArgs;
 use self::leaves::{Inputs, Leaves, LeavesArgs, MeasuredBy};
 use self::legend::Legend;
-use self::results::{Printed, Results, head};
+use self::offsets::{OffsetArgs, OffsetJob};
+use self::results::{Beside, Printed, Results, head};
 use self::warnings::{report_uncalibrated, report_unlearnt};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
@@ -94,6 +97,8 @@ pub(crate) struct MeasureArgs {
     edges: Option<PathBuf>,
     #[command(flatten)]
     leaves: LeavesArgs,
+    #[command(flatten)]
+    offsets: OffsetArgs,
     /// Prints JSON: one document; of a stream (--follow, -) a line a frame and one of the series.
     #[arg(long)]
     json: bool,
@@ -173,7 +178,7 @@ impl MeasureArgs {
     /// Files read beside the frames.
     fn other_inputs(&self) -> Vec<PathBuf> {
         let named = [&self.calibration, &self.conditions].into_iter().flatten().cloned();
-        named.chain(self.esf.as_ref().map(PathBuf::from)).collect()
+        named.chain(self.esf.as_ref().map(PathBuf::from)).chain(self.offsets.inputs()).collect()
     }
 
     /// What is asked of the frames.
@@ -205,6 +210,7 @@ impl MeasureArgs {
 pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     let input = Input::of(&args.input)?;
     check_stream(args, &input)?;
+    check_offsets(args, &input)?;
     let calibration = calibration(args, input.files())?;
     let conditions = stated_conditions(args, calibration.as_ref())?;
     if let (None, Some(name)) = (&calibration, args.judge.needs_scale()) {
@@ -240,6 +246,36 @@ fn check_stream(args: &MeasureArgs, input: &Input) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+/// Refuses what does not go with the offsets of a part.
+fn check_offsets(args: &MeasureArgs, input: &Input) -> Result<(), Failure> {
+    let why = match () {
+        () if !args.offsets.are_given() => return Ok(()),
+        () if args.calibration.is_none() => {
+            "needs --calibration FILE: a scale alone has no uncertainty to decide by"
+        }
+        () if input.is_stream() => "decides on the frames of one part, not on a stream (--follow, -)",
+        () if args.shape == Shape::Ring => "belongs to --shape shaft",
+        () if args.bench.is_some() => "moves offsets, --bench takes times: give one of them",
+        () if args.vertical => "needs frames whose columns lie along the spindle's axis, without --vertical",
+        () if args.bright_on_dark => "takes the polarity from the job ([gauge]), without --bright-on-dark",
+        () => return Ok(()),
+    };
+    Err(Failure::refuse(format!("--offsets {why}")))
+}
+
+/// What is decided from the frames besides their diameters.
+fn begin_offsets(
+    args: &MeasureArgs,
+    instrument: &Instrument,
+    input: &Input,
+) -> Result<Option<OffsetJob>, Failure> {
+    let Some(calibration) = &instrument.calibration else { return Ok(None) };
+    let given = args.conditions.is_some() || args.part_temperature.is_some();
+    let conditions = given.then_some(instrument.conditions);
+    let esf = stated_edge_model(args, Some(calibration))?;
+    OffsetJob::begin(&args.offsets, input.files(), (calibration, esf), conditions)
 }
 
 /// Threads that decode: as many as measure.
@@ -288,6 +324,8 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     let claim = |path| claim_output("--edges", path, input.files(), args.other_inputs(), args.json);
     let edges = edges.map(claim).transpose()?;
     let mut leaves = begin_leaves(args, instrument, &input)?;
+    let offsets = begin_offsets(args, instrument, &input)?;
+    let mut scan = offsets.as_ref().map(OffsetJob::scan);
     let is_stdout_taken = leaves.is_stdout() || edges.as_ref().is_some_and(OutputFile::is_stdout);
     let mut stream = instrument.stream()?;
     let edges = edges.map(|file| EdgesFile::begin(file, is_stream)).transpose()?;
@@ -303,11 +341,13 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     while let Some((arrival, read)) = frames.next_frame() {
         let frame = measure_one(&mut stream, &arrival.stem, read);
         leaves.add(&mut stream, frame.as_ref())?;
-        match args.bench {
-            Some(_) => kept.extend(frame),
-            None => frame.into_iter().for_each(|frame| frames.give_back(frame)),
-        }
         results.frame(&stream, &arrival)?;
+        match (&mut scan, frame) {
+            (Some(scan), Some(frame)) => scan.take(frame),
+            (None, Some(frame)) if args.bench.is_some() => kept.push(frame),
+            (None, Some(frame)) => frames.give_back(frame),
+            (_, None) => {}
+        }
         if is_stream && output::has_failed() {
             break;
         }
@@ -324,9 +364,12 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     let bench = args.bench.map(|count| bench(args, instrument, &kept, count)).transpose()?;
     let series = stream.finish().map_err(failure)?;
     leaves.finish(&series)?;
-    results.end(&series, bench);
     frames.check_ended()?;
-    Ok(if series.all_good() { Outcome::Done } else { Outcome::OutOfTolerance })
+    let profile = scan.map(|scan| scan.finish(1).0);
+    let decided = offsets.zip(profile).map(|(offsets, profile)| offsets.decide(profile)).transpose()?;
+    let goes_on = decided.as_ref().is_none_or(|d| d.ended() == Outcome::Done);
+    results.end(&series, Beside { bench, offsets: decided });
+    Ok(if series.all_good() && goes_on { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 
 /// The files of `--csv` and `--report`, claimed.

@@ -9,6 +9,7 @@ use serde_json::{Map, Value, json};
 use super::document::{Lines, Whole};
 use super::edges_file::{EdgesFile, FrameRows};
 use super::legend::Legend;
+use super::offsets::OffsetResult;
 use super::table::{print_header, print_row, print_series};
 use super::warnings::{FrameWarnings, report_uncalibrated};
 use crate::cli::failure::Failure;
@@ -68,16 +69,22 @@ impl Printed {
         }
     }
 
-    fn end(self, series: &Series, bench: Option<Value>) {
-        let keys = match json!(series) {
+    fn end(self, series: &Series, Beside { bench, offsets }: Beside) {
+        let mut keys = match json!(series) {
             Value::Object(keys) => keys,
             _ => Map::new(),
         };
+        if let Some(offsets) = &offsets {
+            keys.insert("offsets".to_owned(), offsets.to_json());
+        }
         match self {
             Self::Nothing => {}
             Self::Table { legend, probability, .. } => {
                 print_series(&keys, bench.as_ref());
                 legend.print(probability);
+                if let Some(offsets) = &offsets {
+                    say!("{}", offsets.to_table());
+                }
             }
             Self::Whole(mut whole) => whole.end(&keys),
             Self::Timed(frames) => {
@@ -95,6 +102,14 @@ impl Printed {
 /// The keys of the document before `frames`.
 pub(super) fn head(conditions: Option<&impl serde::Serialize>) -> Map<String, Value> {
     conditions.map(|conditions| ("conditions".to_owned(), json!(conditions))).into_iter().collect()
+}
+
+/// What is printed beside the series.
+pub(super) struct Beside {
+    /// The times of a benchmark.
+    pub(super) bench: Option<Value>,
+    /// The offsets of the next part.
+    pub(super) offsets: Option<OffsetResult>,
 }
 
 /// Where the results of frames go.
@@ -171,8 +186,8 @@ impl Results {
     }
 
     /// Ends what is printed.
-    pub(super) fn end(self, series: &Series, bench: Option<Value>) {
+    pub(super) fn end(self, series: &Series, beside: Beside) {
         series.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
-        self.printed.end(series, bench);
+        self.printed.end(series, beside);
     }
 }

@@ -25,6 +25,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge run configs/stepped_shaft.toml --out out/stepped",
             "shadowgauge run my.toml --out out/my --controller ilc --seed 7",
             "shadowgauge run my.toml --out out/plain --passes 2 --no-reference --json",
+            "shadowgauge run my.toml --out out/part --record frames",
         ],
     ),
     (
@@ -60,6 +61,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge measure --follow incoming --um-per-px 17.4 --idle-s 60",
             "shadowgauge measure out/frames/frames --um-per-px file --edges edges.csv",
             "shadowgauge measure frames --calibration bench.json --tolerance \"25 h6\" --json",
+            "shadowgauge measure part_7 --calibration bench.json --offsets job.toml --state state.toml --part 7",
             "shadowgauge measure washer.png --um-per-px 20 --shape ring",
         ],
     ),
@@ -77,6 +79,7 @@ const EXAMPLES: &[Examples] = &[
         &[
             "shadowgauge nc out/small --dialect linuxcnc --dry-run",
             "shadowgauge nc out/small --dialect fanuc --machine machine.toml --out O8001.nc",
+            "shadowgauge nc job.toml --state state.toml --dialect sinumerik --machine machine.toml --air",
         ],
     ),
     (

@@ -3,23 +3,31 @@
 //!
 //! In: a job. Out: a run folder with its report; the exit code is that of the finished part.
 //! Arguments → job → `recorder` (cell and controller, pass after pass) → `tables` (what each pass
-//! leaves, read back when a run is resumed) → report → `finished` (what is printed).
+//! leaves, read back when a run is resumed) → report → `finished` (what is printed). `frames_from`
+//! is a renderer or a recording: a job that names a `source` takes its frames from there and ends
+//! `waiting` where the next pass is not there yet; `recording` writes such a folder.
 
 mod finished;
+pub(super) mod frames_from;
 mod recorder;
+mod recording;
 mod tables;
+mod waiting;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::config;
 use crate::control::{ControllerName, OnAlarm};
+use crate::files::OutputFolder;
 use crate::job::Job;
-use crate::render::{BackendChoice, Renderer};
+use crate::job::ScanWhen;
+use crate::render::BackendChoice;
 use crate::report::{self, RunView};
 use crate::run_folder::RunFolder;
 
 use self::finished::Finished;
+use self::frames_from::FramesFrom;
 use self::recorder::{Recorded, Recorder};
 use crate::cli::failure::{CommandResult, Failure, folder_failure};
 use crate::cli::process::interrupt;
@@ -48,6 +56,10 @@ pub(crate) struct RunArgs {
     /// adapter only by name).
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     backend: BackendChoice,
+    /// Write the frames of the run into this folder (absent or empty), where `source` of a config
+    /// finds them.
+    #[arg(long, value_name = "DIR")]
+    record: Option<PathBuf>,
     /// Leave out the second run without control that the report shows beside.
     #[arg(long)]
     no_reference: bool,
@@ -68,14 +80,47 @@ pub(crate) fn run(args: &RunArgs) -> CommandResult {
         args.out.display(),
         interrupt::command_line()
     ));
-    let finished = execute(&job, &args.out, args.backend, !args.no_reference)?;
+    let from = FramesFrom::recording(&job, &args.config).map_err(|e| refused(args, e))?;
+    let from = from.map_or_else(|| FramesFrom::simulation(args.backend), Ok)?;
+    let record = args.record.as_deref().map(|path| claim_record(&job, &from, path)).transpose()?;
+    let how = Execution { from: &from, reference: !args.no_reference, record: record.as_ref() };
+    let finished = execute(&job, &args.out, &how)?;
+    if let Some(record) = record {
+        record.finish()?;
+    }
     if args.json {
         say_line!("{}", finished.to_json());
     } else {
         say!("{}", finished.to_table());
-        say_line!("report: {}", args.out.join("report.html").display());
+        if !finished.is_waiting() {
+            say_line!("report: {}", args.out.join("report.html").display());
+        }
     }
     Ok(finished.outcome())
+}
+
+/// A refusal of a key of the config.
+fn refused(args: &RunArgs, error: crate::setting::SettingError) -> Failure {
+    let name = args.config.display().to_string();
+    match config::read_text(&args.config) {
+        Ok(text) => Failure::refused(config::value_error(&text, &name, error)),
+        Err(unread) => Failure::refused(unread),
+    }
+}
+
+/// The folder of `--record`, claimed.
+fn claim_record(job: &Job, from: &FramesFrom, path: &Path) -> Result<OutputFolder, Failure> {
+    let is_followed = job.scan.when == ScanWhen::DuringCut;
+    let why = match () {
+        () if !from.is_simulated() => "the frames of this run are recorded already (source)",
+        () if job.probe.is_some() => "a run with [probe] takes no frames",
+        () if is_followed => {
+            "scan.when = \"during_cut\": frames are recorded of a part that was cut (after_pass)"
+        }
+        () if job.camera.windows.is_some() => "camera.windows: frames of two windows are not recorded",
+        () => return Ok(OutputFolder::claim(path)?),
+    };
+    Err(Failure::refuse(format!("--record: {why}")))
 }
 
 /// The checked job of a command line.
@@ -94,36 +139,44 @@ fn job_of(args: &RunArgs) -> Result<Job, Failure> {
     Ok(job)
 }
 
-/// Runs a checked job into `out`; with `reference`, the same without control into a folder below
-/// it.
+/// How a job is run.
+pub(crate) struct Execution<'a> {
+    /// Where its frames come from.
+    pub(crate) from: &'a FramesFrom,
+    /// Whether the same is run without control beside it, where that is simulated.
+    pub(crate) reference: bool,
+    /// Where its frames are written.
+    pub(crate) record: Option<&'a OutputFolder>,
+}
+
+/// Runs a checked job into `out`, and the same without control into a folder below it. A run that
+/// waits for frames has no report yet: its folder is unfinished, and the same command resumes it.
 ///
 /// # Errors
 /// As [`run`].
-pub(crate) fn execute(
-    job: &Job,
-    out: &Path,
-    backend: BackendChoice,
-    reference: bool,
-) -> Result<Finished, Failure> {
+pub(crate) fn execute(job: &Job, out: &Path, how: &Execution<'_>) -> Result<Finished, Failure> {
     let folder = claim(job, out)?;
-    let renderer = Renderer::new(backend).map_err(Failure::fail)?;
-    tracing::info!(backend = renderer.backend_name(), adapter = renderer.adapter_name(), "rendering");
     let start = Instant::now();
-    let reference = reference && job.control.controller != ControllerName::None;
-    let (main, reference) = run_both(job, &folder, &renderer, reference)?;
-    let page = report::run_report(&main.view(job, (&folder, reference.as_ref()), &renderer));
-    let page = page.map_err(Failure::fail)?;
-    tracing::info!(seconds = start.elapsed().as_secs_f64(), "finished");
-    for (name, bytes) in &page.files {
-        folder.write(name, bytes).map_err(folder_failure)?;
+    let controlled = job.control.controller != ControllerName::None;
+    let reference = how.reference && controlled && how.from.is_simulated();
+    let (main, reference) = run_both(job, &folder, how, reference)?;
+    if main.waits.is_none() {
+        let adapter = how.from.adapter();
+        let page = report::run_report(&main.view(job, (&folder, reference.as_ref()), (how.from, &adapter)));
+        let page = page.map_err(Failure::fail)?;
+        for (name, bytes) in &page.files {
+            folder.write(name, bytes).map_err(folder_failure)?;
+        }
+        folder.write("report.html", page.html.as_bytes()).map_err(folder_failure)?;
     }
-    folder.write("report.html", page.html.as_bytes()).map_err(folder_failure)?;
+    tracing::info!(seconds = start.elapsed().as_secs_f64(), "finished");
     Ok(Finished {
         job: job.clone(),
-        backend: renderer.backend_name().to_owned(),
-        adapter: renderer.adapter_name().to_owned(),
+        backend: how.from.backend().to_owned(),
+        adapter: how.from.adapter(),
         verdict: main.verdict,
         stopped: main.stopped,
+        waits: main.waits,
         seconds: main.seconds,
         passes: main.passes,
         axis: main.axis,
@@ -137,12 +190,12 @@ pub(crate) fn execute(
 fn run_both(
     job: &Job,
     folder: &RunFolder,
-    renderer: &Renderer,
+    how: &Execution<'_>,
     reference: bool,
 ) -> Result<(Recorded, Option<RunFolder>), Failure> {
     std::thread::scope(|scope| {
-        let beside = reference.then(|| scope.spawn(|| run_reference(job, folder.path(), renderer)));
-        let main = Recorder::new(job, folder, renderer).and_then(|recorder| recorder.run(true));
+        let beside = reference.then(|| scope.spawn(|| run_reference(job, folder.path(), how.from)));
+        let main = Recorder::new(job, folder, how.from, how.record).and_then(|recorder| recorder.run(true));
         let beside = beside.map(|thread| {
             thread.join().unwrap_or_else(|_| Err(Failure::fail("the run without control broke off")))
         });
@@ -151,7 +204,7 @@ fn run_both(
 }
 
 /// The same job without control, in a folder of its own: a second real run.
-fn run_reference(job: &Job, out: &Path, renderer: &Renderer) -> Result<RunFolder, Failure> {
+fn run_reference(job: &Job, out: &Path, from: &FramesFrom) -> Result<RunFolder, Failure> {
     let mut uncontrolled = job.clone();
     uncontrolled.control.controller = ControllerName::None;
     uncontrolled.control.guards.on_alarm = OnAlarm::GoOn;
@@ -160,8 +213,9 @@ fn run_reference(job: &Job, out: &Path, renderer: &Renderer) -> Result<RunFolder
         Err(_) if RunFolder::is_run(&path) => return RunFolder::open(&path).map_err(folder_failure),
         claimed => claimed?,
     };
-    let done = Recorder::new(&uncontrolled, &folder, renderer)?.run(false)?;
-    let page = report::run_report(&done.view(&uncontrolled, (&folder, None), renderer));
+    let done = Recorder::new(&uncontrolled, &folder, from, None)?.run(false)?;
+    let adapter = from.adapter();
+    let page = report::run_report(&done.view(&uncontrolled, (&folder, None), (from, &adapter)));
     let page = page.map_err(Failure::fail)?;
     folder.write("report.html", page.html.as_bytes()).map_err(folder_failure)?;
     Ok(folder)
@@ -174,14 +228,14 @@ impl Recorded {
         &'a self,
         job: &'a Job,
         folders: (&'a RunFolder, Option<&'a RunFolder>),
-        renderer: &'a Renderer,
+        (from, adapter): (&'a FramesFrom, &'a str),
     ) -> RunView<'a> {
         RunView {
             job,
             folder: folders.0,
             reference: folders.1,
-            backend: renderer.backend_name(),
-            adapter: renderer.adapter_name(),
+            backend: from.backend(),
+            adapter,
             sample: self.sample.as_ref(),
             form: self.form.as_ref(),
         }

@@ -1,19 +1,23 @@
 //! Runs a job pass by pass and writes each pass into its folder as soon as it is finished: cell and
 //! controller in a closed loop → passes → tables → files.
 
+use std::path::PathBuf;
+
 use indicatif::ProgressBar;
 
-use crate::cell::SimulatedCell;
 use crate::closed_loop::{Calibrated, ClosedLoop, LoopError, PassResult, Sample, part_verdict};
 use crate::conformity::part_verdict::Verdict;
 use crate::control::OnAlarm;
+use crate::files::OutputFolder;
 use crate::gauge::diameter::sections::PartForm;
 use crate::job::Job;
 use crate::plan::Decision;
-use crate::render::Renderer;
 use crate::run_folder::{AxisRow, PassRow, RunFolder, SectionResults, profile_of};
 
+use super::frames_from::FramesFrom;
+use super::recording::RecordingCell;
 use super::tables::RunTables;
+use super::waiting::Waiting;
 use crate::cli::failure::{Failure, folder_failure};
 use crate::cli::terminal::progress;
 
@@ -36,12 +40,15 @@ pub(crate) struct Recorded {
     pub sections: Option<SectionResults>,
     /// Why not all passes were cut: an alarm.
     pub stopped: Option<String>,
+    /// The pass whose frames are missing, of a recorded run.
+    pub waits: Option<Waiting>,
 }
 
 /// A run being written.
 pub(crate) struct Recorder<'a> {
     job: &'a Job,
     folder: &'a RunFolder,
+    from: &'a FramesFrom,
     chain: ClosedLoop<'a>,
     run_id: String,
     tables: RunTables,
@@ -52,20 +59,33 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// Where the job, the device or the folder fails.
-    pub(crate) fn new(job: &'a Job, folder: &'a RunFolder, renderer: &'a Renderer) -> Result<Self, Failure> {
-        let cell = SimulatedCell::new(job, renderer).map_err(Failure::fail)?;
+    pub(crate) fn new(
+        job: &'a Job,
+        folder: &'a RunFolder,
+        from: &'a FramesFrom,
+        record: Option<&'a OutputFolder>,
+    ) -> Result<Self, Failure> {
         let mut tables = RunTables::read(folder)?;
-        let calibration = match tables.passes.is_empty() {
-            true => None,
-            false => Some(read_calibration(folder)?),
-        };
+        let is_resumed = !tables.passes.is_empty();
+        let mut cell = from.cell(job)?;
+        if let Some(record) = record {
+            if is_resumed {
+                return Err(Failure::refuse(
+                    "--record: this run is resumed, the frames of its first passes are gone",
+                ));
+            }
+            let um_per_px = job.setup_settings().nominal_pixel_mm() * 1e3;
+            cell = Box::new(RecordingCell::new(cell, record, um_per_px));
+        }
+        let calibration = if is_resumed { Some(read_calibration(folder)?) } else { from.calibration()? };
         let settings = job.checked_loop().map_err(|e| loop_failure(e.into()))?;
-        let mut chain = ClosedLoop::start(settings, Box::new(cell), calibration).map_err(loop_failure)?;
+        let settings = from.with_edge_model(settings, calibration.as_ref());
+        let mut chain = ClosedLoop::start(settings, cell, calibration).map_err(loop_failure)?;
         let json = serde_json::to_string_pretty(chain.calibration()).map_err(Failure::fail)?;
         folder.write("calibration.json", json.as_bytes()).map_err(folder_failure)?;
         resume(&mut chain, &mut tables)?;
         let run_id = crate::config::hash(job).map_err(Failure::fail)?.chars().take(12).collect();
-        Ok(Self { job, folder, chain, run_id, tables })
+        Ok(Self { job, folder, from, chain, run_id, tables })
     }
 
     /// Runs the remaining passes; `shown` shows a bar on a terminal.
@@ -75,11 +95,15 @@ impl<'a> Recorder<'a> {
     pub(crate) fn run(mut self, shown: bool) -> Result<Recorded, Failure> {
         let mut seconds = vec![(0.0, 0.0); self.tables.passes.len()];
         let (mut sample, mut form) = (None, None);
-        let mut stopped = None;
+        let (mut stopped, mut waits) = (None, None);
         while let Some(pass) = self.chain.next_pass() {
             if let Some(alarm) = self.chain.alarm().filter(|_| self.stops()) {
                 tracing::error!("stopped before pass {pass}: {alarm}");
                 stopped = Some(format!("stopped before pass {pass}: {alarm}"));
+                break;
+            }
+            if let Some(missing) = self.from.missing(pass) {
+                waits = Some(self.wait_for(pass, missing)?);
                 break;
             }
             self.chain.begin().map_err(loop_failure)?;
@@ -110,7 +134,17 @@ impl<'a> Recorder<'a> {
         let verdict = self.verdict();
         let sections = self.tables.sections(&self.job.loop_job());
         let RunTables { passes, axis, .. } = self.tables;
-        Ok(Recorded { passes, seconds, sample, form, axis, verdict, sections, stopped })
+        Ok(Recorded { passes, seconds, sample, form, axis, verdict, sections, stopped, waits })
+    }
+
+    /// Writes the offsets of a pass that is still to be cut; the stock is scanned first, where the
+    /// job requires it.
+    fn wait_for(&mut self, pass: u32, folder: PathBuf) -> Result<Waiting, Failure> {
+        self.chain.begin().map_err(loop_failure)?;
+        self.tables.add_offsets(&self.chain);
+        self.tables.write(self.folder, &self.run_id)?;
+        let offsets = self.tables.offsets.iter().filter(|row| row.pass == pass).cloned().collect();
+        Ok(Waiting { pass, folder, offsets })
     }
 
     fn stops(&self) -> bool {

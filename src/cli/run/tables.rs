@@ -6,7 +6,7 @@ use crate::closed_loop::{ClosedLoop, PassResult};
 use crate::job::LoopJob;
 use crate::plan::Decision;
 use crate::process::bending::axis_at;
-use crate::profile::Reading;
+use crate::profile::{Diameter, Reading};
 use crate::run_folder::{
     AxisRow, ControlRecord, DiameterRow, FormRow, OffsetRow, PartFormRow, PassRecord, PassRow, RunFolder,
     SectionResults, StationRow, TrueAxisRow, TruthRow, read_diameters, section_results,
@@ -65,17 +65,18 @@ impl RunTables {
 
     /// Adds a finished pass.
     pub(super) fn add(&mut self, result: &PassResult, chain: &ClosedLoop<'_>) {
-        let unknown = vec![f64::NAN; result.profile.stations.len()];
-        let truth = result.truth_mm.as_ref().unwrap_or(&unknown);
+        let truth = result.truth_mm.as_deref();
         let pass = result.plan.pass;
         let stations = &result.profile.stations;
-        self.stations.extend(stations.iter().zip(truth).map(|(s, &t)| StationRow::new(pass, s, t)));
+        let true_of = |index: usize| truth.and_then(|t| t.get(index).copied());
+        let rows = stations.iter().enumerate().map(|(i, s)| StationRow::new(pass, s, true_of(i)));
+        self.stations.extend(rows);
         self.diameters.extend(diameter_rows(result));
         self.sections.extend(result.form.sections.iter().map(|s| FormRow::new(pass, s, stations)));
         self.parts.push(PartFormRow::new(pass, &result.form));
         self.axis.extend(AxisRow::of(pass, &result.axis));
         self.true_axis.extend(true_axis_rows(result));
-        self.passes.push(pass_row(result, truth));
+        self.passes.push(pass_row(result));
         self.control.stock = chain.stock().cloned();
         self.control.passes.push(pass_record(result));
     }
@@ -85,16 +86,19 @@ impl RunTables {
     /// # Errors
     /// Where the disk fails.
     pub(super) fn write(&self, folder: &RunFolder, run_id: &str) -> Result<(), Failure> {
-        let truth = |s: &StationRow| TruthRow { pass: s.pass, z_mm: s.z_mm, d_mm: s.true_d_mm };
-        let truth: Vec<TruthRow> = self.stations.iter().map(truth).collect();
+        let truth = |s: &StationRow| Some(TruthRow { pass: s.pass, z_mm: s.z_mm, d_mm: s.true_d_mm? });
+        let truth: Vec<TruthRow> = self.stations.iter().filter_map(truth).collect();
         folder
             .write_stations(&self.stations)
             .and_then(|()| folder.write_offsets(&self.offsets))
             .and_then(|()| folder.write_form(&self.sections, &self.parts))
             .and_then(|()| folder.write_axis(&self.axis))
             .and_then(|()| folder.write_diameters(run_id, &self.diameters))
-            .and_then(|()| folder.write_truth(run_id, &truth))
-            .and_then(|()| folder.write_true_axis(&self.true_axis))
+            .and_then(|()| if truth.is_empty() { Ok(()) } else { folder.write_truth(run_id, &truth) })
+            .and_then(|()| match self.true_axis[..] {
+                [] => Ok(()),
+                _ => folder.write_true_axis(&self.true_axis),
+            })
             .and_then(|()| folder.write_control(&self.control))
             .and_then(|()| folder.write_passes(&self.passes))
             .map_err(folder_failure)
@@ -151,7 +155,7 @@ fn offset_rows(chain: &ClosedLoop<'_>) -> Vec<OffsetRow> {
 fn diameter_rows(result: &PassResult) -> impl Iterator<Item = DiameterRow> + '_ {
     result.readings.iter().map(|r| {
         let value = r.reading.value();
-        let number = |f: &dyn Fn(crate::profile::Diameter) -> f64| value.map_or(f64::NAN, f);
+        let number = |f: &dyn Fn(Diameter) -> f64| value.map_or(f64::NAN, f);
         DiameterRow {
             pass: result.plan.pass,
             frame_id: r.frame_id,
@@ -169,31 +173,58 @@ fn diameter_rows(result: &PassResult) -> impl Iterator<Item = DiameterRow> + '_ 
     })
 }
 
-fn pass_row(result: &PassResult, truth: &[f64]) -> PassRow {
+/// Figures of a pass that compare with the truth.
+#[derive(Default)]
+struct AgainstTruth {
+    true_max_abs_error_mm: Option<f64>,
+    worst_measured_minus_true_mm: Option<f64>,
+    rms_error_over_u: Option<f64>,
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(f64::abs).fold(0.0, f64::max)
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0usize), |(s, n), v| (s + v * v, n + 1));
+    (sum / count.max(1) as f64).sqrt()
+}
+
+impl AgainstTruth {
+    fn of(result: &PassResult) -> Self {
+        let Some(truth) = &result.truth_mm else { return Self::default() };
+        let measured: Vec<(Diameter, f64)> = result
+            .profile
+            .stations
+            .iter()
+            .zip(truth)
+            .filter_map(|(s, &t)| Some((s.reading.value()?, t)))
+            .collect();
+        Self {
+            true_max_abs_error_mm: Some(largest(
+                truth.iter().zip(result.plan.station_nominal_mm()).map(|(t, r)| t - r),
+            )),
+            worst_measured_minus_true_mm: Some(largest(measured.iter().map(|(d, t)| d.d_mm - t))),
+            rms_error_over_u: Some(rms(measured.iter().map(|(d, t)| (d.d_mm - t) / d.u_mm()))),
+        }
+    }
+}
+
+fn pass_row(result: &PassResult) -> PassRow {
     let nominal_mm = result.plan.nominal_mm;
-    let nominal: Vec<f64> = result.plan.station_nominal_mm().collect();
-    let measured: Vec<(crate::profile::Diameter, f64, f64)> = result
-        .profile
-        .stations
-        .iter()
-        .zip(truth)
-        .zip(&nominal)
-        .filter_map(|((s, &t), &r)| Some((s.reading.value()?, t, r)))
-        .collect();
-    let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
-    let rms = |values: &mut dyn Iterator<Item = f64>| {
-        let (sum, count) = values.fold((0.0, 0usize), |(s, n), v| (s + v * v, n + 1));
-        (sum / count.max(1) as f64).sqrt()
-    };
+    let nominal = result.plan.station_nominal_mm();
+    let read = result.profile.stations.iter().zip(nominal);
+    let errors: Vec<f64> = read.filter_map(|(s, r)| Some(s.reading.value()?.d_mm - r)).collect();
+    let against = AgainstTruth::of(result);
     PassRow {
         pass: result.plan.pass,
         nominal_mm,
-        max_abs_error_mm: largest(&mut measured.iter().map(|(d, _, r)| d.d_mm - r)),
-        rms_error_mm: rms(&mut measured.iter().map(|(d, _, r)| d.d_mm - r)),
-        true_max_abs_error_mm: largest(&mut truth.iter().zip(&nominal).map(|(t, r)| t - r)),
-        worst_measured_minus_true_mm: largest(&mut measured.iter().map(|(d, t, _)| d.d_mm - t)),
-        rms_error_over_u: rms(&mut measured.iter().map(|(d, t, _)| (d.d_mm - t) / d.u_mm())),
-        stations_measured: measured.len(),
+        max_abs_error_mm: largest(errors.iter().copied()),
+        rms_error_mm: rms(errors.iter().copied()),
+        true_max_abs_error_mm: against.true_max_abs_error_mm,
+        worst_measured_minus_true_mm: against.worst_measured_minus_true_mm,
+        rms_error_over_u: against.rms_error_over_u,
+        stations_measured: errors.len(),
         frames: result.frames,
         decision: decision_word(result).to_owned(),
         radial_force_n: result.cut.as_ref().map(|c| c.max_force_n),

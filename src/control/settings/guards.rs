@@ -37,6 +37,9 @@ pub struct GuardSettings {
     pub master_limit_mm: f64,
     /// Changes of an offset smaller than this are not made, mm of diameter.
     pub deadband_mm: f64,
+    /// Changes of an offset smaller than this many standard uncertainties of its reading are not
+    /// made; 0 unless set.
+    pub deadband_uncertainties: f64,
     /// Largest change of an offset at any station, mm of diameter. The first correction of a
     /// slender shaft takes 60 µm.
     pub step_limit_mm: f64,
@@ -79,6 +82,7 @@ impl Default for GuardSettings {
             age_limit_s: 900.0,
             master_limit_mm: 0.002,
             deadband_mm: 0.0002,
+            deadband_uncertainties: 0.0,
             step_limit_mm: 0.1,
             cumulative_limit_mm: 0.3,
             confirm_above_mm: 0.08,
@@ -122,6 +126,7 @@ impl GuardSettings {
         let not_negative = [
             ("control.guards.age_limit_s", self.age_limit_s),
             ("control.guards.deadband_mm", self.deadband_mm),
+            ("control.guards.deadband_uncertainties", self.deadband_uncertainties),
             ("control.guards.coverage", self.coverage),
             ("control.guards.min_depth_mm", self.min_depth_mm),
             ("control.guards.cutting_tolerance", self.cutting_tolerance),

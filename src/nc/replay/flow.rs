@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use crate::nc::dialect::Dialect;
+
 /// A line without comments, upper case, with the text of an active comment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Line {
@@ -19,7 +21,10 @@ pub(super) struct Program {
 }
 
 impl Program {
-    pub(super) fn new(text: &str) -> Result<Self, (usize, String)> {
+    pub(super) fn new(text: &str, dialect: Dialect) -> Result<Self, (usize, String)> {
+        if dialect == Dialect::Sinumerik {
+            return Ok(Self::sinumerik(text));
+        }
         let mut program = Self::default();
         for (i, raw) in text.lines().enumerate() {
             let line = strip(raw).map_err(|e| (i, e))?;
@@ -31,6 +36,13 @@ impl Program {
             program.lines.push(line);
         }
         Ok(program)
+    }
+
+    /// Lines in which `;` begins a comment; their labels are names.
+    fn sinumerik(text: &str) -> Self {
+        let stripped = |raw: &str| raw.split(';').next().unwrap_or_default().trim().to_ascii_uppercase();
+        let lines = text.lines().map(|raw| Line { text: stripped(raw), abort: None }).collect();
+        Self { lines, labels: HashMap::new() }
     }
 
     /// The line after `from` that satisfies `wanted` at the same depth of `o` words with the same

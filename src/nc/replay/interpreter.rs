@@ -1,11 +1,11 @@
 //! Runs a program block by block, as its control would, and lists the events.
 //!
-//! The subset of G code that this crate emits, in the three dialects: G00 G01 G07 G08 (LinuxCNC)
-//! G10 G18 G21 G28 G40 G43 G49 G50 G65 H99 G80 G90 G95 G96 G97 G99, probing by G31 or G38.2 with
-//! G94 or G98, M02-M06 M30 and one M code that measures, T, `#` variables, IF THEN, IF GOTO, WHILE
-//! DO END, and LinuxCNC's `o` words. Everything else is refused: a code without an implementation
-//! here cannot be shown to be safe. Positions are those of the programmed point of the nose, with
-//! the wear offset in force (X a diameter).
+//! The subset of G code that this crate emits, in the ISO dialects (`sinumerik` reads the other):
+//! G00 G01 G07 G08 (LinuxCNC) G10 G18 G21 G28 G40 G43 G49 G50 G65 H99 G80 G90 G95 G96 G97 G99,
+//! probing by G31 or G38.2 with G94 or G98, M02-M06 M30 and one M code that measures, T, `#`
+//! variables, IF THEN, IF GOTO, WHILE DO END, and LinuxCNC's `o` words. Everything else is refused:
+//! a code without an implementation here cannot be shown to be safe. Positions are those of the
+//! programmed point of the nose, with the wear offset in force (X a diameter).
 
 use super::expression::{Reader, Variables};
 use super::flow::{Program, leading, o_word};
@@ -99,32 +99,34 @@ pub(super) enum Motion {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Modal {
     pub(super) motion: Option<Motion>,
-    positions: Positions,
+    pub(super) positions: Positions,
     pub(super) feed_per_revolution: bool,
     pub(super) feed: Option<f64>,
-    speed: bool,
+    pub(super) speed: bool,
     pub(super) spindle: Option<u32>,
     /// Angle at which the spindle is held.
     pub(super) oriented_deg: Option<f64>,
     tool_selected: Option<u32>,
-    tool_called: bool,
+    pub(super) tool_called: bool,
+    /// Text of the last message of a SINUMERIK program.
+    pub(super) message: Option<String>,
 }
 
 /// How positions are interpreted, as far as the program has set it.
 #[derive(Clone, Debug, Default)]
-struct Positions {
+pub(super) struct Positions {
     /// Diameter of one unit of X.
-    x_unit: Option<f64>,
-    plane: bool,
-    millimetres: bool,
-    no_nose_compensation: bool,
-    absolute: bool,
+    pub(super) x_unit: Option<f64>,
+    pub(super) plane: bool,
+    pub(super) millimetres: bool,
+    pub(super) no_nose_compensation: bool,
+    pub(super) absolute: bool,
 }
 
 /// A program being run.
 pub(super) struct Interpreter<'a> {
     pub(super) control: &'a Control<'a>,
-    program: &'a Program,
+    pub(super) program: &'a Program,
     pub(super) variables: Variables,
     wear: std::collections::HashMap<u32, f64>,
     /// Diameter that the wear offset in force adds to X.
@@ -151,8 +153,8 @@ pub(super) enum Next {
 #[derive(Default)]
 pub(super) struct Words {
     g: Vec<f64>,
-    m: Vec<u32>,
-    other: Vec<(char, f64)>,
+    pub(super) m: Vec<u32>,
+    pub(super) other: Vec<(char, f64)>,
 }
 
 impl Words {
@@ -163,7 +165,7 @@ impl Words {
 
 impl<'a> Interpreter<'a> {
     pub(super) fn new(program: &'a Program, control: &'a Control<'a>) -> Self {
-        let is_lathe_control = control.dialect != Dialect::Linuxcnc;
+        let is_lathe_control = matches!(control.dialect, Dialect::Fanuc | Dialect::Gsk);
         Self {
             control,
             program,
@@ -217,6 +219,9 @@ impl<'a> Interpreter<'a> {
         let text = read.text.as_str();
         if text.is_empty() || text == "%" {
             return Ok(Next::Line);
+        }
+        if self.control.dialect == Dialect::Sinumerik {
+            return self.sinumerik_block(line, text);
         }
         if let Some((label, rest)) = o_word(text) {
             return self.o_block(line, label, rest);
@@ -423,7 +428,7 @@ impl<'a> Interpreter<'a> {
     }
 
     /// Sets the feed mode; a feed value of the other mode is discarded.
-    fn feed_mode(&mut self, per_revolution: bool) {
+    pub(super) fn feed_mode(&mut self, per_revolution: bool) {
         self.modal.feed_per_revolution = per_revolution;
         self.modal.feed = None;
     }
@@ -431,17 +436,22 @@ impl<'a> Interpreter<'a> {
     /// Diameter of one unit of X, where absolute positions can be taken.
     pub(super) fn x_unit(&self) -> Result<f64, String> {
         let m = &self.modal.positions;
-        let unit =
-            m.x_unit.filter(|_| m.absolute).ok_or("G7 or G8, and G90, must come before the first move")?;
+        let unit = m
+            .x_unit
+            .filter(|_| m.absolute)
+            .ok_or("how X is taken (G7 or G8, DIAMON), and G90, must come before the first move")?;
         if !(m.plane && m.millimetres && m.no_nose_compensation) {
-            return Err("G18, G21 and G40 must come before the first move".into());
+            return Err(
+                "the plane, millimetres and G40 (G18 G21 G40, G18 G40 G710) must come before the first move"
+                    .into(),
+            );
         }
         Ok(unit)
     }
 
     /// Whether `tool` is the probe; `None` for a number that is neither the probe's nor the turning
     /// tool's.
-    fn is_probe(&self, tool: u32) -> Option<bool> {
+    pub(super) fn is_probe(&self, tool: u32) -> Option<bool> {
         let settings = self.control.settings;
         match settings.probe {
             _ if tool == settings.tool => Some(false),
@@ -483,7 +493,7 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    fn go(&mut self, line: usize, to: Point, rapid: bool) {
+    pub(super) fn go(&mut self, line: usize, to: Point, rapid: bool) {
         let from = std::mem::replace(&mut self.at, to);
         if from != to {
             self.happens(line, Deed::Move { from, to, rapid });
@@ -513,7 +523,7 @@ impl<'a> Interpreter<'a> {
     }
 
     /// Whether the program ends.
-    fn miscellaneous(&mut self, line: usize, m: u32) -> Result<bool, String> {
+    pub(super) fn miscellaneous(&mut self, line: usize, m: u32) -> Result<bool, String> {
         match m {
             2 | 30 => return Ok(true),
             3 | 4 => {
@@ -540,7 +550,7 @@ impl<'a> Interpreter<'a> {
         Ok(false)
     }
 
-    fn travel(&mut self, line: usize, words: &Words) -> Result<(), String> {
+    pub(super) fn travel(&mut self, line: usize, words: &Words) -> Result<(), String> {
         if words.get('U').or(words.get('W')).is_some() {
             return Err("U and W are understood with G28 alone".into());
         }

@@ -22,6 +22,7 @@ mod flow;
 mod interpreter;
 mod judge;
 mod run;
+mod sinumerik;
 mod surface;
 mod touch;
 

@@ -11,7 +11,7 @@ use super::interpreter::{Control, Event, Fault, Interpreter};
 /// # Errors
 /// Line (from 1) and reason where it cannot be interpreted.
 pub(crate) fn run(text: &str, control: &Control<'_>) -> Result<Vec<Event>, Fault> {
-    let program = Program::new(text).map_err(|(line, why)| (line + 1, why))?;
+    let program = Program::new(text, control.dialect).map_err(|(line, why)| (line + 1, why))?;
     Ok(Interpreter::new(&program, control).run()?.0)
 }
 
@@ -21,6 +21,6 @@ pub(crate) fn run(text: &str, control: &Control<'_>) -> Result<Vec<Event>, Fault
 /// As [`run`].
 #[cfg(test)]
 pub(crate) fn variables(text: &str, control: &Control<'_>) -> Result<HashMap<u32, f64>, Fault> {
-    let program = Program::new(text).map_err(|(line, why)| (line + 1, why))?;
+    let program = Program::new(text, control.dialect).map_err(|(line, why)| (line + 1, why))?;
     Ok(Interpreter::new(&program, control).run()?.1)
 }

@@ -60,7 +60,7 @@ fn the_correction_the_ball_and_the_scatter_are_left_in_variables() {
         let settings = settings(held);
         let probe = settings.probe.expect("a probe");
         let qualification = Qualification::new(&settings).expect("a reference");
-        for dialect in Dialect::ALL {
+        for dialect in Dialect::WITH_MACROS {
             let written = qualification.write(dialect).expect("a program");
             let (text, sides) = (written.text, if held { 2 } else { 1 });
             assert_eq!((written.cut.z_mm, written.cut.touches), (30.0, 5 * sides), "{dialect:?}");
@@ -100,7 +100,7 @@ fn a_probe_that_scatters_or_touches_elsewhere_is_not_qualified() {
     for held in [false, true] {
         let settings = settings(held);
         let qualification = Qualification::new(&settings).expect("a reference");
-        for dialect in Dialect::ALL {
+        for dialect in Dialect::WITH_MACROS {
             let text = qualification.write(dialect).expect("a program").text;
             let good = met(&settings, 0.0);
             // U of 2 µm is less than twice a scatter of 1.4 times the good one
@@ -124,7 +124,7 @@ fn programs_take_the_correction_that_the_qualification_left() {
     let mut settings = settings(true);
     settings.probe.iter_mut().for_each(|p| p.stored_correction = true);
     let program = program(&settings);
-    for dialect in Dialect::ALL {
+    for dialect in Dialect::WITH_MACROS {
         let text = program.write(dialect).expect("a program").text;
         assert!(text.contains("-#880]") && !text.contains("+0.0124]\n"), "{text}");
         assert!(text.contains("READ LESS 880 OF ITS QUALIFICATION"), "{text}");
@@ -159,7 +159,7 @@ fn the_spindle_is_held_at_its_angle_or_the_header_says_that_it_is_not() {
     for held in [false, true] {
         let settings = settings(held);
         let program = program(&settings);
-        for dialect in Dialect::ALL {
+        for dialect in Dialect::WITH_MACROS {
             let text = program.write(dialect).expect("a program").text;
             // before and after the cut at the same angle
             let working_space = program.working_space(dialect, vec![(0.0, BEFORE)]).expect("a scene");

@@ -1,13 +1,19 @@
-//! `shadowgauge nc`: the offsets of a run as an NC program.
+//! `shadowgauge nc`: the offsets of a run, or of the next part, as an NC program.
+//!
+//! In: a run folder, or a job with the state of its offsets (`from_state`). Out: a program that has
+//! passed its replay, an air cut of it, or the list of a dry run.
 
-use std::path::PathBuf;
+mod from_state;
 
-use super::failure::{CommandResult, Failure, Outcome};
+use std::path::{Path, PathBuf};
+
+use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::input_output::ConfigText;
 use crate::config;
 use crate::files::OutputFile;
 use crate::job::Job;
 use crate::nc::{
-    self, Dialect, Direction, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification,
+    self, AirCut, Dialect, Direction, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification,
     TurningProgram, Workpiece, Written,
 };
 use crate::plan::{DiameterOffset, PassPlan};
@@ -32,9 +38,9 @@ enum Form {
 /// Arguments of `nc`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct NcArgs {
-    /// A run folder.
+    /// A run folder; with --state the job (TOML).
     run: PathBuf,
-    /// fanuc, linuxcnc or gsk.
+    /// fanuc, linuxcnc, gsk or sinumerik.
     #[arg(long, value_parser = dialect)]
     dialect: Dialect,
     /// The pass to be cut; the last one of the run by default.
@@ -49,6 +55,14 @@ pub(crate) struct NcArgs {
     /// where it was made for this control.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
+    /// The state of the offsets, as `measure --offsets JOB --state FILE` keeps it: the program cuts
+    /// the next part, or the trial cut that comes first.
+    #[arg(long, value_name = "FILE.toml")]
+    state: Option<PathBuf>,
+    /// Raises every diameter above the stock: the same moves, nothing is cut. For the first run of
+    /// a program.
+    #[arg(long)]
+    air: bool,
     /// Number of the part: with the pass it makes the program run once only.
     #[arg(long, value_name = "N")]
     part: Option<u32>,
@@ -73,21 +87,24 @@ fn dialect(word: &str) -> Result<Dialect, String> {
 /// Exit 2 for a pass, a machine file or offsets that are refused, 3 for a run folder that cannot be
 /// read.
 pub(crate) fn run(args: &NcArgs) -> CommandResult {
-    let folder = RunFolder::open(&args.run).map_err(Failure::fail)?;
-    let text = folder.config_text().map_err(Failure::fail)?;
-    let name = folder.path().join("run.toml").display().to_string();
-    let job = config::parse(&text, &name).map_err(Failure::refused)?;
-    let settings = settings(args, &job)?;
-    let pass = || Pass::of(&job, &folder.offsets().map_err(Failure::fail)?, args.pass);
+    let source = match &args.state {
+        Some(state) => of_state(args, state)?,
+        None => of_run(args)?,
+    };
+    let Source { job, settings, pass, inputs } = source;
     let text = match args.form {
-        Form::Knots => knots(args, &settings, &pass()?)?,
-        Form::Macro => line(args, &job, &settings, &pass()?)?,
-        Form::Probing => probing(args, &job, &settings, &pass()?)?,
+        _ if args.air && (args.form != Form::Knots || args.dry_run) => {
+            return Err(Failure::refuse(
+                "--air raises the program of --form knots: leave --form and --dry-run out",
+            ));
+        }
+        Form::Knots => knots(args, &settings, &pass?)?,
+        Form::Macro => line(args, &job, &settings, &pass?)?,
+        Form::Probing => probing(args, &job, &settings, &pass?)?,
         Form::Qualify => qualify(args, &settings)?,
     };
     match &args.out {
         Some(path) => {
-            let inputs = folder.files().into_iter().chain(args.machine.clone());
             OutputFile::claim(path, inputs)?.write(text.as_bytes())?;
         }
         None => say!("{text}"),
@@ -95,11 +112,47 @@ pub(crate) fn run(args: &NcArgs) -> CommandResult {
     Ok(Outcome::Done)
 }
 
+/// What a program is made from.
+struct Source {
+    job: Job,
+    settings: NcSettings,
+    /// The pass, where there is one: a qualification needs none.
+    pass: Result<Pass, Failure>,
+    /// Files that the output may not replace.
+    inputs: Vec<PathBuf>,
+}
+
+fn of_run(args: &NcArgs) -> Result<Source, Failure> {
+    let folder = RunFolder::open(&args.run).map_err(Failure::fail)?;
+    let text = folder.config_text().map_err(Failure::fail)?;
+    let name = folder.path().join("run.toml").display().to_string();
+    let job = config::parse(&text, &name).map_err(Failure::refused)?;
+    let settings = settings(args, &job, None)?;
+    let rows = folder.offsets().map_err(Failure::fail);
+    let pass = rows.and_then(|rows| Pass::of(&job, &rows, args.pass));
+    let inputs = folder.files().into_iter().chain(args.machine.clone()).collect();
+    Ok(Source { job, settings, pass, inputs })
+}
+
+fn of_state(args: &NcArgs, state: &Path) -> Result<Source, Failure> {
+    if matches!(args.form, Form::Probing | Form::Qualify) {
+        return Err(Failure::refuse(
+            "--state has offsets: --form probing makes its own at the machine, --form qualify uses none",
+        ));
+    }
+    let job = config::load(&args.run).map_err(Failure::refused)?;
+    let (pass, part_number) = from_state::next_part(&job, state, args.pass)?;
+    let settings = settings(args, &job, Some(part_number))?;
+    let inputs = [args.run.clone(), state.to_owned()].into_iter().chain(args.machine.clone()).collect();
+    Ok(Source { job, settings, pass: Ok(pass), inputs })
+}
+
 /// The settings of the machine file, otherwise the run's own where they are for this control.
-fn settings(args: &NcArgs, job: &Job) -> Result<NcSettings, Failure> {
+/// `next` is the number of the part where neither is given on the command line.
+fn settings(args: &NcArgs, job: &Job, next: Option<u32>) -> Result<NcSettings, Failure> {
     let own = job.nc.as_ref().filter(|nc| nc.dialect == args.dialect);
     let part_number = |settings: NcSettings| NcSettings {
-        part_number: args.part.unwrap_or(settings.part_number),
+        part_number: args.part.or(next).unwrap_or(settings.part_number),
         ..settings
     };
     let Some(path) = &args.machine else {
@@ -107,14 +160,14 @@ fn settings(args: &NcArgs, job: &Job) -> Result<NcSettings, Failure> {
         settings.validate().map_err(Failure::refuse)?;
         return Ok(settings);
     };
-    let file = crate::cli::input_output::ConfigText::read(path)?;
+    let file = ConfigText::read(path)?;
     let settings = part_number(file.parse()?);
     settings.validate().map_err(|error| in_file(&file, error.into()))?;
     Ok(settings)
 }
 
 /// An error that points at the key in the machine's file.
-fn in_file(file: &crate::cli::input_output::ConfigText, error: NcError) -> Failure {
+fn in_file(file: &ConfigText, error: NcError) -> Failure {
     match error {
         NcError::Setting(mut at) => {
             at.key = at.key.strip_prefix("nc.").unwrap_or(&at.key).to_owned();
@@ -246,6 +299,9 @@ fn knots(args: &NcArgs, settings: &NcSettings, pass: &Pass) -> Result<String, Fa
         limits_mm: pass.limits_mm,
         reason: &pass.reason,
     };
+    if args.air {
+        return written(args, AirCut { of: program }.write(args.dialect));
+    }
     let written = written(args, program.write(args.dialect))?;
     if args.dry_run {
         let path = nc::Path::new(&pass.plan, settings, args.dialect).map_err(Failure::refuse)?;

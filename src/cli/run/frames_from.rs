@@ -1,0 +1,118 @@
+//! Where the frames of a run come from: a renderer behind the simulated cell, or a recording.
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use crate::cell::{RecordedCell, SimulatedCell, TurningCell};
+use crate::cli::failure::Failure;
+use crate::closed_loop::Calibrated;
+use crate::gauge::Calibration;
+use crate::gauge::calibration::Date;
+use crate::job::{Job, LoopJob};
+use crate::measurement::edge_model;
+use crate::render::{BackendChoice, Renderer};
+use crate::setting::SettingError;
+use crate::source::{RecordedScan, Recording};
+
+/// Where frames come from.
+pub(crate) enum FramesFrom {
+    /// Process and renderer.
+    Simulation(Renderer),
+    /// A folder of frames.
+    Recording(Recording),
+}
+
+impl FramesFrom {
+    /// A renderer.
+    ///
+    /// # Errors
+    /// Exit 3 for a device that fails.
+    pub(crate) fn simulation(backend: BackendChoice) -> Result<Self, Failure> {
+        let renderer = Renderer::new(backend).map_err(Failure::fail)?;
+        tracing::info!(backend = renderer.backend_name(), adapter = renderer.adapter_name(), "rendering");
+        Ok(Self::Simulation(renderer))
+    }
+
+    /// The recording that a job names beside its config file; `None` where it names none.
+    ///
+    /// # Errors
+    /// The key `source`, for a source of another kind or a folder that is not there.
+    pub(super) fn recording(job: &Job, config: &Path) -> Result<Option<Self>, SettingError> {
+        let Some(source) = &job.source else { return Ok(None) };
+        let folder = config.parent().unwrap_or(Path::new(""));
+        let refused = |what: String| SettingError::at("source", what);
+        let recording = Recording::open(source, folder).map_err(refused)?;
+        if job.probe.is_some() {
+            return Err(refused(
+                "a recorded run has frames; touches of [probe] are not recorded: leave it out".into(),
+            ));
+        }
+        Ok(Some(Self::Recording(recording)))
+    }
+
+    /// Backend of the renderer, or `recorded`.
+    pub(super) fn backend(&self) -> &str {
+        match self {
+            Self::Simulation(renderer) => renderer.backend_name(),
+            Self::Recording(_) => "recorded",
+        }
+    }
+
+    /// Adapter of the renderer, or the folder.
+    pub(super) fn adapter(&self) -> String {
+        match self {
+            Self::Simulation(renderer) => renderer.adapter_name().to_owned(),
+            Self::Recording(recording) => recording.root().display().to_string(),
+        }
+    }
+
+    /// Whether process and truth are simulated, so that the same job can run without control.
+    pub(super) fn is_simulated(&self) -> bool {
+        matches!(self, Self::Simulation(_))
+    }
+
+    /// The cell of a job.
+    ///
+    /// # Errors
+    /// Exit 3 where a stage refuses its settings.
+    pub(super) fn cell<'a>(&'a self, job: &Job) -> Result<Box<dyn TurningCell + 'a>, Failure> {
+        Ok(match self {
+            Self::Simulation(renderer) => Box::new(SimulatedCell::new(job, renderer).map_err(Failure::fail)?),
+            Self::Recording(recording) => Box::new(RecordedCell::new(recording.clone())),
+        })
+    }
+
+    /// The calibration that lies in a recording.
+    ///
+    /// # Errors
+    /// Exit 3 for a file that is none, or whose time is over.
+    pub(super) fn calibration(&self) -> Result<Option<Calibrated>, Failure> {
+        let Self::Recording(recording) = self else { return Ok(None) };
+        recording.calibration().map(|path| read_calibration(&path)).transpose()
+    }
+
+    /// The loop's job with the edge model of a recording's calibration: a gauge must expect the
+    /// edges that the masters had.
+    pub(super) fn with_edge_model(&self, mut job: LoopJob, calibration: Option<&Calibrated>) -> LoopJob {
+        if let (Self::Recording(_), Some(Calibrated::Camera(camera))) = (self, calibration) {
+            job.gauge.esf = edge_model(None, Some(camera));
+        }
+        job
+    }
+
+    /// Where the frames of a pass would lie, if they are not there.
+    pub(super) fn missing(&self, pass: u32) -> Option<PathBuf> {
+        let Self::Recording(recording) = self else { return None };
+        let scan = RecordedScan::Pass(pass);
+        (!recording.has(scan)).then(|| recording.place(scan))
+    }
+}
+
+fn read_calibration(path: &Path) -> Result<Calibrated, Failure> {
+    let named = |e: &dyn std::fmt::Display| Failure::fail(format!("{}: {e}", path.display()));
+    let file = std::fs::File::open(path).map_err(|e| named(&e))?;
+    let calibration = Calibration::read(std::io::BufReader::new(file)).map_err(|e| named(&e))?;
+    let today = Date::of(SystemTime::now());
+    calibration.setup.as_ref().map_or(Ok(()), |s| s.check_date(today)).map_err(|e| named(&e))?;
+    Ok(calibration.into())
+}
