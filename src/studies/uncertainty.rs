@@ -58,6 +58,13 @@ impl PartView {
     }
 }
 
+impl PartView {
+    /// Its budget, by the law of propagation.
+    pub(crate) fn budget(&self) -> &Budget {
+        &self.budget
+    }
+}
+
 /// Halvings of the rows' range: a range of thousands of px is reduced to 1e-14 px.
 const BISECTIONS: usize = 60;
 
