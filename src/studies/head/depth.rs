@@ -196,3 +196,69 @@ fn blur_doubles(head: &HeadSetup, focused: &OpticalEdge, unit_mm: f64) -> Option
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gauge::calibration::Date;
+    use crate::job::Job;
+    use crate::render::optics::edge_spread::PartiallyCoherentEdge;
+    use crate::studies::head::{ExposureLimits, HeadConfig, HeadSettings};
+
+    fn head(change: impl FnOnce(&mut Job)) -> HeadSetup {
+        let mut job = Job::default();
+        (job.camera.columns, job.camera.rows) = (128, 512);
+        job.optics.magnification = 1.0;
+        change(&mut job);
+        let settings = HeadSettings {
+            diameter_mm: Some(0.5),
+            rpm: None,
+            eccentricity_mm: Some(0.01),
+            conditions: None,
+            depth_limit_um: None,
+            exposure: ExposureLimits { undulations_upr: 15.0, amplitude_loss: 0.01, share_of_u: 0.3 },
+            frames: 2,
+            seed: 1,
+            date: Date::of(std::time::SystemTime::UNIX_EPOCH),
+        };
+        let config = HeadConfig { name: "head".to_owned(), file: "head.toml".to_owned(), job };
+        HeadSetup::new(&config, &settings).unwrap()
+    }
+
+    /// A Gaussian edge is not displaced: the lens alone moves the diameter, by D·tan(θ)/h a mm. Its
+    /// width doubles at y = 2·√3·σ/NA.
+    #[test]
+    fn a_gaussian_has_the_closed_forms() {
+        let head = head(|job| {
+            (job.optics.defocus_na, job.optics.telecentricity_mrad) = (0.05, 1.0);
+        });
+        let found = DepthOfField::of(&head, 0.02).unwrap();
+        let half_mm = 0.5 * 512.0_f64.hypot(128.0) * 3.45e-3;
+        let wanted = 2e-5 / (0.5 * 1e-3_f64.tan() / half_mm);
+        assert!((found.depth_mm / wanted - 1.0).abs() < 0.02, "{found:?} {wanted}");
+        assert_eq!(found.ended_by, DepthEnd::Diameter);
+        let doubles = 2.0 * 3.0_f64.sqrt() * 1.2 * 3.45e-3 / 0.05;
+        let at = found.blur_doubles_mm.unwrap();
+        assert!((at / doubles - 1.0).abs() < 0.03, "{at} {doubles}");
+    }
+
+    /// At the depth found, the model's diameter has moved by the limit, and nearer by less.
+    #[test]
+    fn at_the_depth_the_diameter_has_moved_by_the_limit() {
+        let head = head(|job| {
+            job.optics.telecentricity_mrad = 1e-6;
+            job.optics.esf = Esf::PartiallyCoherent(PartiallyCoherentEdge {
+                na: 0.05,
+                coherence_ratio: 0.7,
+                ..PartiallyCoherentEdge::default()
+            });
+        });
+        let limit_um = 0.1;
+        let found = DepthOfField::of(&head, limit_um).unwrap();
+        let focused = head.optics.at(0.0).unwrap();
+        let change = |y_mm: f64| look(&head, &focused, y_mm, 0.0).unwrap().change_um.abs();
+        assert_eq!(found.ended_by, DepthEnd::Diameter, "{found:?}");
+        assert!((change(found.depth_mm) / limit_um - 1.0).abs() < 0.1, "{}", change(found.depth_mm));
+        assert!(change(0.7 * found.depth_mm) < limit_um);
+    }
+}

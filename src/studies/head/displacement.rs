@@ -113,3 +113,56 @@ impl Fit<'_> {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::settings::{Camera, Esf, GaussianEsf, Optics, SetupSettings};
+    use crate::studies::head::edge::EdgeOptics;
+
+    const HALF_PX: usize = 30;
+
+    fn gaussian(sigma_px: f64, defocus_na: f64) -> EdgeOptics {
+        let optics = Optics { esf: Esf::Gaussian(GaussianEsf { sigma_px }), defocus_na, ..Optics::default() };
+        EdgeOptics { optics, pixel_mm: 0.01, radius_mm: 5.0 }
+    }
+
+    fn levels() -> GreyLevels {
+        GreyLevels::of(&SetupSettings { camera: Camera::default(), ..SetupSettings::default() })
+    }
+
+    /// A Gaussian out of focus is a wider Gaussian: √(σ² + (y·NA/2)²), not displaced.
+    #[test]
+    fn a_gaussian_out_of_focus_is_wider_and_stays() {
+        let optics = gaussian(1.5, 0.05);
+        let (model, y_mm) = (optics.at(0.0).unwrap(), 1.2);
+        let seen = optics.at(y_mm).unwrap().over_pixels(HALF_PX, 1.0, 0.0);
+        let found = displacement(&model, &seen, HALF_PX, &levels()).unwrap();
+        let wanted = (1.5_f64.powi(2) + (0.5 * y_mm * 0.05 / 0.01).powi(2)).sqrt() / 1.5;
+        assert!((found.blur_factor - wanted).abs() < 1e-4, "{found:?} {wanted}");
+        assert!(found.into_light_px.abs() < 1e-5 && found.residual_rel < 1e-4, "{found:?}");
+    }
+
+    /// An edge that was moved is found where it was moved to.
+    #[test]
+    fn a_moved_edge_is_found() {
+        let optics = gaussian(0.9, 0.0);
+        let model = optics.at(0.0).unwrap();
+        let seen = PixelEdge::of(HALF_PX, 0.0, |d| model.light(d - 0.37));
+        let found = displacement(&model, &seen, HALF_PX, &levels()).unwrap();
+        assert!((found.into_light_px - 0.37).abs() < 1e-5, "{found:?}");
+        assert!((found.blur_factor - 1.0).abs() < 1e-4, "{found:?}");
+    }
+
+    /// A long path is no Gaussian: it leaves a residual, which a short one does not.
+    #[test]
+    fn a_long_smear_leaves_a_residual() {
+        let optics = gaussian(1.0, 0.0);
+        let model = optics.at(0.0).unwrap();
+        let residual = |smear_px: f64| {
+            let seen = model.over_pixels(HALF_PX, 1.0, smear_px);
+            displacement(&model, &seen, HALF_PX, &levels()).unwrap().residual_rel
+        };
+        assert!(residual(0.5) < 1e-3 && residual(15.0) > 0.02, "{} {}", residual(0.5), residual(15.0));
+    }
+}
