@@ -107,7 +107,7 @@ fn the_better_of_two_lenses_gets_the_smaller_u() {
     // What the study predicts of a column is what its frames, and those of `render` and `measure`, scatter by.
     for (k, config) in heads.iter().enumerate() {
         let at = |key: &str| number(&study, &format!("/heads/{k}/{key}"));
-        let (predicted, ratio) = (at("repeatability/column_um"), at("frames/ratio"));
+        let (predicted, ratio) = (at("repeatability/column_um"), at("frames/column_ratio"));
         assert!((ratio - 1.0).abs() < 0.15, "{k}: {ratio}");
         let outside = rms_um(&bench, config, at("optics/um_per_px"));
         assert!((outside / predicted - 1.0).abs() < 0.2, "{k}: {outside} {predicted}");
@@ -130,7 +130,7 @@ fn the_better_lens_loses_where_its_edges_run_out_too_fast() {
     // Moving frames of the other are measured, and scatter as predicted of its smeared edges.
     let at = |path: &str| number(&fast, path);
     assert!(at("/heads/1/motion/noise_factor") > 1.2);
-    assert!((at("/heads/1/frames/ratio") - 1.0).abs() < 0.25, "{}", fast["heads"][1]["frames"]);
+    assert!((at("/heads/1/frames/column_ratio") - 1.0).abs() < 0.25, "{}", fast["heads"][1]["frames"]);
 }
 
 /// The same lens with a tenth of the light's electrons.

@@ -10,8 +10,8 @@ use crate::studies::head::{HeadFigures, HeadStudy};
 const EXPLANATIONS: [&str; 7] = [
     "From the configs: what a data sheet has. Blur: the standard deviation of a Gaussian as steep as the edge.",
     "Noise alone, from contrast, photons, read noise, rounding and blur. The bound (Cramér and Rao) is what no estimate can be below, with levels \
-     and blur given; the row beneath it has them found from the same frame. Frames of the part in use were rendered and measured to check it: the \
-     ratio should be 1 within its 95 % interval and the deviations of a head as built ([departures]).",
+     and blur given; the rows beneath it have them found from the same frame. Frames of the part in use were rendered and measured to check it: the \
+     ratios should be 1 within their 95 % intervals and the deviations of a head as built ([departures]).",
     "Measured less true diameter of the same frames, without any calibration: by the edge of the head's own optics ([gauge.esf.optics]) and by the \
      plain Gaussian. The common error is the edge model's; masters take out what they share with the part.",
     "How far the part may stand from the plane of focus until its diameter has moved by the limit: by telecentricity, and by an edge out of focus \

@@ -78,7 +78,7 @@ fn optics(heads: &[HeadFigures]) -> Vec<Vec<String>> {
 fn repeatability(heads: &[HeadFigures]) -> Vec<Vec<String>> {
     vec![
         row("bound, one column / µm", heads, |h| three(h.repeatability.bound_um)),
-        row("one column, levels and blur found / µm", heads, |h| three(h.repeatability.column_um)),
+        row("one column of a frame / µm", heads, |h| three(h.repeatability.column_um)),
         row("a frame / µm", heads, |h| {
             format!("{} ({} columns)", three(h.repeatability.frame_um), h.repeatability.columns)
         }),
@@ -88,17 +88,23 @@ fn repeatability(heads: &[HeadFigures]) -> Vec<Vec<String>> {
         row("a station over a turn / µm", heads, |h| {
             format!("{} ({} angles)", three(h.repeatability.turn_um), h.repeatability.angles)
         }),
-        row("one column in use, predicted / µm", heads, |h| {
-            h.frames.as_ref().map_or_else(|| NONE.to_owned(), |_| three(h.repeatability_in_use.column_um))
+        row("bound, one column in use / µm", heads, |h| {
+            h.frames.as_ref().map_or_else(|| NONE.to_owned(), |_| three(h.repeatability_in_use.bound_um))
         }),
-        row("the same in rendered frames / µm", heads, |h| {
+        row("columns of rendered frames in use / µm", heads, |h| {
             maybe(h.frames.as_ref().and_then(|f| f.own.column_sd_um))
         }),
-        row("measured over predicted", heads, |h| {
-            let of = |f: &FrameCheck| Some(format!("{:.3} ± {:.3}", f.ratio?, 2.0 * f.u_ratio?));
-            h.frames.as_ref().and_then(of).unwrap_or_else(|| NONE.to_owned())
+        row("  over the bound", heads, |h| ratio(h, &|f| Some((f.column_ratio?, f.u_column_ratio?)))),
+        row("  means of frames over the prediction", heads, |h| {
+            ratio(h, &|f| Some((f.frame_ratio?, f.u_frame_ratio?)))
         }),
     ]
+}
+
+/// A ratio with its 95 % interval.
+fn ratio(head: &HeadFigures, of: &dyn Fn(&FrameCheck) -> Option<(f64, f64)>) -> String {
+    let found = head.frames.as_ref().and_then(of);
+    found.map_or_else(|| NONE.to_owned(), |(ratio, u)| format!("{ratio:.3} ± {:.3}", 2.0 * u))
 }
 
 fn accuracy(heads: &[HeadFigures]) -> Vec<Vec<String>> {

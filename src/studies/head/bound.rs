@@ -1,18 +1,31 @@
 //! The smallest variance with which an edge can be placed (Cramér and Rao), from contrast, photons,
 //! read noise, rounding and blur.
 //!
-//! With pixels μ_i = dark + (light − dark)·E(i − x) of independent normal noise of variance v_i and
-//! the parameters p = (x, dark, light, blur), I = Σ ∂μ/∂p ∂μ/∂pᵀ / v_i. Where levels and blur are
-//! given, the variance of x is 1/I_xx; where they are found from the same frame, (I⁻¹)_xx. Columns
-//! of a frame share levels and blur and have a place each: with n of them the variance of the mean
-//! place is (I⁻¹)_xx/n, as elimination of the places shows. v = (electrons + read² + pattern²)/g² +
-//! 1/12 in counts², g electrons a count; pattern is what the pixels' gain and offset differ by (PRNU,
-//! DSNU), which scatters over columns and is the same in every frame. All is the mean over the places of an edge within a pixel.
+//! Pixels μ_i = dark + (light − dark)·E(i − x) have independent normal noise of variance v_i. With
+//! the parameters x and θ = (dark, light, blur) the information of a column is
 //!
-//! Check: a Gaussian edge of σ with noise of one variance has 1/I_xx = 2·√π·σ_n²·b/A², A the
-//! contrast, b² = σ² + 1/12.
+//! ```text
+//! I = Σ ∂μ/∂p ∂μ/∂pᵀ / v_i = | a  bᵀ |        v = (electrons + read² + pattern²)/g² + 1/12 counts²
+//!                            | b  C  |
+//! ```
+//!
+//! g electrons a count; pattern is what the pixels' gain and offset differ by (PRNU, DSNU), which
+//! scatters over columns and is the same in every frame. Where θ is given, the variance of x is g² =
+//! 1/a. The columns of a frame have a place each and share θ: elimination of the places gives θ the
+//! information Σ(C − b·bᵀ/a), and the mean place of n columns the variance f²/n,
+//!
+//! ```text
+//! f² = ⟨1/a⟩ + ⟨b/a⟩ᵀ ⟨C − b·bᵀ/a⟩⁻¹ ⟨b/a⟩
+//! ```
+//!
+//! with means over the places of an edge within a pixel, which an inclined part or a turn brings.
+//! Blur moves an edge one way at one place and the other way at another, so that ⟨b/a⟩ has little of
+//! it.
+//!
+//! Check: a Gaussian edge of σ with noise of one variance has 1/a = 2·√π·σ_n²·b/A², A the contrast,
+//! b² = σ² + 1/12.
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 use super::edge::{OpticalEdge, PER_PX, PixelEdge};
 use crate::frame::PixelFormat;
@@ -107,14 +120,22 @@ pub(super) fn edge_bound(
 
 /// The bound from an edge and the same with a wider blur.
 fn of_pixels(pixels: &PixelEdge, wider: &PixelEdge, levels: &GreyLevels) -> Option<EdgeBound> {
-    let (mut given, mut found) = (0.0, 0.0);
-    for phase in 0..PHASES {
-        let information = information(pixels, wider, levels, phase * PER_PX / PHASES);
-        given += information[(0, 0)].recip();
-        found += information.try_inverse()?[(0, 0)];
+    let of_phase = |phase: usize| information(pixels, wider, levels, phase * PER_PX / PHASES);
+    pooled((0..PHASES).map(of_phase))
+}
+
+/// The bound of columns with these informations.
+fn pooled(columns: impl ExactSizeIterator<Item = Matrix4<f64>>) -> Option<EdgeBound> {
+    let count = columns.len() as f64;
+    let (mut given, mut lever, mut shared) = (0.0, Vector3::zeros(), Matrix3::zeros());
+    for information in columns {
+        let (a, b) = (information[(0, 0)], information.fixed_view::<3, 1>(1, 0).into_owned());
+        given += a.recip() / count;
+        lever += b / (a * count);
+        shared += (information.fixed_view::<3, 3>(1, 1) - b * b.transpose() / a) / count;
     }
-    let mean = |sum: f64| (sum / PHASES as f64).sqrt();
-    Some(EdgeBound { given_px: mean(given), found_px: mean(found) })
+    let found = given + lever.dot(&(shared.try_inverse()? * lever));
+    Some(EdgeBound { given_px: given.sqrt(), found_px: found.sqrt() })
 }
 
 /// Information on place, dark, light and blur of pixels that begin at a sample.
@@ -163,15 +184,16 @@ mod tests {
         }
     }
 
-    /// The mean place of n columns with common levels and blur has (I⁻¹)_xx/n: by the whole matrix of
-    /// n places and three common parameters.
+    /// The mean place of n columns at several places with common levels and blur has the variance
+    /// f²/n: by the whole matrix of n places and three common parameters.
     #[test]
     fn columns_with_common_levels_average_as_stated() {
-        let at = |scale: f64| PixelEdge::of(12, 0.0, |d| phi_cdf(d / (1.2 * scale)));
-        let one = information(&at(1.0), &at(1.0 + BLUR_STEP), &level(), 24);
-        let n = 5;
+        let at = |scale: f64| PixelEdge::of(12, 0.0, |d| phi_cdf(d / (0.4 * scale)));
+        let (edge, wider, n) = (at(1.0), at(1.0 + BLUR_STEP), 5);
+        let columns: Vec<Matrix4<f64>> =
+            (0..n).map(|column| information(&edge, &wider, &level(), 11 * column)).collect();
         let mut all = nalgebra::DMatrix::zeros(n + 3, n + 3);
-        for column in 0..n {
+        for (column, one) in columns.iter().enumerate() {
             let place = |k: usize| if k == 0 { column } else { n + k - 1 };
             for i in 0..4 {
                 for j in 0..4 {
@@ -181,7 +203,8 @@ mod tests {
         }
         let inverse = all.try_inverse().unwrap();
         let mean: f64 = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|at| inverse[at]).sum();
-        let (mean, wanted) = (mean / (n * n) as f64, one.try_inverse().unwrap()[(0, 0)] / n as f64);
+        let mean = mean / (n * n) as f64;
+        let wanted = pooled(columns.into_iter()).unwrap().found_px.powi(2) / n as f64;
         assert!((mean / wanted - 1.0).abs() < 1e-9, "{mean} {wanted}");
     }
 

@@ -15,6 +15,9 @@ use crate::studies::calibration::{
 };
 use crate::studies::uncertainty::PartView;
 
+/// Rows below this share of u are left out: they change it by 5e-9 of it.
+const LEAST_ROW: f64 = 1e-4;
+
 /// A row of the budget.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct BudgetRow {
@@ -49,7 +52,8 @@ impl HeadBudget {
         let coverage_factor = budget.factor_or(None);
         let um =
             |c: &Contribution| BudgetRow { source: c.source.clone(), share: c.share, u_um: 1e3 * c.u_mm };
-        let mut rows: Vec<BudgetRow> = budget.contributions.iter().map(um).collect();
+        let counts = |c: &&Contribution| !(c.u_mm < LEAST_ROW * budget.u_mm());
+        let mut rows: Vec<BudgetRow> = budget.contributions.iter().filter(counts).map(um).collect();
         rows.sort_by(|a, b| b.u_um.total_cmp(&a.u_um));
         Self {
             u_random_um: 1e3 * budget.u_random_mm(),

@@ -75,7 +75,7 @@ pub(super) fn figures(
         None => {
             let predicted = Repeatability::of(head, path_px)?;
             let frames = (settings.frames, settings.seed);
-            (predicted, Some(check(head, frames, predicted.column_um, renderer, done)?))
+            (predicted, Some(check(head, frames, &predicted, renderer, done)?))
         }
     };
     let limit_um = settings.depth_limit_um.unwrap_or(DEPTH_SHARE * at_rest.expanded_u_um);

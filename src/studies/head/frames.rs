@@ -10,9 +10,10 @@
 use serde::Serialize;
 
 use super::error::HeadError;
+use super::repeatability::Repeatability;
 use super::setup::HeadSetup;
 use crate::frame::Roi;
-use crate::gauge::{EsfModel, Gauge, GaugeSettings};
+use crate::gauge::{EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings};
 use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use crate::shaft::{Eccentricity, Pose, Shaft};
 use crate::truth;
@@ -50,15 +51,22 @@ pub(crate) struct FrameCheck {
     pub own: ModelErrors,
     /// By the plain Gaussian; none where that is its own.
     pub gaussian: Option<ModelErrors>,
-    /// Scatter of columns measured over predicted.
-    pub ratio: Option<f64>,
-    /// Standard uncertainty of that ratio by the number of columns, 1/√(2n).
-    pub u_ratio: Option<f64>,
+    /// Scatter of columns about their frame's mean over the bound: what all columns of a frame share
+    /// is not in either.
+    pub column_ratio: Option<f64>,
+    /// Its standard uncertainty by the number of columns, 1/√(2n) of it.
+    pub u_column_ratio: Option<f64>,
+    /// Scatter of the frames' means over the prediction for as many columns.
+    pub frame_ratio: Option<f64>,
+    /// Its standard uncertainty by the number of frames.
+    pub u_frame_ratio: Option<f64>,
 }
 
 /// Sums of one model over frames.
 struct Sums {
-    gauge: Gauge,
+    /// Frames follow one another, as those of a camera.
+    stream: EdgeStream,
+    edges: FrameEdges,
     model: &'static str,
     means: Vec<f64>,
     squares: f64,
@@ -69,20 +77,28 @@ struct Sums {
 
 impl Sums {
     fn new(settings: GaugeSettings, model: &'static str) -> Result<Self, HeadError> {
-        let gauge = Gauge::new(settings)?;
-        Ok(Self { gauge, model, means: Vec::new(), squares: 0.0, freedom: 0.0, refused: 0, why: None })
+        let stream = Gauge::new(settings)?.stream();
+        let edges = FrameEdges::default();
+        Ok(Self {
+            stream,
+            edges,
+            model,
+            means: Vec::new(),
+            squares: 0.0,
+            freedom: 0.0,
+            refused: 0,
+            why: None,
+        })
     }
 
     /// Measures a frame of these true widths, px.
     fn add(&mut self, frame: &crate::frame::Frame, true_px: &[f64]) {
-        let edges = match self.gauge.edges(&frame.view()) {
-            Ok(edges) => edges,
-            Err(refused) => {
-                self.refused += 1;
-                self.why = Some(refused.to_string());
-                return;
-            }
-        };
+        if let Err(refused) = self.stream.measure(&frame.view(), &mut self.edges) {
+            self.refused += 1;
+            self.why = Some(refused.to_string());
+            return;
+        }
+        let edges = &self.edges;
         let errors: Vec<f64> = true_px
             .iter()
             .enumerate()
@@ -174,7 +190,7 @@ impl Drawn<'_> {
 pub(super) fn check(
     head: &HeadSetup,
     (frames, seed): (usize, u64),
-    predicted_column_um: f64,
+    predicted: &Repeatability,
     renderer: &Renderer,
     done: &dyn Fn(u64),
 ) -> Result<FrameCheck, HeadError> {
@@ -203,8 +219,12 @@ pub(super) fn check(
         done(1);
     }
     let errors = own.errors(um_per_px, columns as usize);
-    let ratio = errors.column_sd_um.map(|um| um / predicted_column_um);
-    let u_ratio = ratio.map(|ratio| ratio / (2.0 * own.freedom).sqrt());
+    let column_ratio = errors.column_sd_um.map(|um| um / predicted.bound_um);
+    let of_frame = predicted.frame_um * (predicted.columns as f64 / f64::from(columns)).sqrt();
+    let frame_ratio = errors.frame_sd_um.map(|um| um / of_frame);
+    let u_of = |ratio: Option<f64>, freedom: f64| ratio.map(|ratio| ratio / (2.0 * freedom).sqrt());
+    let u_column_ratio = u_of(column_ratio, own.freedom);
+    let u_frame_ratio = u_of(frame_ratio, own.means.len() as f64 - 1.0);
     let gaussian = gaussian.map(|sums| sums.errors(um_per_px, columns as usize));
-    Ok(FrameCheck { own: errors, gaussian, ratio, u_ratio })
+    Ok(FrameCheck { own: errors, gaussian, column_ratio, u_column_ratio, frame_ratio, u_frame_ratio })
 }

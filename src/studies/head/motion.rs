@@ -73,7 +73,7 @@ impl MotionEffect {
             return Ok(Self { refused, ..still });
         }
         let smeared = Repeatability::of(head, path_px)?;
-        let noise_factor = (smeared.column_um / at_rest.column_um).max(1.0);
+        let noise_factor = (smeared.frame_um / at_rest.frame_um).max(1.0);
         let change_um = 2.0 * found.into_light_px * head.um_per_px();
         let noise_um = at_rest.frame_um * (noise_factor * noise_factor - 1.0).sqrt();
         // A path is somewhere from none to the whole: limits, not a value.

@@ -97,6 +97,12 @@ impl HeadSetup {
         gauge.validate()?;
         masters(&mut job, diameter_mm, &range, &mut notes);
         let conditions = conditions(&job, settings, turning.eccentricity_mm);
+        if settings.conditions.is_none() && conditions.limit_temperature_k == 0.0 {
+            notes.push(
+                "the part's temperature and finish taken as exact: --conditions FILE states limits"
+                    .to_owned(),
+            );
+        }
         let optics = EdgeOptics { optics: job.optics.clone(), pixel_mm, radius_mm: 0.5 * diameter_mm };
         let levels = GreyLevels::of(&job.setup_settings());
         let config = config.clone();
@@ -206,7 +212,7 @@ fn masters(job: &mut Job, diameter_mm: f64, range: &DiameterRange, notes: &mut V
     let u_mm = default.pins[0].expanded_u_mm;
     job.masters.pins = MASTERS
         .map(|share| MasterCertificate {
-            diameter_mm: (share * diameter_mm).clamp(range.smallest_mm, range.largest_mm),
+            diameter_mm: rounded((share * diameter_mm).clamp(range.smallest_mm, range.largest_mm)),
             expanded_u_mm: u_mm,
             coverage_factor: default.pins[0].coverage_factor,
         })
@@ -216,6 +222,11 @@ fn masters(job: &mut Job, diameter_mm: f64, range: &DiameterRange, notes: &mut V
         "no masters in the config: pins of {small:.4} and {large:.4} mm with U = {} µm (k = 2) assumed",
         1e3 * u_mm
     ));
+}
+
+/// To a tenth of a µm: what a pin is ordered to.
+fn rounded(mm: f64) -> f64 {
+    (1e4 * mm).round() / 1e4
 }
 
 /// Conditions of the part: those given, otherwise the config's; where no limits of its distance
