@@ -66,18 +66,17 @@ pub(super) fn figures(
     (renderer, done): (&Renderer, &dyn Fn(u64)),
 ) -> Result<HeadFigures, HeadError> {
     let repeatability = Repeatability::of(head, 0.0)?;
-    let motion = MotionEffect::of(head, &repeatability)?;
+    let mut motion = MotionEffect::of(head, &repeatability)?;
     let budgets = Budgets::of(head, renderer, settings.date, done)?;
+    let (mut repeatability_in_use, mut frames) = (repeatability, None);
+    if motion.refused.is_none() {
+        repeatability_in_use = Repeatability::of(head, motion.path_um / head.um_per_px())?;
+        let asked = (settings.frames, settings.seed);
+        let found = check(head, asked, &repeatability_in_use, renderer, done)?;
+        motion.refused = found.refused();
+        frames = Some(found);
+    }
     let (at_rest, in_use) = (budgets.at_rest(), budgets.in_use(&motion));
-    let path_px = motion.path_um / head.um_per_px();
-    let (repeatability_in_use, frames) = match &motion.refused {
-        Some(_) => (repeatability, None),
-        None => {
-            let predicted = Repeatability::of(head, path_px)?;
-            let frames = (settings.frames, settings.seed);
-            (predicted, Some(check(head, frames, &predicted, renderer, done)?))
-        }
-    };
     let limit_um = settings.depth_limit_um.unwrap_or(DEPTH_SHARE * at_rest.expanded_u_um);
     Ok(HeadFigures {
         name: head.config.name.clone(),

@@ -62,6 +62,16 @@ pub(crate) struct FrameCheck {
     pub u_frame_ratio: Option<f64>,
 }
 
+impl FrameCheck {
+    /// Why no frame could be measured by the edge of the head's own optics, where none could: the
+    /// gauge tests every column's residual against its noise, which is stricter than the residual of
+    /// a smeared edge alone.
+    pub(super) fn refused(&self) -> Option<String> {
+        let why = self.own.why.as_deref().unwrap_or("no column has both edges");
+        (self.own.frames == 0).then(|| format!("rendered frames are refused: {why}"))
+    }
+}
+
 /// Sums of one model over frames.
 struct Sums {
     /// Frames follow one another, as those of a camera.
