@@ -178,7 +178,7 @@ fn load_one(path: &Path) -> Result<HeadConfig, Failure> {
 }
 
 fn settings(args: &StudyHeadArgs, configs: &[HeadConfig]) -> Result<HeadSettings, Failure> {
-    let diameters: Vec<f64> = configs.iter().map(|c| c.job.part.drawn_diameter_mm()).collect();
+    let diameters: Vec<f64> = configs.iter().map(HeadConfig::diameter_mm).collect();
     if args.diameter_mm.is_none() && diameters.iter().any(|d| (d - diameters[0]).abs() > 1e-9 * d) {
         let list: Vec<String> =
             configs.iter().zip(&diameters).map(|(c, d)| format!("{d} mm in {}", c.file)).collect();

@@ -192,7 +192,7 @@ mod tests {
         let (edge, wider, n) = (at(1.0), at(1.0 + BLUR_STEP), 5);
         let columns: Vec<Matrix4<f64>> =
             (0..n).map(|column| information(&edge, &wider, &level(), 11 * column)).collect();
-        let mut all = nalgebra::DMatrix::zeros(n + 3, n + 3);
+        let mut all = nalgebra::DMatrix::<f64>::zeros(n + 3, n + 3);
         for (column, one) in columns.iter().enumerate() {
             let place = |k: usize| if k == 0 { column } else { n + k - 1 };
             for i in 0..4 {

@@ -42,6 +42,14 @@ pub(crate) struct HeadConfig {
     pub(crate) job: Job,
 }
 
+impl HeadConfig {
+    /// Diameter of its part, mm: the largest of its contour, otherwise the finished part's.
+    pub(crate) fn diameter_mm(&self) -> f64 {
+        let contour = self.job.shaft.contour.iter().map(|corner| corner.diameter_mm);
+        contour.reduce(f64::max).unwrap_or_else(|| self.job.part.drawn_diameter_mm())
+    }
+}
+
 /// How the part turns before the head.
 #[derive(Clone, Debug)]
 pub(super) struct Turning {
@@ -82,7 +90,7 @@ impl HeadSetup {
     /// Settings that contradict each other, a part that the head cannot have in its field.
     pub(crate) fn new(config: &HeadConfig, settings: &HeadSettings) -> Result<Self, HeadError> {
         check_pitch(&config.job)?;
-        let diameter_mm = settings.diameter_mm.unwrap_or_else(|| config.job.part.drawn_diameter_mm());
+        let diameter_mm = settings.diameter_mm.unwrap_or_else(|| config.diameter_mm());
         let mut notes = Vec::new();
         let turning = turning(&config.job, settings, &mut notes);
         let mut job = at_rest(&config.job, diameter_mm, &mut notes);
