@@ -184,7 +184,10 @@ fn heads_that_cannot_be_compared_are_refused_by_name() {
     let [fine, coarse] = bench.heads();
     let without = bench
         .file("without.toml", "name = \"x\"\n[part]\nnominal_diameter_mm = [10.0]\n[camera]\nrows = 1024\n");
-    let pitch = head("pitch", 2.0).replace("[optics]\n", "[sensor]\npreset = \"sony_imx900\"\n[optics]\n");
+    let pitch = head("pitch", 2.0).replace(
+        "[optics]\n",
+        "[light]\nshadow_counts = 280.0\n[sensor]\npreset = \"sony_imx900\"\n[optics]\n",
+    );
     let pitch = bench.file("pitch.toml", &pitch);
     let other = bench.file("other.toml", &head("other", 2.0).replace("[0.5]", "[0.4]"));
     let plan = bench.file("plan.toml", "optics_id = \"x\"\n");
@@ -192,7 +195,7 @@ fn heads_that_cannot_be_compared_are_refused_by_name() {
         (vec![&without], &[], "has no [optics]"),
         (vec![&plan], &[], "is a calibration's file"),
         (vec![&fine, &fine], &[], "name each head once"),
-        (vec![&fine, &other], &[], "--diameter-mm states the one"),
+        (vec![&fine, &other], &[], "states the one to compare the heads at"),
         (vec![&pitch], &[], "write pixel_um = 2.25"),
         (vec![&fine, &coarse], &["--diameter-mm", "1.2"], "is larger than this head can have in its field"),
         (vec![&fine], &["--diameter-mm", "0.001"], "is smaller than this head can measure"),
