@@ -203,7 +203,8 @@ mod tests {
     use crate::gauge::calibration::Date;
     use crate::job::Job;
     use crate::render::optics::edge_spread::PartiallyCoherentEdge;
-    use crate::studies::head::{ExposureLimits, HeadConfig, HeadSettings};
+    use crate::studies::head::settings::{ExposureLimits, HeadSettings};
+    use crate::studies::head::setup::HeadConfig;
 
     fn head(change: impl FnOnce(&mut Job)) -> HeadSetup {
         let mut job = Job::default();
