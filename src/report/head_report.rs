@@ -33,7 +33,7 @@ pub(crate) fn head_page(study: &HeadStudy) -> Result<String, ReportError> {
         Page::new(format!("Heads before a part of {} mm", heads.first().map_or(0.0, |h| h.diameter_mm)));
     let tone = if study.verdict.best.is_some() { Tone::Good } else { Tone::Bad };
     page.verdict(tone, &study.verdict.words);
-    page.figure(&bars(heads)?, "Expanded uncertainty U of each head at rest and in use.");
+    page.figure(&dots(heads)?, "Expanded uncertainty U of each head at rest and in use.");
     let header: Vec<&str> = std::iter::once("").chain(names).collect();
     for (section, explanation) in head_sections(heads).into_iter().zip(EXPLANATIONS) {
         page.heading(section.title).text(explanation).table(&header, &section.rows);
@@ -53,8 +53,8 @@ fn drawn(chart: Chart) -> Result<String, ReportError> {
     chart.to_svg().map_err(ReportError::Draw)
 }
 
-/// A mark for U at rest and in use at the number of every head.
-fn bars(heads: &[HeadFigures]) -> Result<String, ReportError> {
+/// Dots of U at rest and in use at the number of every head.
+fn dots(heads: &[HeadFigures]) -> Result<String, ReportError> {
     let at = |k: usize| (k + 1) as f64;
     let in_use = heads.iter().enumerate();
     let in_use = in_use.filter_map(|(k, h)| Some((at(k), h.in_use.as_ref()?.expanded_u_um))).collect();
@@ -65,7 +65,7 @@ fn bars(heads: &[HeadFigures]) -> Result<String, ReportError> {
         x_labels: Some(heads.len()),
         series: vec![
             Series::new("at rest", Mark::Dots, 0, at_rest),
-            Series::new("in use", Mark::LineDots, 1, in_use),
+            Series::new("in use", Mark::Dots, 1, in_use),
         ],
         y_range: Some((0.0, 1.15 * heads.iter().map(largest_u_um).fold(0.0, f64::max))),
         ..Chart::default()
