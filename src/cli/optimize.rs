@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
+use crate::cli::terminal::progress;
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
 use crate::studies::optimize::{self, Constraint, OptimizeConfig, Problem, Solution, Study};
@@ -35,7 +36,9 @@ pub(crate) fn run(args: &OptimizeArgs) -> CommandResult {
     config.genetic.seed = args.seed.unwrap_or(config.genetic.seed);
     let problem = Problem::new(&config).map_err(|e| text.refuse(e))?;
     let folder = StudyFolder::claim(args.out.as_deref())?;
-    let study = optimize::study(&problem, &config);
+    let bar = progress::bar(optimize::searches(&config) as u64, "searching", "optima");
+    let study = optimize::study(&problem, &config, &|| bar.inc(1));
+    bar.finish_and_clear();
     StudyFolder::fill(folder, |folder| write(folder, &config, &problem, &study))?;
     if args.json {
         say_line!("{}", json_text(&study)?);

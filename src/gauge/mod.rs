@@ -62,6 +62,8 @@ pub(crate) use diameter::station_mean::StationColumns;
 pub(crate) use edge::estimation::model_bias::ResidualAccumulator;
 pub(crate) use edge::estimation::slanted_edge::least_travel_px;
 pub(crate) use edge::parallel::Lanes;
+#[cfg(feature = "render")]
+pub(crate) use edge::room::EdgeRoom;
 pub(crate) use edge::settled::SettledStream;
 pub(crate) use limit::{Limit, replace as replace_limit};
 pub(crate) use width::axis_pose::Pose;

@@ -106,6 +106,14 @@ pub enum SensorPreset {
 }
 
 impl SensorPreset {
+    /// Pitch of its pixels, µm.
+    pub(crate) fn pixel_um(self) -> f64 {
+        match self {
+            Self::SonyImx900 | Self::SonyImx900HighGain => 2.25,
+            Self::LucidAtx470s => 2.315,
+        }
+    }
+
     /// The sensor with the published figures.
     pub(crate) fn sensor(self) -> Sensor {
         let sensor = Sensor {

@@ -5,8 +5,8 @@
 //! their series, `picture`: frames), in the `colours` of both schemes; a report is a file of
 //! sections, each a function of a page and its data (`shaft_report`, `form_report`, `axis_report`,
 //! `probe_report`, `sample`, `budget_words`, for `measure_report` `measured_frames`,
-//! `measured_values`, `measured_setup`, `measured_charts`, `measured_series` and `reason_words`). A
-//! new section is a file and one call in the report it belongs to.
+//! `measured_values`, `measured_setup`, `measured_charts`, `measured_series` and `reason_words`, for
+//! `head_report` `head_rows`). A new section is a file and one call in the report it belongs to.
 
 mod axis_report;
 mod budget_words;
@@ -14,6 +14,8 @@ mod calibration_report;
 mod colours;
 mod error;
 mod form_report;
+mod head_report;
+pub(crate) mod head_rows;
 pub(crate) mod html;
 mod marks;
 pub(crate) mod measure_report;
@@ -33,5 +35,6 @@ mod shaft_report;
 mod washers_report;
 
 pub(crate) use calibration_report::calibration_report;
+pub(crate) use head_report::head_page;
 pub(crate) use run_report::{RunView, run_report};
 pub(crate) use washers_report::washers_page;

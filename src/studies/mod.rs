@@ -16,6 +16,7 @@ pub(crate) mod deflection_line;
 pub(crate) mod dirty_frames;
 pub(crate) mod factor;
 pub(crate) mod golden_cases;
+pub(crate) mod head;
 pub(crate) mod in_process;
 pub(crate) mod limits;
 pub(crate) mod line_camera;

@@ -58,6 +58,13 @@ impl PartView {
     }
 }
 
+impl PartView {
+    /// Its budget, by the law of propagation.
+    pub(crate) fn budget(&self) -> &Budget {
+        &self.budget
+    }
+}
+
 /// Halvings of the rows' range: a range of thousands of px is reduced to 1e-14 px.
 const BISECTIONS: usize = 60;
 
@@ -178,13 +185,15 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
     all
 }
 
-/// Number of trials of a Monte Carlo, and the seed.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Draws {
+/// Number of trials of a Monte Carlo, the seed, and what is called after each trial.
+#[derive(Clone, Copy)]
+pub(crate) struct Draws<'a> {
     /// Their number.
     pub trials: Trials,
     /// Seed.
     pub seed: u64,
+    /// Called after each trial, on any thread.
+    pub done: &'a (dyn Fn() + Sync),
 }
 
 /// Propagates the distributions of all inputs of a diameter; `None` where the masters do not
@@ -194,7 +203,7 @@ pub(crate) fn uncertainty(
     adjustment: &Adjustment,
     part: &PartView,
     conditions: &Conditions,
-    Draws { trials, seed }: Draws,
+    Draws { trials, seed, done }: Draws<'_>,
 ) -> Option<Uncertainty> {
     let setup = calibration.setup.as_ref()?;
     let model = Model {
@@ -206,11 +215,12 @@ pub(crate) fn uncertainty(
     let inputs = inputs(adjustment, calibration, part, conditions);
     let value = |x: &[f64]| Some(model.value(x));
     let gum = law_of_propagation(&inputs, value)?;
+    let trial = |x: &[f64]| value(x).inspect(|_| done());
     let monte_carlo = match trials {
-        Trials::Fixed(trials) => monte_carlo(&inputs, value, trials, PROBABILITY, seed)?,
+        Trials::Fixed(trials) => monte_carlo(&inputs, trial, trials, PROBABILITY, seed)?,
         Trials::Adaptive(most) => {
             let tolerance = 0.2 * crate::gauge::monte_carlo::numerical_tolerance(gum.u, 2);
-            monte_carlo_adaptive(&inputs, value, StopRule { tolerance, most }, PROBABILITY, seed)?
+            monte_carlo_adaptive(&inputs, trial, StopRule { tolerance, most }, PROBABILITY, seed)?
         }
     };
     let validation = [2, 1].map(|digits| validate(&gum, &monte_carlo, PROBABILITY, digits));

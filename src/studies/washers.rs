@@ -193,16 +193,18 @@ impl WashersStudy {
     }
 }
 
-/// Runs the study.
+/// Runs the study; `done` is called after each part.
 ///
 /// # Errors
 /// Too few parts, or one that is not measured.
-pub(crate) fn washers(parts: &[Part]) -> Result<WashersStudy, WashersError> {
+pub(crate) fn washers(parts: &[Part], done: &(dyn Fn() + Sync)) -> Result<WashersStudy, WashersError> {
     if parts.len() < 4 {
         return Err(WashersError::TooFew(parts.len()));
     }
-    let measured: Vec<(RingMeasurement, Pair)> =
-        parts.par_iter().map(measure).collect::<Result<_, WashersError>>()?;
+    let measured: Vec<(RingMeasurement, Pair)> = parts
+        .par_iter()
+        .map(|part| measure(part).inspect(|_| done()))
+        .collect::<Result<_, WashersError>>()?;
     let (rings, crossing): (Vec<RingMeasurement>, Vec<Pair>) = measured.into_iter().unzip();
     let machine: Vec<Pair> = parts.iter().map(|p| p.machine_mm).collect();
     let level_crossing =

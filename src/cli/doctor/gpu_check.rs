@@ -7,7 +7,8 @@ use crate::render::{BackendChoice, FrameRequest, RenderError, Renderer};
 use crate::studies::golden_cases::{CASES, FrameDifference, GoldenCase, compare};
 
 use crate::cli::failure::{CommandResult, Failure, Outcome};
-use crate::cli::render::timing::{Timing, edge_windows, timing};
+use crate::cli::render::timing::{Timing, edge_windows, frames_of, timing};
+use crate::cli::terminal::progress;
 
 /// The timed cases: name, config and number of rows of two windows that are read out, if not the
 /// whole sensor.
@@ -53,12 +54,19 @@ struct TimeCheck {
 /// exit 1 where one of its frames differs from the twin's by more than a thousandth of a pixel.
 pub(super) fn run(backend: BackendChoice, frames: usize, json: bool) -> CommandResult {
     let (device, twin) = (open(backend)?, Renderer::new(BackendChoice::Cpu).map_err(Failure::fail)?);
+    let steps = CASES.len() + 2 * TIMED.len() * frames_of(frames);
+    let bar = progress::bar(steps as u64, "comparing and timing", "frames");
+    let done = || bar.inc(1);
+    let cases = CASES.iter().map(|case| check_case(case, &device, &twin).inspect(|_| done()));
+    let cases = cases.collect::<Result<_, _>>()?;
+    let times = TIMED.iter().map(|timed| time(timed, frames, [&device, &twin], &done));
     let check = Check {
         adapter: device.adapter_name().into(),
         backend: device.backend_name().into(),
-        cases: CASES.iter().map(|case| check_case(case, &device, &twin)).collect::<Result<_, _>>()?,
-        times: TIMED.iter().map(|timed| time(timed, frames, &device, &twin)).collect::<Result<_, _>>()?,
+        cases,
+        times: times.collect::<Result<_, _>>()?,
     };
+    bar.finish_and_clear();
     if json {
         say_line!("{}", serde_json::to_string_pretty(&check).map_err(Failure::fail)?);
     } else {
@@ -94,8 +102,8 @@ fn check_case(
 fn time(
     (name, text, rows): &(&'static str, &'static str, Option<u32>),
     frames: usize,
-    device: &Renderer,
-    twin: &Renderer,
+    [device, twin]: [&Renderer; 2],
+    done: &dyn Fn(),
 ) -> Result<TimeCheck, Failure> {
     let job = config::parse(text, name).map_err(Failure::fail)?;
     let scene = crate::cli::render::scene(&job)?;
@@ -114,7 +122,7 @@ fn time(
         request
     };
     let [adapter, cpu]: [Timing; 2] =
-        [timing(device, &scene, request, frames)?, timing(twin, &scene, request, frames)?];
+        [timing(device, &scene, (&request, frames), done)?, timing(twin, &scene, (&request, frames), done)?];
     Ok(TimeCheck {
         frame: name,
         adapter_ms: adapter.median(),

@@ -100,6 +100,13 @@ const EXAMPLES: &[Examples] = &[
     ("study in-process", &["shadowgauge study in-process --out out/in_process"]),
     ("study line-camera", &["shadowgauge study line-camera --json"]),
     ("study factor", &["shadowgauge study factor", "shadowgauge study factor my.toml --forces forces.csv"]),
+    (
+        "study head",
+        &[
+            "shadowgauge study head my.toml other.toml --diameter-mm 10",
+            "shadowgauge study head my.toml --rpm 1200 --eccentricity-mm 0.02 --report head.html",
+        ],
+    ),
     ("study coverage", &["shadowgauge study coverage --scenes 40 --json"]),
     ("study uncertainty", &["shadowgauge study uncertainty calibrate.toml --diameter-mm 25"]),
     ("study limits", &["shadowgauge study limits --json"]),

@@ -10,6 +10,7 @@ use crate::render::{FrameRequest, Renderer, Scene, frame_job, geometric_edges};
 use super::args::{RenderArgs, request, scene};
 use super::folder_files::of_render;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::terminal::progress;
 
 /// Frames drawn before the clock starts: pipelines are compiled and caches filled.
 const WARM_UP: usize = 3;
@@ -56,25 +57,34 @@ pub(super) fn benchmark(args: &RenderArgs, job: &Job, frames: usize) -> CommandR
         }
         request
     };
-    print(args, &timing(&renderer, &scene, request, frames)?, &renderer);
+    let bar = progress::bar(frames_of(frames) as u64, "drawing", "frames");
+    let timing = timing(&renderer, &scene, (&request, frames), &|| bar.inc(1))?;
+    bar.finish_and_clear();
+    print(args, &timing, &renderer);
     Ok(Outcome::Done)
 }
 
-/// Times at least one frame, each beside the write floor of its buffers.
+/// Frames that [`timing`] draws in all.
+pub(crate) fn frames_of(frames: usize) -> usize {
+    frames + WARM_UP
+}
+
+/// Times at least one frame, each beside the write floor of its buffers; `done` is called after
+/// each, while no clock runs.
 ///
 /// # Errors
 /// As `render`.
 pub(crate) fn timing(
     renderer: &Renderer,
     scene: &Scene,
-    request: impl Fn(usize) -> FrameRequest,
-    frames: usize,
+    (request, frames): (&dyn Fn(usize) -> FrameRequest, usize),
+    done: &dyn Fn(),
 ) -> Result<Timing, Failure> {
     // Allocated beforehand: the record of the times must not look like a leak.
     let unknown = || vec![f64::NAN; frames];
     let mut run = Timing { frames: unknown(), floors: unknown(), rss_mib: [None; 3], columns_rows: (0, 0) };
     let mut spare: Option<Frame> = None;
-    for index in 0..frames + WARM_UP {
+    for index in 0..frames_of(frames) {
         if index == WARM_UP {
             run.rss_mib[0] = resident_mib();
         }
@@ -86,6 +96,7 @@ pub(crate) fn timing(
             run.rss_mib[1] = resident_mib();
         }
         spare = Some(frame);
+        done();
     }
     run.rss_mib[2] = resident_mib();
     run.frames.sort_by(f64::total_cmp);

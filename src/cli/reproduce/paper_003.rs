@@ -6,6 +6,7 @@ use super::paper_003_page;
 use super::tables;
 use crate::cli::failure::{CommandResult, Failure};
 use crate::cli::input_output::{ConfigText, StudyFolder};
+use crate::cli::terminal::progress;
 use crate::render::{BackendChoice, Renderer};
 use crate::studies::optimize::OptimizeConfig;
 use crate::studies::reproduce_003::{self, Inputs};
@@ -49,8 +50,11 @@ pub(crate) fn run(args: &Reproduce003Args) -> CommandResult {
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let renderer =
         (!args.no_frames).then(|| Renderer::new(args.backend)).transpose().map_err(Failure::fail)?;
-    let found =
-        reproduce_003::run(&inputs, &problem, renderer.as_ref()).map_err(|e| inputs_text.refuse(e))?;
+    let steps = reproduce_003::steps_in_all(renderer.is_some());
+    let bar = progress::bar(steps as u64, "reproducing", "steps");
+    let found = reproduce_003::run(&inputs, &problem, renderer.as_ref(), &|| bar.inc(1));
+    bar.finish_and_clear();
+    let found = found.map_err(|e| inputs_text.refuse(e))?;
     StudyFolder::fill(folder, |folder| paper_003_page::write(folder, &found))?;
     tables::print(&found.rows, args.json)
 }

@@ -77,8 +77,11 @@ fn class(name: &str) -> Result<Class, String> {
 
 /// Classes by name, without a verdict.
 fn only(args: &StudyCoverageArgs, renderer: &Renderer) -> CommandResult {
-    let run = |class: &Class| class_figures(*class, args.scenes, args.seed, renderer);
+    let scenes = args.classes.len() * args.scenes;
+    let bar = progress::bar(scenes as u64, "drawing and measuring", "scenes");
+    let run = |class: &Class| class_figures(*class, args.scenes, args.seed, renderer, &|| bar.inc(1));
     let figures = args.classes.iter().map(run).collect::<Result<Vec<_>, _>>().map_err(Failure::fail)?;
+    bar.finish_and_clear();
     if args.json {
         say_line!("{}", serde_json::json!({ "classes": figures }));
     } else {

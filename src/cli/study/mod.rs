@@ -8,6 +8,7 @@ mod controllers;
 mod coverage;
 mod deflection;
 mod factor;
+mod head;
 mod in_process;
 mod limits;
 mod line_camera;
@@ -23,6 +24,7 @@ use self::controllers::StudyControllersArgs;
 use self::coverage::StudyCoverageArgs;
 use self::deflection::StudyDeflectionArgs;
 use self::factor::StudyFactorArgs;
+use self::head::StudyHeadArgs;
 use self::in_process::StudyInProcessArgs;
 use self::limits::StudyLimitsArgs;
 use self::line_camera::StudyLineCameraArgs;
@@ -52,6 +54,8 @@ pub(crate) enum Study {
     LineCamera(StudyLineCameraArgs),
     /// One cutting variable at a time against the size error.
     Factor(StudyFactorArgs),
+    /// What heads will measure a part to, and how fast, from their configs alone: side by side.
+    Head(StudyHeadArgs),
     /// Whether stated intervals cover the true diameters, in rendered and measured scenes.
     Coverage(StudyCoverageArgs),
     /// Monte Carlo (JCGM 101) beside the law of propagation, through calibration and measurement.
@@ -79,6 +83,7 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::InProcess(args) => in_process::run(args),
         Study::LineCamera(args) => line_camera::run(args),
         Study::Factor(args) => factor::run(args),
+        Study::Head(args) => head::run(args),
         Study::Limits(args) => limits::run(args),
     }
 }

@@ -2,13 +2,16 @@
 //! an optical setup and a part.
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
 use crate::cli::calibrate::make;
 use crate::cli::calibration_plan::{self, LoadedPlan};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, json_text};
+use crate::cli::terminal::progress;
 use crate::gauge::calibration::Date;
+use crate::gauge::monte_carlo::BLOCK;
 use crate::gauge::stated::stated;
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
@@ -76,15 +79,18 @@ pub(crate) fn run(args: &StudyUncertaintyArgs) -> CommandResult {
                 "--diameter-mm {diameter_mm}: must be above 0 and fit the calibrated field"
             ))
         })?;
-    let trials = args.trials.map_or(Trials::Adaptive(2_000_000), |n| Trials::Fixed(n as usize));
-    let draws = Draws { trials, seed: args.seed };
-    let result = uncertainty(calibration, &calibrated.adjustment, &part, &plan.conditions, draws)
-        .ok_or_else(|| Failure::fail("the masters determine no bench"))?;
+    let result = with_bar(args, |draws| {
+        uncertainty(calibration, &calibrated.adjustment, &part, &plan.conditions, draws)
+    })
+    .ok_or_else(|| Failure::fail("the masters determine no bench"))?;
     let scenes = match args.scenes {
         0 => None,
         n => {
             let renderer = Renderer::new(BackendChoice::Cpu).map_err(Failure::fail)?;
-            Some(class_figures(Class::Mixed, n, args.seed, &renderer).map_err(Failure::fail)?)
+            let bar = progress::bar(n as u64, "drawing and measuring", "scenes");
+            let found = class_figures(Class::Mixed, n, args.seed, &renderer, &|| bar.inc(1));
+            bar.finish_and_clear();
+            Some(found.map_err(Failure::fail)?)
         }
     };
     StudyFolder::fill(folder, |folder| {
@@ -98,6 +104,25 @@ pub(crate) fn run(args: &StudyUncertaintyArgs) -> CommandResult {
         say!("{}", in_words(&result, scenes.as_ref()));
     }
     Ok(Outcome::Done)
+}
+
+/// Trials after which an adaptive Monte Carlo ends in any case.
+const MOST_TRIALS: u64 = 2_000_000;
+
+/// Draws the trials of the command line with a bar that counts them, a block at a time: a trial
+/// takes less than drawing a bar. An adaptive Monte Carlo ends as soon as its figures are stable.
+fn with_bar<T>(args: &StudyUncertaintyArgs, draw: impl FnOnce(Draws<'_>) -> T) -> T {
+    let trials = args.trials.map_or(Trials::Adaptive(MOST_TRIALS as usize), |n| Trials::Fixed(n as usize));
+    let bar = progress::bar(args.trials.unwrap_or(MOST_TRIALS), "drawing", "trials at most");
+    let (drawn, block) = (AtomicU64::new(0), BLOCK as u64);
+    let done = || {
+        if (drawn.fetch_add(1, Ordering::Relaxed) + 1).is_multiple_of(block) {
+            bar.inc(block);
+        }
+    };
+    let result = draw(Draws { trials, seed: args.seed, done: &done });
+    bar.finish_and_clear();
+    result
 }
 
 fn rows(r: &Uncertainty) -> Vec<Vec<String>> {

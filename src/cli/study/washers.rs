@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{StudyFolder, json_text};
+use crate::cli::terminal::progress;
 use crate::report::washers_page;
 use crate::source::{FileFrames, list_images};
 use crate::studies::washers::{MethodFigures, Pair, Part, SIDES, WashersError, WashersStudy, washers};
@@ -33,10 +34,12 @@ pub(crate) struct StudyWashersArgs {
 pub(crate) fn run(args: &StudyWashersArgs) -> CommandResult {
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let parts = read(&args.folder)?;
-    let study = washers(&parts).map_err(|e| match e {
+    let bar = progress::bar(parts.len() as u64, "measuring", "rings");
+    let study = washers(&parts, &|| bar.inc(1)).map_err(|e| match e {
         WashersError::TooFew(_) => Failure::refuse(e),
         e => Failure::fail(e),
     })?;
+    bar.finish_and_clear();
     StudyFolder::fill(folder, |folder| {
         let (page, pictures) = washers_page(&study, &parts).map_err(Failure::fail)?;
         folder.write("report.html", page.as_bytes())?;

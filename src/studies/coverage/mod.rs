@@ -161,7 +161,7 @@ pub(crate) fn coverage(
 /// Figures of several classes, each by itself and together.
 type Group = (Vec<ClassFigures>, ClassFigures);
 
-/// Scenes of one class.
+/// Scenes of one class; `done` is called after each.
 ///
 /// # Errors
 /// As [`coverage`].
@@ -170,8 +170,9 @@ pub(crate) fn class_figures(
     scenes: usize,
     seed: u64,
     renderer: &Renderer,
+    done: &(dyn Fn() + Sync),
 ) -> Result<ClassFigures, CalibrateError> {
-    Ok(figures(Some(class), &outcomes(class, scenes, seed, renderer, &|| {})?))
+    Ok(figures(Some(class), &outcomes(class, scenes, seed, renderer, done)?))
 }
 
 fn outcomes(

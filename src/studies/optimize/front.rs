@@ -8,10 +8,12 @@ use super::problem::{Problem, Solution};
 const GAP: f64 = 1e-3;
 
 /// The non-dominated points of time and size error, from the most exact to the fastest. Empty where
-/// even the roughness limit cannot be satisfied.
-pub(crate) fn time_against_error(problem: &Problem, points: usize) -> Vec<Solution> {
+/// even the roughness limit cannot be satisfied. `done` is called after each search.
+pub(crate) fn time_against_error(problem: &Problem, points: usize, done: &dyn Fn()) -> Vec<Solution> {
     let at_limit = |size_limit_mm: f64| {
-        exact::minimise(&problem.with_size_limit(size_limit_mm), GAP).map(|found| found.solution)
+        let found = exact::minimise(&problem.with_size_limit(size_limit_mm), GAP);
+        done();
+        found.map(|found| found.solution)
     };
     let Some(fastest) = at_limit(f64::MAX) else { return Vec::new() };
     let smallest = problem.size_error_mm(&problem.smallest_error(&problem.limits));

@@ -104,11 +104,18 @@ pub(crate) struct ReferenceResult {
     pub violated: Vec<Constraint>,
 }
 
-/// Solves a problem by both methods and computes its front.
-pub(crate) fn study(problem: &Problem, config: &OptimizeConfig) -> Study {
+/// Searches that [`study`] makes: both methods, the fastest end of the front and its points.
+pub(crate) fn searches(config: &OptimizeConfig) -> usize {
+    3 + config.front_points
+}
+
+/// Solves a problem by both methods and computes its front; `done` is called after each search.
+pub(crate) fn study(problem: &Problem, config: &OptimizeConfig, done: &dyn Fn()) -> Study {
     let found = exact::minimise(problem, exact::DEFAULT_GAP);
+    done();
     let longer = |time: f64| found.as_ref().map(|f| time / f.solution.time_min - 1.0);
     let genetic = genetic::minimise(problem, &config.genetic, config.genetic.seed);
+    done();
     let references = config.reference.iter().map(|reference| {
         let point = reference.point();
         let solution = problem.solution(point);
@@ -134,7 +141,7 @@ pub(crate) fn study(problem: &Problem, config: &OptimizeConfig) -> Study {
             })
         }),
         references: references.collect(),
-        front: front::time_against_error(problem, config.front_points),
+        front: front::time_against_error(problem, config.front_points, done),
         passes: found.as_ref().map_or(Vec::new(), |f| times_over_passes(problem, &f.solution.point)),
         notes: found.as_ref().map_or(Vec::new(), |f| problem.notes(&f.solution.point)),
     }

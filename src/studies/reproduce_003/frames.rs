@@ -22,16 +22,20 @@ pub(crate) struct FrameRun {
     pub worst_reading_mm: f64,
 }
 
+/// Controllers that are run.
+pub(super) const RUNS: [ControllerName; 2] = [ControllerName::None, ControllerName::Pid];
+
 pub(super) fn rows(
     inputs: &Inputs,
     renderer: &Renderer,
     curves: &mut Curves,
+    done: &dyn Fn(),
 ) -> Result<Vec<Row>, ReproductionError> {
     let input = &inputs.pid;
     let mut job = job(inputs)?;
     job.scan.angles = 2;
-    let without = run(&job, ControllerName::None, input, renderer)?;
-    let with = run(&job, ControllerName::Pid, input, renderer)?;
+    let of = |controller| run(&job, controller, input, renderer, done);
+    let (without, with) = (of(RUNS[0])?, of(RUNS[1])?);
     curves.frames_none = of_passes(&without.profiles, &[], input.position_mm);
     curves.frames_pid = of_passes(&with.profiles, &[], input.position_mm);
     let mut rows = Vec::new();
@@ -66,6 +70,7 @@ fn run(
     controller: ControllerName,
     input: &PidInput,
     renderer: &Renderer,
+    done: &dyn Fn(),
 ) -> Result<FrameRun, ReproductionError> {
     let mut job = job.clone();
     job.control.controller = controller;
@@ -74,6 +79,7 @@ fn run(
     let mut found = FrameRun { error_mm: Vec::new(), profiles: Vec::new(), worst_reading_mm: 0.0 };
     while turning.next_pass().is_some() {
         let pass = turning.run_pass(&mut |_, _| {})?;
+        done();
         let measured =
             pass.profile.stations.iter().filter_map(|station| {
                 Some((station.z_mm, station.reading.value()?.d_mm - pass.plan.nominal_mm))

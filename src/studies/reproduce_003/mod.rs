@@ -33,8 +33,16 @@ pub(crate) struct Reproduction {
     pub curves: Curves,
 }
 
+/// Groups of rows that are computed without frames.
+const GROUPS: usize = 5;
+
+/// Steps of [`run`]: groups of rows and, with frames, passes.
+pub(crate) fn steps_in_all(with_frames: bool) -> usize {
+    GROUPS + if with_frames { frames::RUNS.len() * physical::PASSES } else { 0 }
+}
+
 /// All rows and curves. With a renderer the physical plant is also run through rendered and
-/// measured frames.
+/// measured frames. `done` is called after each step.
 ///
 /// # Errors
 /// Inputs that are refused.
@@ -42,17 +50,23 @@ pub(crate) fn run(
     inputs: &Inputs,
     problem: &OptimizeConfig,
     renderer: Option<&Renderer>,
+    done: &dyn Fn(),
 ) -> Result<Reproduction, ReproductionError> {
     inputs.check()?;
     let model = deflection::Model::new(inputs, &problem.process.tool)?;
     let mut curves = Curves::of_figures(&model);
-    let mut rows = own_figures::Printed::new(inputs, problem).rows();
-    rows.extend(model.rows());
-    rows.extend(optimum::rows(inputs, problem, &mut curves)?);
-    rows.extend(control::rows(&inputs.pid));
-    rows.extend(physical::rows(inputs, &mut curves)?);
+    let mut rows: Vec<Row> = Vec::new();
+    let mut add = |group: Vec<Row>| {
+        rows.extend(group);
+        done();
+    };
+    add(own_figures::Printed::new(inputs, problem).rows());
+    add(model.rows());
+    add(optimum::rows(inputs, problem, &mut curves)?);
+    add(control::rows(&inputs.pid));
+    add(physical::rows(inputs, &mut curves)?);
     if let Some(renderer) = renderer {
-        rows.extend(frames::rows(inputs, renderer, &mut curves)?);
+        rows.extend(frames::rows(inputs, renderer, &mut curves, done)?);
     }
     reproduction::explain(&mut rows, &KNOWN_MISSES);
     Ok(Reproduction { rows, curves })

@@ -23,7 +23,7 @@ use crate::studies::reproduction::{Accept, Row};
 const JOB: &str = include_str!("../../../configs/slender_shaft.toml");
 
 /// Passes of Fig. 11.
-const PASSES: usize = 4;
+pub(super) const PASSES: usize = 4;
 
 /// The main job with the plant's shaft, cut and supports.
 pub(super) fn job(inputs: &Inputs) -> Result<Job, ReproductionError> {

@@ -101,7 +101,7 @@ fn quick() -> (toml::Value, toml::Value) {
 }
 
 fn rows(inputs: &toml::Value, problem: &toml::Value) -> Vec<Row> {
-    run(&inputs.clone().try_into().unwrap(), &problem.clone().try_into().unwrap(), None).unwrap().rows
+    run(&inputs.clone().try_into().unwrap(), &problem.clone().try_into().unwrap(), None, &|| {}).unwrap().rows
 }
 
 #[test]

@@ -152,7 +152,7 @@ fn limits_that_exclude_each_other_together_are_both_named() {
 fn the_front_trades_time_for_error() {
     let problem = problem();
     let start = Instant::now();
-    let front = front::time_against_error(&problem, 24);
+    let front = front::time_against_error(&problem, 24, &|| {});
     eprintln!("front of {} points in {:?}", front.len(), start.elapsed());
     assert!(front.len() >= 20, "{}", front.len());
     for pair in front.windows(2) {
@@ -167,7 +167,7 @@ fn the_front_trades_time_for_error() {
 
 #[test]
 fn the_papers_point_is_slower() {
-    let study = study(&problem(), &config());
+    let study = study(&problem(), &config(), &|| {});
     let paper = &study.references[0];
     assert!((paper.gap.unwrap() - 0.016).abs() < 2e-3, "{:?}", paper.gap);
     assert!(paper.violated.is_empty());

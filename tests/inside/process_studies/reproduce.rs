@@ -17,7 +17,7 @@ fn problem() -> OptimizeConfig {
 }
 
 fn found_of(inputs: &str) -> Reproduction {
-    run(&toml::from_str::<Inputs>(inputs).unwrap(), &problem(), None).unwrap()
+    run(&toml::from_str::<Inputs>(inputs).unwrap(), &problem(), None, &|| {}).unwrap()
 }
 
 fn rows_of(inputs: &str) -> Vec<Row> {
@@ -357,7 +357,7 @@ fn ours_follows_the_inputs() {
     assert!(row(&off, "fig7.row1").is_unexplained_miss());
     let mut shorter = problem();
     shorter.part.length_mm = 800.0;
-    let rows = run(&toml::from_str(INPUTS).unwrap(), &shorter, None).unwrap().rows;
+    let rows = run(&toml::from_str(INPUTS).unwrap(), &shorter, None, &|| {}).unwrap().rows;
     assert!(moved(&rows, "eq10.t"));
 }
 

@@ -8,7 +8,7 @@ fn intervals_of_scenes_drawn_from_the_budget_cover_the_truth() {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
     let (mut covered, mut accepted) = (0.0, 0.0);
     for class in [Class::Certificates, Class::Temperature, Class::Finish, Class::Mixed] {
-        let c = class_figures(class, 40, 7, &renderer).unwrap();
+        let c = class_figures(class, 40, 7, &renderer, &|| {}).unwrap();
         println!("{class:?}: {c:?}");
         assert!(c.flagged <= 0.05, "{class:?} {c:?}");
         covered += c.covered * c.accepted as f64;
@@ -23,7 +23,7 @@ fn intervals_of_scenes_drawn_from_the_budget_cover_the_truth() {
 fn scenes_outside_the_limits_are_flagged_where_a_frame_shows_it() {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
     for class in Class::DETECTABLE {
-        let c = class_figures(class, 20, 7, &renderer).unwrap();
+        let c = class_figures(class, 20, 7, &renderer, &|| {}).unwrap();
         println!("{class:?}: {c:?}");
         assert!(c.handled() >= 0.99, "{class:?} {c:?}");
     }
@@ -34,7 +34,7 @@ fn scenes_outside_the_limits_are_flagged_where_a_frame_shows_it() {
 #[test]
 fn a_misfit_that_the_masters_share_is_neither_flagged_nor_stated() {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    let c = class_figures(Class::Diffraction, 80, 7, &renderer).unwrap();
+    let c = class_figures(Class::Diffraction, 80, 7, &renderer, &|| {}).unwrap();
     println!("{c:?}");
     assert!(c.flagged <= 0.05, "{c:?}");
     assert!(c.covered >= 0.92, "{c:?}");
@@ -45,7 +45,7 @@ fn a_misfit_that_the_masters_share_is_neither_flagged_nor_stated() {
 /// Light clipped on the part: the intervals of the measured diameters cover the truth.
 fn clipped_scenes_are_covered(scenes: usize) {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    let c = class_figures(Class::Clipped, scenes, 7, &renderer).unwrap();
+    let c = class_figures(Class::Clipped, scenes, 7, &renderer, &|| {}).unwrap();
     println!("{c:?}");
     assert!(c.flagged <= 0.1, "{c:?}");
     assert!(c.covered >= 0.94 - 2.0 * (0.94 * 0.06 / scenes as f64).sqrt(), "{c:?}");
