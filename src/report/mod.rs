@@ -15,6 +15,7 @@ mod colours;
 mod error;
 mod form_report;
 pub(crate) mod html;
+mod machine_report;
 mod marks;
 pub(crate) mod measure_report;
 mod measured_charts;
@@ -31,5 +32,6 @@ mod shaft_report;
 mod washers_report;
 
 pub(crate) use calibration_report::calibration_report;
+pub(crate) use machine_report::{MachinePage, machine_page};
 pub(crate) use run_report::{RunView, run_report};
 pub(crate) use washers_report::washers_page;

@@ -19,6 +19,7 @@ pub(crate) mod golden_cases;
 pub(crate) mod in_process;
 pub(crate) mod limits;
 pub(crate) mod line_camera;
+pub(crate) mod machine;
 pub mod optimize;
 pub(crate) mod parts;
 pub(crate) mod reproduce_000;

@@ -23,6 +23,7 @@ mod gauge_stream;
 mod in_process;
 mod job_stations;
 mod linuxcnc;
+mod machine;
 mod nc_probing;
 mod nc_programs;
 mod nc_replay;

@@ -11,6 +11,7 @@ mod factor;
 mod in_process;
 mod limits;
 mod line_camera;
+mod machine;
 mod parts;
 mod stability;
 mod uncertainty;
@@ -26,6 +27,7 @@ use self::factor::StudyFactorArgs;
 use self::in_process::StudyInProcessArgs;
 use self::limits::StudyLimitsArgs;
 use self::line_camera::StudyLineCameraArgs;
+use self::machine::StudyMachineArgs;
 use self::parts::StudyPartsArgs;
 use self::stability::StudyStabilityArgs;
 use self::uncertainty::StudyUncertaintyArgs;
@@ -50,6 +52,8 @@ pub(crate) enum Study {
     InProcess(StudyInProcessArgs),
     /// Edges a second and repeatability of a line camera's readings, beside its rate and the bound.
     LineCamera(StudyLineCameraArgs),
+    /// The 21 errors of a lathe over its working space, their budget, and what heads make of them.
+    Machine(StudyMachineArgs),
     /// One cutting variable at a time against the size error.
     Factor(StudyFactorArgs),
     /// Whether stated intervals cover the true diameters, in rendered and measured scenes.
@@ -78,6 +82,7 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::Washers(args) => washers::run(args),
         Study::InProcess(args) => in_process::run(args),
         Study::LineCamera(args) => line_camera::run(args),
+        Study::Machine(args) => machine::run(args),
         Study::Factor(args) => factor::run(args),
         Study::Limits(args) => limits::run(args),
     }
