@@ -14,7 +14,7 @@
 //! motion, not the body. Of the spindle the error motion counts, not the rotation itself, so that
 //! the result stands in directions of the machine.
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::error_name::{Axis, ErrorName, ErrorValues};
 use super::station::Station;
@@ -108,9 +108,31 @@ impl Chain {
     }
 }
 
-/// Rz(c)·Ry(b)·Rx(a).
-fn turned([a, b, c]: [f64; 3]) -> Rotation3<f64> {
-    Rotation3::from_euler_angles(a, b, c)
+/// Rz(c)·Ry(b)·Rx(a), multiplied out.
+fn turned(angles: [f64; 3]) -> Rotation3<f64> {
+    let [(sa, ca), (sb, cb), (sc, cc)] = angles.map(sin_cos);
+    Rotation3::from_matrix_unchecked(Matrix3::new(
+        cc * cb,
+        cc * sb * sa - sc * ca,
+        cc * sb * ca + sc * sa,
+        sc * cb,
+        sc * sb * sa + cc * ca,
+        sc * sb * ca - cc * sa,
+        -sb,
+        cb * sa,
+        cb * ca,
+    ))
+}
+
+/// Sine and cosine; of the angles of machines by their series, whose next terms stay below 3e-18
+/// at 10 mrad: half the time of a map goes into twelve of them a point otherwise.
+fn sin_cos(angle: f64) -> (f64, f64) {
+    if angle.abs() > 0.01 {
+        return angle.sin_cos();
+    }
+    let square = angle * angle;
+    let sine = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0));
+    (sine, 1.0 - 0.5 * square * (1.0 - square / 12.0 * (1.0 - square / 30.0)))
 }
 
 /// The rotation vector of a small turn: the skew part of its matrix is sin α/α times the vector.

@@ -8,9 +8,9 @@
 //! In: [`MachineSettings`] (the `[machine]` of a config). Out: the 21 values at a position
 //! ([`Motion`]: Fourier terms, polynomials and tables with reversal and drift), the exact pose of
 //! whatever stands on a slide in the part's frame ([`Chain`], two topologies), its first order
-//! ([`first_order`]) and what a cut part, a probe and a head make of a pose ([`response`]). Nothing
-//! here reads a measurement: this is the simulated
-//! machine, its truth. One more topology is a variant of `Topology` with its branch in `chain` and
+//! ([`first_order`]) and what a cut part, a probe and a head make of a pose ([`response`]).
+//! [`spindle`] separates error motion and form (ISO 230-7), pure functions of readings. Nothing
+//! here reads a measurement: this is the simulated machine, its truth. One more topology is a variant of `Topology` with its branch in `chain` and
 //! in `first_order`; one more kind of function is a field of `error_settings` and a term of
 //! `ErrorFunction`.
 
@@ -23,6 +23,7 @@ pub(crate) mod first_order;
 pub(crate) mod motion;
 pub(crate) mod response;
 pub(crate) mod settings;
+pub(crate) mod spindle;
 pub(crate) mod stated_error;
 pub(crate) mod station;
 pub(crate) mod table;

@@ -2,7 +2,9 @@
 
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
-use crate::studies::machine::{BudgetRow, MachineStudy, MapPoint, Reading, ReadingPoint, Sensitivity};
+use crate::studies::machine::{
+    Alias, BudgetRow, FormRow, MachineStudy, MapPoint, Reading, ReadingPoint, Sensitivity, SeparationRow,
+};
 
 /// Lines of the distorted raster along each axis.
 const LINES: usize = 11;
@@ -34,6 +36,8 @@ pub(crate) fn machine_page(study: &MachineStudy) -> Result<MachinePage, String> 
     space(&mut page, &mut charts, study)?;
     budget(&mut page, study);
     heads(&mut page, &mut charts, study)?;
+    form(&mut page, study);
+    separation(&mut page, study);
     warm_up(&mut page, &mut charts, study)?;
     Ok(MachinePage { html: page.finish(), charts })
 }
@@ -297,6 +301,71 @@ fn sensitivity_row(s: &Sensitivity) -> Vec<String> {
 fn reading_row(r: &Reading) -> Vec<String> {
     let cell = |v: f64| format!("{v:.3}");
     vec![r.name.clone(), cell(r.cut_range_um), cell(r.indicated_range_um), format!("{:.4}", r.rms_off_um)]
+}
+
+fn form(page: &mut Page, study: &MachineStudy) {
+    page.heading("Form of the part");
+    page.text(
+        "As it is turned on this machine, with the spindle's error motion, and as a probe on its X slide indicates it. Least-squares and minimum-zone \
+         features after ISO 12780, 12180 and 12781.",
+    );
+    let cell = |v: f64| format!("{v:.4}");
+    let row = |r: &FormRow| {
+        vec![
+            r.form.to_owned(),
+            r.points.to_string(),
+            cell(r.least_squares_um),
+            cell(r.minimum_zone_um),
+            cell(r.probe_um),
+            r.opposite_um.map_or_else(|| "not reached".to_owned(), cell),
+        ]
+    };
+    let header = [
+        "form",
+        "points",
+        "least squares / µm",
+        "minimum zone / µm",
+        "probe, tool's side / µm",
+        "opposite side / µm",
+    ];
+    page.table(&header, &study.form.iter().map(row).collect::<Vec<_>>());
+    page.heading("What the spiral shows of a face");
+    page.text(
+        "Lobes that grow with the radius to ±0.05 µm at the rim. With m points a turn, n lobes read as the nearest |n − j·m|; beside a multiple of m they \
+         read as a tilt and vanish; with half of m or a multiple of it, that depends on their phase (the least is shown).",
+    );
+    let row =
+        |a: &Alias| vec![a.order.to_string(), a.reads_as.to_string(), cell(a.true_um), cell(a.shown_um)];
+    page.table(
+        &["lobes", "read as", "flatness / µm", "shown / µm"],
+        &study.aliases.iter().map(row).collect::<Vec<_>>(),
+    );
+}
+
+fn separation(page: &mut Page, study: &MachineStudy) {
+    if study.separation.is_empty() {
+        return;
+    }
+    page.heading("Separating the spindle from the form");
+    page.text(
+        "What each method (ISO 230-7) would leave of this spindle's motion, with the part that it turned as the artefact and without noise: reversal leaves nothing, \
+         steps the orders that are multiples of their number, a head that sees both edges nothing of the motion and of the form its odd part.",
+    );
+    let row = |r: &SeparationRow| {
+        let offs = [r.motion_off_um, r.form_off_um].map(|v| format!("{v:.4}"));
+        let [motion, form] = offs;
+        vec![r.method.clone(), r.turns.to_string(), motion, form, format!("{:.2}", r.noise)]
+    };
+    page.table(
+        &[
+            "method",
+            "turns",
+            "motion off, rms / µm",
+            "form off, rms / µm",
+            "noise of the motion over the probe's",
+        ],
+        &study.separation.iter().map(row).collect::<Vec<_>>(),
+    );
 }
 
 fn warm_up(

@@ -143,6 +143,8 @@ fn produced_tables(work: &Work) -> Vec<(&'static str, Vec<String>)> {
         ("map.csv", "out/machine/map.csv"),
         ("budget.csv", "out/machine/budget.csv"),
         ("heads.csv", "out/machine/heads.csv"),
+        ("form.csv of study machine", "out/machine/form.csv"),
+        ("aliases.csv", "out/machine/aliases.csv"),
         ("readings.csv", "out/machine/readings.csv"),
         ("stability.csv", "out/stability/stability.csv"),
         ("factor.csv", "out/factor/factor.csv"),

@@ -17,6 +17,7 @@ mod field;
 mod form_features;
 mod form_photon_transfer;
 mod form_turn;
+mod form_zones;
 mod gauge_edges;
 mod gauge_line;
 mod gauge_stream;

@@ -7,7 +7,9 @@ use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text, say_study};
 use crate::config::machine_tables::read_error_tables;
 use crate::report::{MachinePage, machine_page};
-use crate::studies::machine::{Budget, Comparison, Extent, MachineStudy, MachineStudyConfig, MapPoint};
+use crate::studies::machine::{
+    Budget, Comparison, Extent, MachineStudy, MachineStudyConfig, MachineStudyError, MapPoint,
+};
 
 /// Arguments of `study machine`.
 #[derive(Debug, clap::Args)]
@@ -20,7 +22,7 @@ pub(crate) struct StudyMachineArgs {
     /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Write map.csv, budget.csv, heads.csv, readings.csv, their charts and report.html into this
+    /// Write map.csv, budget.csv, heads.csv, readings.csv, form.csv, aliases.csv, their charts and report.html into this
     /// folder.
     #[arg(long, value_name = "DIR", conflicts_with = "at")]
     out: Option<PathBuf>,
@@ -82,7 +84,10 @@ pub(crate) fn run(args: &StudyMachineArgs) -> CommandResult {
         let points = config.at(&args.at).map_err(|e| refuse(&text, e))?;
         return say_points(&points, args.json);
     }
-    let study = config.run().map_err(|e| text.refuse_at(e))?;
+    let study = config.run().map_err(|e| match e {
+        MachineStudyError::Setting(e) => text.refuse_at(e),
+        e => text.refuse(e),
+    })?;
     StudyFolder::fill(StudyFolder::claim(args.out.as_deref())?, |folder| write(folder, &study))?;
     say_study(&study, args.json, print)
 }
@@ -136,6 +141,45 @@ fn print(study: &MachineStudy) {
     say_line!("the first order is off by {:.4} nm at most", study.map.first_order_off_nm);
     print_budget(&study.budget);
     print_heads(&study.heads);
+    print_form(study);
+}
+
+fn print_form(study: &MachineStudy) {
+    say_line!("\nform of the part, µm: as it is, and as a probe on the machine indicates it");
+    say_line!(
+        "{:<34} {:>7} {:>13} {:>12} {:>11} {:>9}",
+        "",
+        "points",
+        "least squares",
+        "minimum zone",
+        "tool's side",
+        "opposite"
+    );
+    for r in &study.form {
+        let opposite = r.opposite_um.map_or_else(|| "-".to_owned(), |um| format!("{um:.4}"));
+        say_line!(
+            "{:<34} {:>7} {:13.4} {:12.4} {:11.4} {opposite:>9}",
+            r.form,
+            r.points,
+            r.least_squares_um,
+            r.minimum_zone_um,
+            r.probe_um
+        );
+    }
+    let hidden =
+        study.aliases.iter().filter(|a| a.is_hidden()).map(|a| a.order.to_string()).collect::<Vec<_>>();
+    for r in &study.separation {
+        let (motion, form) = (r.motion_off_um, r.form_off_um);
+        say_line!(
+            "separating spindle and form, {:<26} {:>2} turns: motion off by {motion:.4}, form by {form:.4} rms, noise times {:.2}",
+            r.method,
+            r.turns,
+            r.noise
+        );
+    }
+    if !hidden.is_empty() {
+        say_line!("the spiral on the face shows less than half of faces with {} lobes", hidden.join(", "));
+    }
 }
 
 fn print_budget(budget: &Budget) {
@@ -233,6 +277,8 @@ fn write(folder: &StudyFolder, study: &MachineStudy) -> Result<(), Failure> {
     folder.write("map.csv", &csv_text(&map_rows(study))?)?;
     folder.write("budget.csv", &csv_text(&study.budget.rows)?)?;
     folder.write("heads.csv", &csv_text(&head_rows(&study.heads))?)?;
+    folder.write("form.csv", &csv_text(&study.form)?)?;
+    folder.write("aliases.csv", &csv_text(&study.aliases)?)?;
     folder.write("readings.csv", &csv_text(&reading_rows(&study.heads))?)?;
     charts.iter().try_for_each(|(name, svg)| folder.write(name, svg.as_bytes()))?;
     folder.write("report.html", html.as_bytes())

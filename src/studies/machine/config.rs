@@ -27,6 +27,61 @@ pub(crate) struct MachineStudyConfig {
     /// The points of the map.
     #[serde(default)]
     pub map: MapPoints,
+    /// The spiral on which a face is probed.
+    #[serde(default)]
+    pub spiral: StudySpiral,
+}
+
+/// An Archimedean spiral on a face: a probe along X while the spindle turns.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct StudySpiral {
+    /// Radius of the face, mm; the part's where it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radius_mm: Option<f64>,
+    /// Position of Z at which the face is turned, mm; the upper end of the travel where it is left
+    /// out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z_mm: Option<f64>,
+    /// Growth of the radius a turn, mm.
+    pub pitch_mm: f64,
+    /// Points a turn. Must lie between 3 and 360.
+    pub points_per_turn: usize,
+}
+
+impl Default for StudySpiral {
+    /// The paper's: 1 mm and ten points a turn.
+    fn default() -> Self {
+        Self { radius_mm: None, z_mm: None, pitch_mm: 1.0, points_per_turn: 10 }
+    }
+}
+
+impl StudySpiral {
+    fn validate(&self, config: &MachineStudyConfig) -> Result<(), SettingError> {
+        let [[x_from, x_to], [z_from, z_to]] = [config.machine.x_travel_mm, config.machine.z_travel_mm];
+        let radius = self.radius_mm.unwrap_or(config.part.radius_mm());
+        let right = format!("above 0 and in machine.x_travel_mm, {x_from} to {x_to} mm");
+        require(
+            radius > 0.0 && radius <= x_to && x_from <= 0.5 * self.pitch_mm,
+            "spiral.radius_mm",
+            radius,
+            &right,
+        )?;
+        let z = self.z_mm.unwrap_or(z_to);
+        within("spiral.z_mm", z, z_from, z_to, &format!("in machine.z_travel_mm, {z_from} to {z_to} mm"))?;
+        let right = format!("above 0.01 and at most a third of the radius, {}", radius / 3.0);
+        within("spiral.pitch_mm", self.pitch_mm, 0.01, radius / 3.0, &right)?;
+        let points = "spiral.points_per_turn";
+        require(
+            (3..=360).contains(&self.points_per_turn),
+            points,
+            self.points_per_turn,
+            "between 3 and 360",
+        )?;
+        let count = radius / self.pitch_mm * self.points_per_turn as f64;
+        let right = "few enough for at most 100000 points on the spiral";
+        require(count <= 1e5, points, self.points_per_turn, right)
+    }
 }
 
 /// A cylinder or a cone between the ends of the travel of Z.
@@ -144,6 +199,7 @@ impl MachineStudyConfig {
         for (key, count) in [("map.x_points", self.map.x_points), ("map.z_points", self.map.z_points)] {
             require((2..=1001).contains(&count), key, count, "between 2 and 1001")?;
         }
+        self.spiral.validate(self)?;
         let heads = self.heads.iter().enumerate();
         heads.map(|(k, head)| head.validate(&format!("heads[{k}]"), radius)).collect()
     }

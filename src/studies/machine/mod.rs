@@ -3,21 +3,41 @@
 
 mod budget;
 mod config;
+mod form;
 mod heads;
 mod map;
 mod prepared;
+mod separation;
+mod spiral;
 mod warm_up;
 
 use serde::Serialize;
+use thiserror::Error;
 
 pub(crate) use budget::{Budget, BudgetRow};
 pub(crate) use config::MachineStudyConfig;
+pub(crate) use form::FormRow;
 pub(crate) use heads::{Comparison, Reading, ReadingPoint, Sensitivity};
 pub(crate) use map::{Extent, MapFigures, MapPoint};
+pub(crate) use separation::SeparationRow;
+pub(crate) use spiral::Alias;
 pub(crate) use warm_up::WarmUpPoint;
 
+use crate::gauge::form::FormError;
 use crate::setting::SettingError;
 use prepared::Prepared;
+
+/// Why a study is refused.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub(crate) enum MachineStudyError {
+    /// A value of the config.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// A form that its points do not determine.
+    #[error("form of the part: {0}")]
+    Form(#[from] FormError),
+}
 
 /// Result of the study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -35,6 +55,13 @@ pub(crate) struct MachineStudy {
     pub budget: Budget,
     /// Tool, probe and heads side by side.
     pub heads: Comparison,
+    /// The form of the part, and what a probe on the machine indicates of it.
+    pub form: Vec<FormRow>,
+    /// What the spiral on a face shows of lobes.
+    pub aliases: Vec<Alias>,
+    /// Which separation of spindle and form would serve; empty where the spindle has no error
+    /// motion.
+    pub separation: Vec<SeparationRow>,
     /// The diameter cut while the machine warms up; empty where nothing drifts with time.
     pub warm_up: Vec<WarmUpPoint>,
 }
@@ -44,7 +71,7 @@ impl MachineStudyConfig {
     ///
     /// # Errors
     /// The first value that cannot be right.
-    pub(crate) fn run(&self) -> Result<MachineStudy, SettingError> {
+    pub(crate) fn run(&self) -> Result<MachineStudy, MachineStudyError> {
         let machine = Prepared::of(self)?;
         let points = map::map(&machine);
         Ok(MachineStudy {
@@ -53,6 +80,9 @@ impl MachineStudyConfig {
             map: map::figures(&machine, &points),
             budget: budget::budget(&machine, &self.part.part(), &points),
             heads: heads::compare(&machine, self),
+            form: form::forms(&machine, self)?,
+            separation: separation::separations(&machine, self),
+            aliases: self.spiral(&machine).aliases()?,
             warm_up: warm_up::warm_up(&machine, &self.part.part()),
             points,
         })

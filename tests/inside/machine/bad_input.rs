@@ -2,10 +2,12 @@
 
 use super::study;
 use crate::machine::table_file::read_columns;
+use crate::studies::machine::MachineStudyError;
 
 #[track_caller]
 fn refused(changes: &[(&str, &str)], errors: &str, key: &str, words: &[&str]) {
     let error = study(changes, errors).run().expect_err(key);
+    let MachineStudyError::Setting(error) = error else { panic!("{error}") };
     assert_eq!(error.key, key, "{error}");
     let text = error.to_string();
     for word in words {
@@ -99,6 +101,9 @@ fn levers_and_travels_that_do_not_close() {
     refused(&turned, "", "machine.z_travel_mm", &["the first below the second"]);
     let thick = [("diameter_mm = 25.0", "diameter_mm = 250.0")];
     refused(&thick, "", "part.diameter_mm", &["250", "machine.x_travel_mm"]);
+    refused(&[], "[spiral]\npitch_mm = 20.0\n", "spiral.pitch_mm", &["20", "a third of the radius"]);
+    refused(&[], "[spiral]\nz_mm = 120.0\n", "spiral.z_mm", &["120", "machine.z_travel_mm"]);
+    refused(&[], "[spiral]\npoints_per_turn = 2\n", "spiral.points_per_turn", &["between 3 and 360"]);
     let missing = toml::from_str::<crate::studies::machine::MachineStudyConfig>(
         &super::MACHINE.replace("carriage_mm = [40.0, 80.0, 120.0]\n", ""),
     );

@@ -5,6 +5,7 @@ mod bad_input;
 mod chain;
 mod functions;
 mod response;
+mod spindle;
 mod study;
 
 use crate::machine::MachineSettings;

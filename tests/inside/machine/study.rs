@@ -141,3 +141,87 @@ fn the_presets_run() {
         assert!(study.map.first_order_off_nm < 1.0, "{}", study.map.first_order_off_nm);
     }
 }
+
+/// The row of a form.
+fn form<'a>(study: &'a MachineStudy, name: &str) -> &'a crate::studies::machine::FormRow {
+    study.form.iter().find(|row| row.form.starts_with(name)).unwrap()
+}
+
+#[test]
+fn the_part_has_the_form_of_the_slide_and_of_the_spindle() {
+    let study = run(
+        &[],
+        "[machine.errors.exz]\npolynomial = { coefficients_um = [0.0, 0.0, 0.13] }\n\
+         [machine.errors.exc]\nfourier = [{ order = 3, amplitude_um = 0.05 }]\n",
+    );
+    let straight = form(&study, "straightness");
+    close(straight.minimum_zone_um, 0.13, 1e-6, "straightness");
+    close(straight.opposite_um.unwrap(), 0.26, 1e-6, "straightness from the opposite side");
+    let round = form(&study, "cylindricity");
+    close(round.minimum_zone_um, 0.13 + 0.1, 1e-4, "parabola and three lobes");
+    assert!(round.least_squares_um >= round.minimum_zone_um - 1e-9);
+    close(round.probe_um, 0.0, 1e-5, "the tool's side");
+    // Half a turn on, three lobes come with the other sign: out of the sum, while the parabola doubles.
+    close(round.opposite_um.unwrap(), 0.26, 1e-4, "the opposite side");
+}
+
+#[test]
+fn a_face_shows_its_odd_part_on_the_opposite_side_alone() {
+    let face = |phase: &str| {
+        let errors = format!(
+            "[machine.errors.ezx]\nfourier = [{{ wavelength_mm = 60.0, amplitude_um = 0.1, phase_deg = {phase} }}]\n"
+        );
+        let study = run(&[], &errors);
+        let row = form(&study, "flatness");
+        (row.minimum_zone_um, row.probe_um, row.opposite_um.unwrap())
+    };
+    let (even, same, opposite) = face("0.0");
+    assert!(even > 0.05 && same < 1e-6 && opposite < 1e-6, "{even} {same} {opposite}");
+    let (odd, same, opposite) = face("90.0");
+    assert!(odd > 0.02 && same < 1e-6, "{odd} {same}");
+    close(opposite, 2.0 * odd, 1e-6, "the odd part");
+}
+
+#[test]
+fn the_papers_spiral_hides_nine_and_eleven_lobes() {
+    let changes = [("diameter_mm = 25.0", "diameter_mm = 97.0")];
+    let study = run(&changes, "");
+    assert_eq!(form(&study, "flatness").points, 481);
+    let alias = |order: usize| study.aliases.iter().find(|a| a.order == order).unwrap();
+    for order in [9, 11] {
+        let a = alias(order);
+        assert_eq!(a.reads_as, 1);
+        assert!((0.095..=0.1).contains(&a.true_um), "{a:?}");
+        close(a.shown_um, 0.0, 1e-9, "nine or eleven lobes");
+    }
+    assert_eq!((alias(3).reads_as, alias(7).reads_as, alias(10).reads_as), (3, 3, 0));
+    assert!(alias(3).shown_um > 0.08 && !alias(3).is_hidden());
+    // Half the points a turn: at the phase where each falls on a zero nothing is left.
+    assert!(alias(5).is_hidden() && alias(10).is_hidden() && !alias(1).is_hidden());
+}
+
+#[test]
+fn separations_leave_what_they_cannot_separate() {
+    assert!(run(&[], "").separation.is_empty());
+    let study = run(
+        &[],
+        "[machine.errors.exc]\nfourier = [{ order = 3, amplitude_um = 0.05 }, { order = 4, amplitude_um = 0.02 }]\n",
+    );
+    let off = |method: &str| {
+        let row = study.separation.iter().find(|row| row.method == method).unwrap();
+        (row.motion_off_um, row.form_off_um)
+    };
+    let rms = |amplitude: f64| amplitude * 0.5_f64.sqrt();
+    // The part holds the motion with its sign reversed: what stays of one spoils the other alike.
+    for (method, left) in [
+        ("reversal", 0.0),
+        ("3 steps", rms(0.05)),
+        ("4 steps", rms(0.02)),
+        ("5 steps", 0.0),
+        ("12 steps", 0.0),
+        ("both edges, chucked again", 0.0),
+    ] {
+        close(off(method).0, left, 1e-6, method);
+        close(off(method).1, left, 1e-6, method);
+    }
+}
