@@ -6,8 +6,10 @@
 //! error of a body, T a shift, w the Z slide's lever, t the X slide's, p the point:
 //!
 //! ```text
-//! part, t_shaped   T(ez)·R(Z)·T(w)·O(A0C, B0C)·T(ec)·R(C)       tool   T(w + p − t + x·(d − i) + ex)·R(X)·T(t)
-//! part, carriage   O(A0C, B0C)·T(ec)·R(C)                        tool   T(p − w + ez)·R(Z)·T(w − t + x·(d − i) + ex)·R(X)·T(t)
+//! t_shaped   part   T(ez)·R(Z)·T(w)·O(A0C, B0C)·T(ec)·R(C)
+//!            tool   T(w + p − t + x·(d − i) + ex)·R(X)·T(t)
+//! carriage   part   O(A0C, B0C)·T(ec)·R(C)
+//!            tool   T(p − w + ez)·R(Z)·T(w − t + x·(d − i) + ex)·R(X)·T(t)
 //! ```
 //!
 //! d is the direction of the X slide's motion, i turned by B0X about Y: an orientation turns the

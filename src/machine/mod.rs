@@ -10,9 +10,9 @@
 //! whatever stands on a slide in the part's frame ([`Chain`], two topologies), its first order
 //! ([`first_order`]) and what a cut part, a probe and a head make of a pose ([`response`]).
 //! [`spindle`] separates error motion and form (ISO 230-7), pure functions of readings. Nothing
-//! here reads a measurement: this is the simulated machine, its truth. One more topology is a variant of `Topology` with its branch in `chain` and
-//! in `first_order`; one more kind of function is a field of `error_settings` and a term of
-//! `ErrorFunction`.
+//! here reads a measurement: this is the simulated machine, its truth. One more topology is a
+//! variant of `Topology` with its branch in `chain` and in `first_order`; one more kind of function
+//! is a field of `error_settings` and a term of `ErrorFunction`.
 
 pub(crate) mod chain;
 pub(crate) mod conditions;

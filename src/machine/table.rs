@@ -21,7 +21,7 @@ impl Table {
         let first = self.position.first().copied().unwrap_or(0.0);
         let turn = std::f64::consts::TAU;
         let at = if self.is_periodic { first + (position - first).rem_euclid(turn) } else { position };
-        let after = self.position.partition_point(|p| *p <= at);
+        let after = self.after(at);
         if after == 0 {
             return values.first().copied().unwrap_or(0.0);
         }
@@ -32,5 +32,20 @@ impl Table {
             None => return start,
         };
         start + (end - start) * (at - from) / (to - from)
+    }
+
+    /// Index of the first point beyond a position. Even steps, which most tables have, are tried
+    /// before the search: its branches cost more than the rest of the interpolation.
+    fn after(&self, at: f64) -> usize {
+        let count = self.position.len();
+        if let (Some(first), Some(last)) = (self.position.first(), self.position.last()) {
+            let step = (at - first) / (last - first) * (count - 1) as f64;
+            let even = step.clamp(0.0, count as f64) as usize + 1;
+            let is_it = self.position.get(even - 1).is_some_and(|p| *p <= at);
+            if is_it && self.position.get(even).is_some_and(|p| at < *p) {
+                return even;
+            }
+        }
+        self.position.partition_point(|p| *p <= at)
     }
 }

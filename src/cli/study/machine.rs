@@ -22,8 +22,8 @@ pub(crate) struct StudyMachineArgs {
     /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Write map.csv, budget.csv, heads.csv, readings.csv, form.csv, aliases.csv, their charts and report.html into this
-    /// folder.
+    /// Write map.csv, budget.csv, heads.csv, readings.csv, form.csv, aliases.csv, their charts and
+    /// report.html into this folder.
     #[arg(long, value_name = "DIR", conflicts_with = "at")]
     out: Option<PathBuf>,
 }

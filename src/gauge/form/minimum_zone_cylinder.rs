@@ -12,9 +12,6 @@ use super::cylinder::{Cylinder, least_squares_cylinder};
 use super::error::FormError;
 use super::linear_program::{LinearProgram, Row};
 
-/// Linearisations before the zone counts as not settled.
-const MOST_STEPS: usize = 20;
-
 /// A minimum-zone cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CylinderZone {
@@ -40,7 +37,8 @@ pub(crate) fn minimum_zone_cylinder(points: &[DVec3]) -> Result<CylinderZone, Fo
     let rounding = 1e-15 * start.cylinder.radius;
     let mut found = frame.zone(points, start.cylinder);
     let mut bound = 4.0 * found.width + rounding;
-    for _ in 0..MOST_STEPS {
+    // A handful settle; as many again for boxes that were too wide.
+    for _ in 0..20 {
         let (step, gap) = frame.step(points, &found, bound).ok_or(FormError::NotConverged { feature })?;
         let next = frame.zone(points, step);
         if next.width >= found.width - 2.0 * rounding {

@@ -92,11 +92,21 @@ fn states(machine: &Prepared, name: ErrorName) -> Vec<Conditions> {
     (0..ANGLES).map(|k| Conditions { c_deg: angle(k), ..machine.state }).collect()
 }
 
+/// Positions at which an error's effect is evaluated: of the spindle's, which is linear in x and in
+/// z, the ends of the travels.
+fn positions(machine: &Prepared, name: ErrorName) -> (Vec<f64>, Vec<f64>) {
+    if name.axis() == Axis::C {
+        return (machine.settings.x_travel_mm.to_vec(), machine.settings.z_travel_mm.to_vec());
+    }
+    (machine.x_mm.clone(), machine.z_mm.clone())
+}
+
 fn row(machine: &Prepared, part: &Part, name: ErrorName) -> BudgetRow {
     let mut shift = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+    let (x_mm, z_mm) = positions(machine, name);
     for state in states(machine, name) {
-        for x in &machine.x_mm {
-            for z in &machine.z_mm {
+        for x in &x_mm {
+            for z in &z_mm {
                 let station = machine.settings.tool(*x, *z);
                 let value = machine.motion.value(name, [*x, *z], &state);
                 let one =

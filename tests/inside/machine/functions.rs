@@ -29,6 +29,20 @@ fn waves_polynomial_and_table_add_up() {
 }
 
 #[test]
+fn tables_of_uneven_steps_are_read_between_their_own_points() {
+    let at = [0.0, 1.0, 3.0, 50.0, 51.0, 100.0];
+    let values = [0.0, 5.0, -2.0, 1.0, 9.0, 4.0];
+    let motion =
+        motion(&format!("[machine.errors.exz.table]\nposition_mm = {at:?}\nvalue_um = {values:?}\n"));
+    for k in 0..=400 {
+        let z = 0.25 * f64::from(k);
+        let j = (0..5).find(|j| z <= at[j + 1]).unwrap();
+        let right = values[j] + (values[j + 1] - values[j]) * (z - at[j]) / (at[j + 1] - at[j]);
+        close(exz(&motion, z, &Conditions::default()), right, 1e-12, &format!("at {z}"));
+    }
+}
+
+#[test]
 fn reversal_is_the_difference_of_the_directions() {
     let backward = Conditions { z_direction: Direction::Backward, ..Conditions::default() };
     let both = motion("[machine.errors.exz]\nreversal_um = 3.0\n");
