@@ -14,7 +14,7 @@ pub(crate) enum Topology {
 }
 
 impl Topology {
-    /// The kinematic chain in the notation of ISO 10303-105 and ISO 230-1.
+    /// The kinematic chain from the work w over the base b to the tool t; a prime: carries the work.
     pub(crate) fn notation(self) -> &'static str {
         match self {
             Self::TShaped => "w-C'-Z'-b-X-t",

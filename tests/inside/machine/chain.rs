@@ -159,8 +159,8 @@ fn chains_equal_products_of_matrices() {
             let values = drawn(&mut draws, 0.01, size);
             let found = Chain { topology, values }.pose(&settings.tool(X, Z)).shift_mm;
             let right = by_matrices(topology, &values.0, [T, W]);
-            for k in 0..3 {
-                close(found[k], right[k], 1e-12, &format!("{topology:?} at {size}, {k}"));
+            for (k, right) in right.into_iter().enumerate() {
+                close(found[k], right, 1e-12, &format!("{topology:?} at {size}, {k}"));
             }
         }
     }

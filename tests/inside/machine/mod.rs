@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod chain;
+mod cli;
 mod functions;
 mod response;
 mod spindle;
