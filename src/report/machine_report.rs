@@ -60,7 +60,7 @@ fn space(
     let svg = chart.to_svg()?;
     page.figure(
         &svg,
-        &format!("The working space as the tool reaches it: displacements drawn {times:.0} times as large as the machine; dotted: as commanded."),
+        &format!("The working space as the tool reaches it: displacements, their mean taken out, drawn {times:.0} times as large; dotted: as commanded."),
     );
     charts.push(("space.svg", svg));
     let map = &study.map;
@@ -117,9 +117,12 @@ fn raster(study: &MachineStudy) -> (Chart, f64) {
     let (rows, columns) = (study.map.x_points, study.map.z_points);
     let (first, last) = (&points[0], &points[points.len() - 1]);
     let size = (last.x_mm - first.x_mm).min(last.z_mm - first.z_mm);
-    let largest = points.iter().map(|p| p.e_x_um.hypot(p.e_z_um)).fold(1e-9, f64::max);
+    let mean = |of: fn(&MapPoint) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
+    let (mean_x, mean_z) = (mean(|p| p.e_x_um), mean(|p| p.e_z_um));
+    let off = |p: &MapPoint| (p.e_x_um - mean_x, p.e_z_um - mean_z);
+    let largest = points.iter().map(|p| off(p).0.hypot(off(p).1)).fold(1e-9, f64::max);
     let times = round_down(1e3 * LARGEST_SHARE * size / largest);
-    let at = |p: &MapPoint, times: f64| (p.z_mm + 1e-3 * times * p.e_z_um, p.x_mm + 1e-3 * times * p.e_x_um);
+    let at = |p: &MapPoint, times: f64| (p.z_mm + 1e-3 * times * off(p).1, p.x_mm + 1e-3 * times * off(p).0);
     let mut series = Vec::new();
     for (name, mark, times) in [("commanded", Mark::Faint, 0.0), ("reached", Mark::Line, times)] {
         let along_z = some(rows, LINES)

@@ -43,8 +43,10 @@ pub(crate) struct StudySpiral {
     /// out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub z_mm: Option<f64>,
-    /// Growth of the radius a turn, mm.
-    pub pitch_mm: f64,
+    /// Growth of the radius a turn, mm; 1, or a third of the radius where that is less, where it is
+    /// left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pitch_mm: Option<f64>,
     /// Points a turn. Must lie between 3 and 360.
     pub points_per_turn: usize,
 }
@@ -52,25 +54,26 @@ pub(crate) struct StudySpiral {
 impl Default for StudySpiral {
     /// The paper's: 1 mm and ten points a turn.
     fn default() -> Self {
-        Self { radius_mm: None, z_mm: None, pitch_mm: 1.0, points_per_turn: 10 }
+        Self { radius_mm: None, z_mm: None, pitch_mm: None, points_per_turn: 10 }
     }
 }
 
 impl StudySpiral {
+    /// The pitch on a face of a radius, mm.
+    pub(super) fn pitch_mm(&self, radius_mm: f64) -> f64 {
+        self.pitch_mm.unwrap_or_else(|| (radius_mm / 3.0).min(1.0))
+    }
+
     fn validate(&self, config: &MachineStudyConfig) -> Result<(), SettingError> {
-        let [[x_from, x_to], [z_from, z_to]] = [config.machine.x_travel_mm, config.machine.z_travel_mm];
+        let ([_, x_to], [z_from, z_to]) = (config.machine.x_travel_mm, config.machine.z_travel_mm);
         let radius = self.radius_mm.unwrap_or(config.part.radius_mm());
-        let right = format!("above 0 and in machine.x_travel_mm, {x_from} to {x_to} mm");
-        require(
-            radius > 0.0 && radius <= x_to && x_from <= 0.5 * self.pitch_mm,
-            "spiral.radius_mm",
-            radius,
-            &right,
-        )?;
+        let right = format!("above 0 and at most {x_to} mm, the end of machine.x_travel_mm");
+        require(radius > 0.0 && radius <= x_to, "spiral.radius_mm", radius, &right)?;
         let z = self.z_mm.unwrap_or(z_to);
         within("spiral.z_mm", z, z_from, z_to, &format!("in machine.z_travel_mm, {z_from} to {z_to} mm"))?;
         let right = format!("above 0.01 and at most a third of the radius, {}", radius / 3.0);
-        within("spiral.pitch_mm", self.pitch_mm, 0.01, radius / 3.0, &right)?;
+        let pitch = self.pitch_mm(radius);
+        within("spiral.pitch_mm", pitch, 0.01, radius / 3.0, &right)?;
         let points = "spiral.points_per_turn";
         require(
             (3..=360).contains(&self.points_per_turn),
@@ -78,7 +81,7 @@ impl StudySpiral {
             self.points_per_turn,
             "between 3 and 360",
         )?;
-        let count = radius / self.pitch_mm * self.points_per_turn as f64;
+        let count = radius / pitch * self.points_per_turn as f64;
         let right = "few enough for at most 100000 points on the spiral";
         require(count <= 1e5, points, self.points_per_turn, right)
     }
@@ -156,6 +159,9 @@ impl StudyHead {
     }
 
     fn validate(&self, key: &str, radius_mm: f64) -> Result<(), SettingError> {
+        let taken = ["", "cut", "probe", "midline"];
+        let right = "a name of its own: not empty, nor cut, probe or midline, which tables have already";
+        require(!taken.contains(&self.name.as_str()), &format!("{key}.name"), &self.name, right)?;
         let right = format!("above {}, twice the part's radius (inf: telecentric)", 2.0 * radius_mm);
         require(self.pupil_mm > 2.0 * radius_mm, &format!("{key}.pupil_mm"), self.pupil_mm, &right)?;
         let right = "within ±0.01 1/mm";
@@ -200,6 +206,10 @@ impl MachineStudyConfig {
             require((2..=1001).contains(&count), key, count, "between 2 and 1001")?;
         }
         self.spiral.validate(self)?;
+        for (k, head) in self.heads.iter().enumerate() {
+            let is_new = self.heads[..k].iter().all(|before| before.name != head.name);
+            require(is_new, &format!("heads[{k}].name"), &head.name, "another name than the heads before")?;
+        }
         let heads = self.heads.iter().enumerate();
         heads.map(|(k, head)| head.validate(&format!("heads[{k}]"), radius)).collect()
     }

@@ -50,18 +50,22 @@ enum Look {
     Probe(Side),
 }
 
-/// The forms of a part.
+/// The forms of a part; of a face where X reaches the middle.
 ///
 /// # Errors
 /// A form that its points do not determine.
 pub(crate) fn forms(machine: &Prepared, config: &MachineStudyConfig) -> Result<Vec<FormRow>, FormError> {
     let turned = Turned { machine, config };
     let spiral = config.spiral(machine).points();
-    Ok(vec![
+    let mut rows = vec![
         turned.row("straightness of a generatrix", &|look| turned.generatrix(look))?,
         turned.row("cylindricity", &|look| turned.cylinder(look))?,
-        turned.row("flatness of a face, on the spiral", &|look| turned.face(&spiral, look))?,
-    ])
+    ];
+    // A slide that does not reach the middle turns no face.
+    if spiral.first().is_some_and(|first| machine.settings.x_travel_mm[0] <= first.radius_mm) {
+        rows.push(turned.row("flatness of a face, on the spiral", &|look| turned.face(&spiral, look))?);
+    }
+    Ok(rows)
 }
 
 /// Peak to valley about the least-squares feature, minimum zone (mm), number of points.
@@ -164,10 +168,11 @@ impl MachineStudyConfig {
     /// The spiral on the face.
     pub(super) fn spiral(&self, machine: &Prepared) -> Spiral {
         let settings = self.spiral;
+        let radius_mm = settings.radius_mm.unwrap_or(self.part.radius_mm());
         Spiral {
-            radius_mm: settings.radius_mm.unwrap_or(self.part.radius_mm()),
+            radius_mm,
             z_mm: settings.z_mm.unwrap_or(machine.settings.z_travel_mm[1]),
-            pitch_mm: settings.pitch_mm,
+            pitch_mm: settings.pitch_mm(radius_mm),
             points_per_turn: settings.points_per_turn,
         }
     }

@@ -13,8 +13,10 @@ use crate::gauge::form::{FormError, minimum_zone_plane};
 
 /// Height of the lobes at the rim, mm.
 const LOBES_MM: f64 = 50e-6;
-/// Points of a turn that show all lobes of the report.
-const DENSE: usize = 144;
+/// Most lobes of the report.
+const MOST_LOBES: usize = 40;
+/// Points of a turn that show all lobes of the report: seven a wave.
+const DENSE: usize = 289;
 
 /// An Archimedean spiral from half a pitch to the rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,14 +82,13 @@ impl Spiral {
         (0..count).map(point).collect()
     }
 
-    /// The report: orders up to twice the points a turn.
+    /// The report: orders up to twice the points a turn, at most 40.
     ///
     /// # Errors
     /// A spiral too short for a plane.
     pub(crate) fn aliases(&self) -> Result<Vec<Alias>, FormError> {
-        let dense = Self { points_per_turn: DENSE.max(8 * self.points_per_turn + 1), ..*self };
-        let dense = Self { pitch_mm: self.radius_mm / 12.5, ..dense };
-        (1..=2 * self.points_per_turn)
+        let dense = Self { points_per_turn: DENSE, pitch_mm: self.radius_mm / 12.5, ..*self };
+        (1..=(2 * self.points_per_turn).min(MOST_LOBES))
             .map(|order| {
                 let per_turn = self.points_per_turn;
                 let beyond = order % per_turn;

@@ -101,6 +101,9 @@ fn levers_and_travels_that_do_not_close() {
     refused(&turned, "", "machine.z_travel_mm", &["the first below the second"]);
     let thick = [("diameter_mm = 25.0", "diameter_mm = 250.0")];
     refused(&thick, "", "part.diameter_mm", &["250", "machine.x_travel_mm"]);
+    let twin = "[[heads]]\nname = \"a\"\npupil_mm = inf\n".repeat(2);
+    refused(&[], &twin, "heads[1].name", &["a", "another name"]);
+    refused(&[], "[[heads]]\nname = \"a\"\npupil_mm = 20.0\n", "heads[0].pupil_mm", &["above 25", "inf"]);
     refused(&[], "[spiral]\npitch_mm = 20.0\n", "spiral.pitch_mm", &["20", "a third of the radius"]);
     refused(&[], "[spiral]\nz_mm = 120.0\n", "spiral.z_mm", &["120", "machine.z_travel_mm"]);
     refused(&[], "[spiral]\npoints_per_turn = 2\n", "spiral.points_per_turn", &["between 3 and 360"]);

@@ -117,6 +117,12 @@ fn heads_read_only_where_they_reach_what_was_cut() {
     assert!(far.heads.readings.iter().all(|r| r.name.starts_with("probe")));
     let short = run(&[("x_travel_mm = [-50.0,", "x_travel_mm = [0.0,")], "");
     assert!(short.heads.readings.iter().all(|r| r.name != "probe, opposite side"));
+    assert!(short.form.len() == 3 && short.form.iter().all(|row| row.opposite_um.is_none()));
+    let outside = run(
+        &[("x_travel_mm = [-50.0,", "x_travel_mm = [5.0,"), ("head_mm = [60.0,", "head_mm = [90.0,")],
+        "",
+    );
+    assert!(outside.form.iter().all(|row| !row.form.starts_with("flatness")));
 }
 
 #[test]
@@ -180,6 +186,12 @@ fn a_face_shows_its_odd_part_on_the_opposite_side_alone() {
     let (odd, same, opposite) = face("90.0");
     assert!(odd > 0.02 && same < 1e-6, "{odd} {same}");
     close(opposite, 2.0 * odd, 1e-6, "the odd part");
+}
+
+#[test]
+fn a_small_part_has_a_spiral_too() {
+    let study = run(&[("diameter_mm = 25.0", "diameter_mm = 1.2")], "");
+    assert_eq!(form(&study, "flatness").points, 26);
 }
 
 #[test]
