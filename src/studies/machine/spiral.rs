@@ -87,23 +87,34 @@ impl Spiral {
     /// # Errors
     /// A spiral too short for a plane.
     pub(crate) fn aliases(&self) -> Result<Vec<Alias>, FormError> {
-        let dense = Self { points_per_turn: DENSE, pitch_mm: self.radius_mm / 12.5, ..*self };
+        let (own, dense) = (self.points(), self.rings());
         (1..=(2 * self.points_per_turn).min(MOST_LOBES))
             .map(|order| {
                 let per_turn = self.points_per_turn;
                 let beyond = order % per_turn;
                 let reads_as = beyond.min(per_turn - beyond);
-                let shown_um = self.flatness_um(order, 0.0)?.min(self.flatness_um(order, 0.25 * TAU)?);
-                Ok(Alias { order, reads_as, true_um: dense.flatness_um(order, 0.0)?, shown_um })
+                let quarter = self.flatness_um(&own, order, 0.25 * TAU)?;
+                let shown_um = self.flatness_um(&own, order, 0.0)?.min(quarter);
+                Ok(Alias { order, reads_as, true_um: self.flatness_um(&dense, order, 0.0)?, shown_um })
             })
             .collect()
     }
 
-    /// Minimum zone of a face with lobes of a phase at the spiral's points.
-    fn flatness_um(&self, order: usize, phase_rad: f64) -> Result<f64, FormError> {
+    /// Close points on the rim and half way to it, where lobes that grow with the radius show all
+    /// of their zone.
+    fn rings(&self) -> Vec<SpiralPoint> {
+        let ring = |radius_mm: f64| {
+            let at = move |k: usize| TAU * k as f64 / DENSE as f64;
+            (0..DENSE).map(move |k| SpiralPoint { radius_mm, angle_rad: at(k) })
+        };
+        ring(self.radius_mm).chain(ring(0.5 * self.radius_mm)).collect()
+    }
+
+    /// Minimum zone of a face with lobes of a phase at some points.
+    fn flatness_um(&self, at: &[SpiralPoint], order: usize, phase_rad: f64) -> Result<f64, FormError> {
         let lobes = |p: &SpiralPoint| (order as f64 * p.angle_rad + phase_rad).cos();
         let height = |p: &SpiralPoint| LOBES_MM * p.radius_mm / self.radius_mm * lobes(p);
-        let points: Vec<DVec3> = self.points().iter().map(|p| p.place(height(p))).collect();
+        let points: Vec<DVec3> = at.iter().map(|p| p.place(height(p))).collect();
         Ok(1e3 * minimum_zone_plane(&points)?.peak_to_valley())
     }
 }
