@@ -3,9 +3,11 @@
 //! In: a file, or its text. Out: a checked job or another config, or the first mistake with its
 //! place and what to write instead. `text` is what a file is at all, `syntax` words what is not
 //! TOML, `shape` (by `schema`, `nearest`) what is TOML and not the config, `place` finds keys;
-//! `kinds` lists the files that a user writes.
+//! `kinds` lists the files that a user writes; `machine_tables` reads the tables that a
+//! machine's errors name.
 
 pub(crate) mod kinds;
+pub(crate) mod machine_tables;
 mod mistake;
 mod nearest;
 mod place;

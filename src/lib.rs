@@ -52,6 +52,8 @@ pub mod shaft;
 // -- 1 stages: import the vocabulary and their own folder
 pub mod control;
 pub mod gauge;
+#[cfg(feature = "render")]
+pub(crate) mod machine;
 pub mod nc;
 pub mod probe;
 #[cfg(feature = "render")]

@@ -15,6 +15,7 @@ use crate::part_offsets::OffsetState;
 use crate::studies::calibration::CalibrationPlan;
 use crate::studies::deflection::DeflectionConfig;
 use crate::studies::factor::FactorConfig;
+use crate::studies::machine::MachineStudyConfig;
 use crate::studies::optimize::OptimizeConfig;
 use crate::studies::reproduce_003::Inputs;
 
@@ -63,6 +64,11 @@ pub(crate) const CONFIGS: [FileKind; 9] = [
         schema: || schema_for!(DeflectionConfig),
     },
     FileKind {
+        name: "machine_errors",
+        title: "A lathe's 21 errors (`study machine`)",
+        schema: || schema_for!(MachineStudyConfig),
+    },
+    FileKind {
         name: "reproduce_003",
         title: "A paper's inputs (`reproduce 003 --inputs`)",
         schema: || schema_for!(Inputs),
@@ -70,7 +76,7 @@ pub(crate) const CONFIGS: [FileKind; 9] = [
 ];
 
 /// Tables in CSV: the schema is that of a row, by the names of the columns.
-pub(crate) const TABLES: [FileKind; 5] = [
+pub(crate) const TABLES: [FileKind; 6] = [
     FileKind { name: "frames", title: "frames.csv beside frames (`measure`)", schema: frames },
     FileKind { name: "contour", title: "A contour (`[shaft] contour_file`)", schema: contour },
     FileKind {
@@ -79,6 +85,11 @@ pub(crate) const TABLES: [FileKind; 5] = [
         schema: edge,
     },
     FileKind { name: "forces", title: "Measured forces (`study factor --forces`)", schema: forces },
+    FileKind {
+        name: "error_table",
+        title: "An error of a machine's axis (`[machine.errors.exz.table] file`)",
+        schema: error_table,
+    },
     FileKind { name: "rings", title: "cmm.csv: sizes of rings (`study washers`)", schema: rings },
 ];
 
@@ -147,6 +158,31 @@ fn forces() -> Schema {
             ("speed_m_per_min", "number", true, "Cutting speed, m/min, above 0."),
             ("feed_mm_per_rev", "number", true, "Feed, mm a revolution, above 0."),
             ("force_n", "number", true, "Force, N, above 0."),
+        ],
+    )
+}
+
+fn error_table() -> Schema {
+    let angular = "As the column in um, µrad: of an error about an axis, in its place.";
+    row(
+        "A row of an error's table",
+        &[
+            (
+                "position_mm",
+                "number",
+                false,
+                "Position of the slide, mm, ascending; every row of a slide has it.",
+            ),
+            ("angle_deg", "number", false, "Angle of the spindle, degrees, in place of a position."),
+            ("value_um", "number", false, "Error along an axis where the position grew, µm."),
+            ("value_urad", "number", false, angular),
+            (
+                "backward_um",
+                "number",
+                false,
+                "The same where the position fell, where it was measured apart.",
+            ),
+            ("backward_urad", "number", false, angular),
         ],
     )
 }

@@ -17,6 +17,7 @@ mod form_report;
 mod head_report;
 pub(crate) mod head_rows;
 pub(crate) mod html;
+mod machine_report;
 mod marks;
 pub(crate) mod measure_report;
 mod measured_charts;
@@ -36,5 +37,6 @@ mod washers_report;
 
 pub(crate) use calibration_report::calibration_report;
 pub(crate) use head_report::head_page;
+pub(crate) use machine_report::{MachinePage, machine_page};
 pub(crate) use run_report::{RunView, run_report};
 pub(crate) use washers_report::washers_page;

@@ -20,6 +20,7 @@ pub(crate) mod head;
 pub(crate) mod in_process;
 pub(crate) mod limits;
 pub(crate) mod line_camera;
+pub(crate) mod machine;
 pub mod optimize;
 pub(crate) mod parts;
 pub(crate) mod reproduce_000;

@@ -140,6 +140,12 @@ fn produced_tables(work: &Work) -> Vec<(&'static str, Vec<String>)> {
         ("esf.csv", "esf.csv"),
         ("deflection.csv", "out/line/deflection.csv"),
         ("axis.csv of study deflection", "out/line/axis.csv"),
+        ("map.csv", "out/machine/map.csv"),
+        ("budget.csv", "out/machine/budget.csv"),
+        ("heads.csv", "out/machine/heads.csv"),
+        ("form.csv of study machine", "out/machine/form.csv"),
+        ("aliases.csv", "out/machine/aliases.csv"),
+        ("readings.csv", "out/machine/readings.csv"),
         ("stability.csv", "out/stability/stability.csv"),
         ("factor.csv", "out/factor/factor.csv"),
         ("front.csv", "out/optimize/front.csv"),
@@ -172,6 +178,14 @@ fn produced_documents(work: &Work) -> Vec<(&'static str, Value)> {
         (
             "study deflection --json",
             work.json("study deflection configs/small_shaft.toml --line --json --out out/line"),
+        ),
+        (
+            "study machine --json",
+            work.json("study machine configs/machine_001.toml --json --out out/machine"),
+        ),
+        (
+            "study machine --at X,Z --json",
+            work.json("study machine configs/machine_001.toml --at 50,20 --json"),
         ),
         ("study factor --json", work.json("study factor --json --out out/factor")),
         ("optimize --json", work.json("optimize configs/optimize_003.toml --json --out out/optimize")),

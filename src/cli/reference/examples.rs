@@ -99,6 +99,13 @@ const EXAMPLES: &[Examples] = &[
     ("study stability", &["shadowgauge study stability my.toml --gain 0.8"]),
     ("study in-process", &["shadowgauge study in-process --out out/in_process"]),
     ("study line-camera", &["shadowgauge study line-camera --json"]),
+    (
+        "study machine",
+        &[
+            "shadowgauge study machine configs/machine_001.toml --out out/machine",
+            "shadowgauge study machine configs/machine_001.toml --at 50,20 --at 50,80 --json",
+        ],
+    ),
     ("study factor", &["shadowgauge study factor", "shadowgauge study factor my.toml --forces forces.csv"]),
     (
         "study head",

@@ -12,6 +12,7 @@ mod head;
 mod in_process;
 mod limits;
 mod line_camera;
+mod machine;
 mod parts;
 mod stability;
 mod uncertainty;
@@ -28,6 +29,7 @@ use self::head::StudyHeadArgs;
 use self::in_process::StudyInProcessArgs;
 use self::limits::StudyLimitsArgs;
 use self::line_camera::StudyLineCameraArgs;
+use self::machine::StudyMachineArgs;
 use self::parts::StudyPartsArgs;
 use self::stability::StudyStabilityArgs;
 use self::uncertainty::StudyUncertaintyArgs;
@@ -52,6 +54,8 @@ pub(crate) enum Study {
     InProcess(StudyInProcessArgs),
     /// Edges a second and repeatability of a line camera's readings, beside its rate and the bound.
     LineCamera(StudyLineCameraArgs),
+    /// The 21 errors of a lathe over its working space, their budget, and what heads make of them.
+    Machine(StudyMachineArgs),
     /// One cutting variable at a time against the size error.
     Factor(StudyFactorArgs),
     /// What heads will measure a part to, and how fast, from their configs alone: side by side.
@@ -82,6 +86,7 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::Washers(args) => washers::run(args),
         Study::InProcess(args) => in_process::run(args),
         Study::LineCamera(args) => line_camera::run(args),
+        Study::Machine(args) => machine::run(args),
         Study::Factor(args) => factor::run(args),
         Study::Head(args) => head::run(args),
         Study::Limits(args) => limits::run(args),

@@ -3,7 +3,7 @@
 //!
 //! Everything here is a pure function over points or readings; units are those of the input (mm or
 //! px), and a result in mm follows from points in mm. Reference features follow ISO 12181
-//! (roundness), ISO 12780 (straightness) and ISO 12180 (cylindricity); each minimax feature comes
+//! (roundness), ISO 12780 (straightness), ISO 12781 (flatness) and ISO 12180 (cylindricity); each minimax feature comes
 //! with a [`Certificate`] that is computed from the points and the answer alone, not by the solver.
 //! Sizes of a section by the same features (ISO 14405-1) are in `size`.
 //!
@@ -21,6 +21,8 @@ mod least_squares_circle;
 mod line;
 mod linear_program;
 mod minimum_zone_circle;
+mod minimum_zone_cylinder;
+mod plane;
 mod profile_filter;
 mod roundness;
 mod run_out;
@@ -53,6 +55,10 @@ pub(crate) use least_squares_circle::certify_least_squares;
 pub(crate) use line::certify_minimum_zone_line;
 #[cfg(test)]
 pub(crate) use minimum_zone_circle::certify_minimum_zone;
+pub(crate) use minimum_zone_cylinder::minimum_zone_cylinder;
+#[cfg(test)]
+pub(crate) use plane::{Plane, certify_minimum_zone_plane};
+pub(crate) use plane::{least_squares_plane, minimum_zone_plane};
 #[cfg(test)]
 pub(crate) use profile_filter::gaussian_transmission;
 pub(crate) use profile_filter::{Cutoff, gaussian_closed};
