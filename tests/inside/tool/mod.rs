@@ -1,0 +1,6 @@
+//! Worn noses and what they leave: closed forms, envelopes by brute force, paths and programs.
+
+mod compensation;
+mod envelope;
+mod parts;
+mod profile;
