@@ -45,6 +45,8 @@
 pub mod conformity;
 pub mod frame;
 mod numerics;
+pub(crate) mod nose;
+pub(crate) mod outline;
 pub mod plan;
 pub mod profile;
 pub mod setting;
@@ -59,6 +61,8 @@ pub mod process;
 #[cfg(feature = "render")]
 pub mod render;
 pub mod source;
+#[cfg(feature = "cli")]
+pub(crate) mod tool;
 // -- 2 composition: where stages meet
 pub mod cell;
 pub mod closed_loop;

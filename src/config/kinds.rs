@@ -16,6 +16,7 @@ use crate::studies::deflection::DeflectionConfig;
 use crate::studies::factor::FactorConfig;
 use crate::studies::optimize::OptimizeConfig;
 use crate::studies::reproduce_003::Inputs;
+use crate::tool::{OutlineFile, ToolFile};
 
 /// A kind of file.
 pub(crate) struct FileKind {
@@ -28,7 +29,7 @@ pub(crate) struct FileKind {
 }
 
 /// Config files, jobs first.
-pub(crate) const CONFIGS: [FileKind; 8] = [
+pub(crate) const CONFIGS: [FileKind; 10] = [
     FileKind { name: "job", title: "A job (`run`, `render`, most studies)", schema: || schema_for!(Job) },
     FileKind {
         name: "calibration",
@@ -60,6 +61,16 @@ pub(crate) const CONFIGS: [FileKind; 8] = [
         name: "reproduce_003",
         title: "A paper's inputs (`reproduce 003 --inputs`)",
         schema: || schema_for!(Inputs),
+    },
+    FileKind {
+        name: "tool",
+        title: "A turning tool (`tool compensate --tool`)",
+        schema: || schema_for!(ToolFile),
+    },
+    FileKind {
+        name: "outline",
+        title: "A part's outline (`tool compensate --part`)",
+        schema: || schema_for!(OutlineFile),
     },
 ];
 

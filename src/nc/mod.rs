@@ -23,6 +23,7 @@
 //! `Dialect` with its words and its match arms in `replay`; a new program is a file beside
 //! `turning`.
 
+mod contour_program;
 mod dialect;
 mod error;
 mod header;
@@ -51,6 +52,7 @@ pub use self::{
     probe_settings::{NcProbe, ProbeReference},
     settings::{NcSettings, Remeasure},
 };
+pub(crate) use contour_program::{ContourProgram, NoseRegister, WrittenContour};
 pub(crate) use error::NcError;
 pub(crate) use line::{LineFit, fit_line};
 pub(crate) use machine::Direction;

@@ -74,9 +74,9 @@ pub(crate) enum NoseError {
     Covariance(usize),
 }
 
-/// Most degrees between neighbouring directions: the conic between two tangents of an ellipse of
-/// half axes r(1 ± 0.1) then lies within r·4e-6, 2 nm for 0.4 mm, and a flat hidden between two
-/// directions is narrower than r/11.
+/// Most degrees between neighbouring directions: between them the conic keeps the support of an
+/// ellipse of half axes .44 and .36 mm within 5 nm (a test measures it), and a flat that lies
+/// between two directions is narrower than r/11.
 const MOST_STEP_DEG: f64 = 5.0;
 /// Excess over the neighbours' tangents in units of u that passes as noise: 6e-5 a direction.
 const NOISE_SPREADS: f64 = 4.0;
@@ -166,6 +166,12 @@ impl NoseProfile {
         let steps = ((high - low) / step_rad).ceil().max(1.0) as usize;
         let at = |k: usize| low + (high - low) * k as f64 / steps as f64;
         (0..=steps).map(|k| (at(k), self.support_mm(at(k)))).collect()
+    }
+
+    /// Points p of the nose's edge about the tool point, over its range.
+    pub(crate) fn outline(&self) -> Vec<DVec2> {
+        let ends = [self.contact[0], self.contact[self.contact.len() - 1]];
+        ends.into_iter().chain(self.corner.iter().copied()).map(|q| -q).collect()
     }
 
     /// The weights by which h(a) follows from the values given: linear where the tangents turn

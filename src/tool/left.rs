@@ -129,7 +129,9 @@ pub(crate) fn remainders(
 ) -> Vec<Remainder> {
     let mut found = Vec::new();
     for (source, piece) in outline.pieces.iter().enumerate() {
-        let places = ((piece.to_rad - piece.from_rad).abs() / PLACE_RAD).ceil().max(PLACES as f64) as usize;
+        // an odd number has a place in the middle
+        let turn = (piece.to_rad - piece.from_rad).abs();
+        let places = ((turn / PLACE_RAD).ceil() as usize).max(PLACES) | 1;
         for k in 0..places {
             let share = (k as f64 + 0.5) / places as f64;
             let (at, a_rad) = (piece.at(share), piece.angle_at(share));

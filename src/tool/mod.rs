@@ -11,16 +11,17 @@
 //! leaves least, the contour edited by what is left, and the path of the tool point itself, without
 //! the control's compensation.
 //!
-//! In: `NoseProfile`, `ToolGeometry`, `Outline`. Out: [`compensate`], a [`Compensation`]: e(a) with u,
-//! what each way leaves, and the chosen way's path. `register` holds e(a), `contact` and `biarc` move
-//! a piece by what touches it, `chain` joins the moved pieces, `ways` are the four, `left` measures
-//! the path against the outline apart from all of these, `sizes` turns that into diameters, faces,
-//! cones, arcs and corners. `nose_file` and `settings` read files. A further way is a variant of
-//! [`Way`] and its arm in `ways`.
+//! In: `NoseProfile`, `ToolGeometry`, `Outline`. Out: e(a) with u ([`Setting`]), the path of each way
+//! ([`Compensator`]), what it leaves ([`Remainder`]) and the [`Document`] of all. `register` holds
+//! e(a), `contact` and `biarc` move a piece by what touches it, `chain` joins the moved pieces, `ways`
+//! are the four, `left` measures a path against the outline apart from all of these, `sizes` turns
+//! that into diameters, faces, cones, arcs and corners. `nose_file` and `settings` read files. A
+//! further way is a variant of [`Way`] and its arm in `ways`.
 
 mod biarc;
 mod chain;
 mod contact;
+mod document;
 mod error;
 mod left;
 mod nose_file;
@@ -30,10 +31,19 @@ mod sizes;
 mod ways;
 
 pub(crate) use chain::Element;
+pub(crate) use document::{Document, LargestLeft, Measured, WayResult, measured};
 pub(crate) use error::ToolError;
-pub(crate) use left::{Remainder, Tool, largest, moves_of, remainders};
-pub(crate) use nose_file::{MeasuredNose, read_nose};
-pub(crate) use register::{Setting, Stated};
+pub(crate) use left::{Remainder, Tool, remainders};
+#[cfg(test)]
+pub(crate) use left::{largest, moves_of};
+pub(crate) use nose_file::read_nose;
+pub(crate) use register::Setting;
+#[cfg(test)]
+pub(crate) use register::Stated;
+#[cfg(test)]
+pub(crate) use settings::ImageAxes;
 pub(crate) use settings::{OutlineFile, ToolFile};
-pub(crate) use sizes::{CornerChange, Kind, PieceChange, changes};
+#[cfg(test)]
+pub(crate) use sizes::{Kind, changes};
+pub(crate) use sizes::PieceChange;
 pub(crate) use ways::{Compensated, Compensator, Way};

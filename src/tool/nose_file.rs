@@ -1,4 +1,4 @@
-//! The nose of `tool nose --json`: images with, among other figures, the support of the nose's hull.
+//! The file of a measured nose: images with, among other figures, the support of the nose's hull.
 
 use std::f64::consts::TAU;
 
@@ -62,7 +62,7 @@ pub(crate) fn read_nose(
     geometry: &ToolGeometry,
 ) -> Result<MeasuredNose, ToolError> {
     let document: Document = serde_json::from_str(text).map_err(|e| {
-        ToolError::Nose(format!("is no document of `tool nose --json`, whose images have their `support`: {e}"))
+        ToolError::Nose(format!("is no document whose `images` have their `support` (docs/tool.md): {e}"))
     })?;
     let names: Vec<&str> = document.images.iter().map(|i| i.image.as_str()).collect();
     let fits = |i: &&Image| wanted.map_or(!i.support.is_empty(), |name| i.image == name);

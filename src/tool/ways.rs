@@ -144,6 +144,11 @@ impl Compensator<'_> {
         }
     }
 
+    pub(crate) fn contour(&self) -> Result<Vec<Element>, ToolError> {
+        let drawn: Vec<Element> = self.outline.pieces.iter().enumerate().map(|(source, &piece)| Element { piece, source }).collect();
+        chain::moved(&drawn, &Contact::of_contour(&self.setting, self.register_mm), Corner::Extend)
+    }
+
     /// Largest radius that fits into the outline's concave arcs, mm.
     fn largest_register_mm(&self) -> f64 {
         let concave = self.outline.pieces.iter().filter_map(|p| p.arc).filter(|arc| arc.radius_mm < 0.0);

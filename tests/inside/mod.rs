@@ -40,6 +40,7 @@ mod render_shaders;
 mod render_shaft;
 mod ring_measure;
 mod run_truth;
+mod tool;
 mod uncertainty;
 
 #[path = "../support/mod.rs"]

@@ -15,6 +15,7 @@
 //! - no feed cuts below the commanded diameter,
 //! - feeds at the commanded diameter cover the part from the stated end of the cut to its end face.
 
+mod arcs;
 mod convex;
 mod expression;
 mod flow;
@@ -25,9 +26,11 @@ mod surface;
 mod touch;
 
 pub(crate) use convex::Convex;
+pub(crate) use interpreter::{Deed, Point};
 #[cfg(test)]
-pub(crate) use interpreter::{Control, Deed, Event, Point};
+pub(crate) use interpreter::{Control, Event};
 pub(crate) use judge::{CommandedCut, Solid, WorkingSpace, check, check_once, must_alarm};
+pub(crate) use run::run;
 #[cfg(test)]
-pub(crate) use run::{run, variables};
+pub(crate) use run::variables;
 pub(crate) use surface::Surface;

@@ -4,3 +4,4 @@ mod compensation;
 mod envelope;
 mod parts;
 mod profile;
+mod program;

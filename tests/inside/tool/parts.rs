@@ -49,7 +49,7 @@ pub fn flat_support(a: f64) -> f64 {
     if turn.abs() >= (half / r).asin() { r } else { depth * turn.cos() + half * turn.sin().abs() }
 }
 
-fn corner(z_mm: f64, diameter_mm: f64, radius_mm: f64) -> ContourPoint {
+pub fn corner(z_mm: f64, diameter_mm: f64, radius_mm: f64) -> ContourPoint {
     ContourPoint { z_mm, diameter_mm, chamfer_mm: 0.0, radius_mm }
 }
 
