@@ -1,29 +1,21 @@
-//! Moved pieces joined to a path: trimmed where the outline is concave, led round or extended where
-//! it is convex.
+//! Moved pieces joined to a path, trimmed where the outline is concave and led round where it is
+//! convex, and the contour inside of a path.
 
 use glam::DVec2;
 
 use super::contact::Contact;
 use super::error::{Place, ToolError};
-use crate::outline::{Piece, meetings};
+use crate::outline::{Arc, Piece, meetings};
 
-/// A piece of a path and the piece of the outline that it belongs to; the way about a corner
-/// belongs to the piece before it.
+/// A piece of a path and the piece of the outline that it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Element {
     /// The piece.
     pub piece: Piece,
-    /// Number of the outline's piece, from 0.
+    /// Number of the outline's piece, from 0; the one before a corner where it rolls about it.
     pub source: usize,
-}
-
-/// What happens at a convex corner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Corner {
-    /// The tool rolls about it.
-    Roll,
-    /// Both pieces are extended until they intersect.
-    Extend,
+    /// Whether it rolls about a convex corner.
+    pub rolls: bool,
 }
 
 /// How a run is joined to the one before it.
@@ -31,7 +23,6 @@ pub(super) enum Corner {
 enum Joint {
     Smooth,
     Trimmed,
-    Extended,
 }
 
 struct Run {
@@ -52,42 +43,33 @@ const NO_LENGTH_MM: f64 = 1e-7;
 ///
 /// # Errors
 /// A place where the moved pieces do not meet: what touches does not fit in.
-pub(super) fn moved(
-    outline: &[Element],
-    contact: &Contact<'_>,
-    corner: Corner,
-) -> Result<Vec<Element>, ToolError> {
+pub(super) fn moved(outline: &[Element], contact: &Contact<'_>) -> Result<Vec<Element>, ToolError> {
     let mut path: Vec<Element> = Vec::new();
-    for run in runs(outline, contact, corner) {
+    for run in runs(outline, contact) {
         match run.joint {
             _ if path.is_empty() => path = run.elements,
             Joint::Smooth => path.extend(run.elements),
             Joint::Trimmed => path = trimmed(path, &run)?,
-            Joint::Extended => path = trimmed(path.clone(), &run).or_else(|_| extended(path, &run))?,
         }
     }
     Ok(path)
 }
 
-fn runs(outline: &[Element], contact: &Contact<'_>, corner: Corner) -> Vec<Run> {
+fn runs(outline: &[Element], contact: &Contact<'_>) -> Vec<Run> {
     let mut runs = Vec::new();
     // what a piece that vanished leaves behind: the next joint is trimmed
     let mut lost = false;
     for (i, element) in outline.iter().enumerate() {
         let before = i.checked_sub(1).map(|k| &outline[k].piece);
         let turn = before.map_or(0.0, |b| element.piece.from_rad - b.to_rad);
-        let joint = match corner {
-            Corner::Extend if turn.abs() > TANGENT_RAD => Joint::Extended,
-            Corner::Roll if turn < -TANGENT_RAD => Joint::Trimmed,
-            _ => Joint::Smooth,
-        };
-        if let Some(before) = before.filter(|_| turn > TANGENT_RAD && corner == Corner::Roll) {
+        let joint = if turn < -TANGENT_RAD { Joint::Trimmed } else { Joint::Smooth };
+        if let Some(before) = before.filter(|_| turn > TANGENT_RAD) {
             let way = contact.about(before.to, before.to_rad, element.piece.from_rad);
-            let source = outline[i - 1].source;
-            push(&mut runs, way, (Joint::Smooth, &mut lost), (source, before.to));
+            let corner = Element { source: outline[i - 1].source, rolls: true, ..*element };
+            push(&mut runs, way, (Joint::Smooth, &mut lost), (corner, before.to));
         }
         let pieces = contact.moved(&element.piece);
-        push(&mut runs, pieces, (joint, &mut lost), (element.source, element.piece.from));
+        push(&mut runs, pieces, (joint, &mut lost), (*element, element.piece.from));
     }
     runs
 }
@@ -96,15 +78,18 @@ fn push(
     runs: &mut Vec<Run>,
     pieces: Vec<Vec<Piece>>,
     (first, lost): (Joint, &mut bool),
-    (source, place): (usize, DVec2),
+    (of, place): (Element, DVec2),
 ) {
     for (k, run) in pieces.into_iter().enumerate() {
         let joint = if k > 0 || *lost { Joint::Trimmed } else { first };
         // where the curve turned back nothing is left to join to: the next run is trimmed
         *lost = run.is_empty() && (k > 0 || *lost);
         if !run.is_empty() {
-            let elements = run.into_iter().map(|piece| Element { piece, source }).collect();
-            runs.push(Run { joint, elements, place });
+            let elements = run.into_iter().map(|piece| Element { piece, ..of });
+            match runs.last_mut().filter(|_| joint == Joint::Smooth) {
+                Some(open) => open.elements.extend(elements),
+                None => runs.push(Run { joint, elements: elements.collect(), place }),
+            }
         }
     }
 }
@@ -142,21 +127,46 @@ fn cut(path: &mut Vec<Element>, at: DVec2, next: &[Element], ahead: usize) {
     path.extend(&next[ahead + 1..]);
 }
 
-/// The path and the run, both extended to where their carriers intersect next to the
-/// corner.
-fn extended(mut path: Vec<Element>, run: &Run) -> Result<Vec<Element>, ToolError> {
-    let Some((a, b)) = path.last().map(|last| (last.piece, run.elements[0].piece)) else {
-        return Ok(run.elements.clone());
+/// The contour that a control with the radius R drives along a path: R inside of it and moved by
+/// `shift`. Ways about convex corners are left out; where pieces end apart they are extended to
+/// where their carriers intersect.
+///
+/// # Errors
+/// Pieces that do not intersect next to their ends.
+pub(super) fn inside(path: &[Element], radius_mm: f64, shift: DVec2) -> Result<Vec<Element>, ToolError> {
+    let mut contour: Vec<Element> = Vec::new();
+    for element in path.iter().filter(|e| !e.rolls) {
+        let Some(piece) = inwards(&element.piece, radius_mm) else { continue };
+        let next = Element { piece: piece.moved(shift), ..*element };
+        let apart = contour.last().is_some_and(|last| last.piece.to.distance(next.piece.from) > NO_LENGTH_MM);
+        if apart { extend(&mut contour, next)? } else { contour.push(next) }
+    }
+    Ok(contour)
+}
+
+/// A piece moved by R against its normal; none where an arc turns inside out.
+fn inwards(piece: &Piece, radius_mm: f64) -> Option<Piece> {
+    let Some(arc) = piece.arc else {
+        return Some(piece.moved(-radius_mm * DVec2::from_angle(piece.from_rad)));
     };
-    let near = |m: &DVec2| m.distance(a.to) + m.distance(b.from);
-    match meetings(&a, &b).into_iter().min_by(|m, n| near(m).total_cmp(&near(n))) {
+    let smaller = Arc { radius_mm: arc.radius_mm - radius_mm, ..arc };
+    let turn = piece.to_rad - piece.from_rad;
+    (smaller.radius_mm * turn > 0.0).then(|| Piece::arc(smaller, piece.from_rad, piece.to_rad))
+}
+
+/// Joins a piece to a contour that ends apart from it.
+fn extend(contour: &mut Vec<Element>, next: Element) -> Result<(), ToolError> {
+    let Some(last) = contour.last().copied() else { return Ok(()) };
+    let near = |m: &DVec2| m.distance(last.piece.to) + m.distance(next.piece.from);
+    let found = meetings(&last.piece, &next.piece).into_iter().min_by(|m, n| near(m).total_cmp(&near(n)));
+    match found.filter(|at| last.piece.share_of(*at) > 0.0 && next.piece.share_of(*at) < 1.0) {
         Some(at) => {
-            cut(&mut path, at, &run.elements, 0);
-            Ok(path)
+            cut(contour, at, &[next], 0);
+            Ok(())
         }
         None => {
             let why = "the edited contour has no corner here: --way path drives the nose round it".to_owned();
-            Err(ToolError::Gouge { place: Place(run.place), why })
+            Err(ToolError::Gouge { place: Place(next.piece.from), why })
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-use super::chain::{self, Corner, Element};
-use super::contact::Contact;
+use super::chain::{self, Element};
+use super::contact::{self, Contact};
 use super::error::{Place, ToolError};
 use super::register::Setting;
 use crate::nose::ToolGeometry;
@@ -119,7 +119,7 @@ impl Compensator<'_> {
             .pieces
             .iter()
             .enumerate()
-            .map(|(source, &piece)| Element { piece, source })
+            .map(|(source, &piece)| Element { piece, source, rolls: false })
             .collect();
         match way {
             Way::Register => self.by_register(way, self.register_mm, drawn),
@@ -131,22 +131,18 @@ impl Compensator<'_> {
                 self.by_register(way, (best / self.increment_mm).round() * self.increment_mm, drawn)
             }
             Way::EditedContour => {
-                let contact = Contact::of_contour(&self.setting, self.register_mm);
-                let edited = chain::moved(&drawn, &contact, Corner::Extend)?;
-                self.by_register(way, self.register_mm, edited)
+                self.check_register(self.register_mm)?;
+                let path = chain::moved(&drawn, &Contact::Nose(self.setting.nose))?;
+                let back = -contact::shift(&self.setting, self.register_mm);
+                self.by_register(way, self.register_mm, chain::inside(&path, self.register_mm, back)?)
             }
             Way::Path => {
-                let path = chain::moved(&drawn, &Contact::of_nose(self.setting.nose), Corner::Roll)?;
+                let path = chain::moved(&drawn, &Contact::Nose(self.setting.nose))?;
                 let gauge = self.setting.gauge_point();
                 let programmed = shifted(&path, gauge);
                 Ok(Compensated { way, register_mm: self.register_mm, programmed, path })
             }
         }
-    }
-
-    pub(crate) fn contour(&self) -> Result<Vec<Element>, ToolError> {
-        let drawn: Vec<Element> = self.outline.pieces.iter().enumerate().map(|(source, &piece)| Element { piece, source }).collect();
-        chain::moved(&drawn, &Contact::of_contour(&self.setting, self.register_mm), Corner::Extend)
     }
 
     /// Largest radius that fits into the outline's concave arcs, mm.
@@ -155,17 +151,22 @@ impl Compensator<'_> {
         concave.map(|arc| -arc.radius_mm).fold(f64::INFINITY, f64::min)
     }
 
+    fn check_register(&self, radius_mm: f64) -> Result<(), ToolError> {
+        let (low_mm, high_mm) = self.register_range_mm;
+        if (low_mm..=high_mm).contains(&radius_mm) {
+            return Ok(());
+        }
+        let right = "State register_mm within it, or drive the nose's own path (--way path), which needs no register";
+        Err(ToolError::Register { radius_mm, low_mm, high_mm, right })
+    }
+
     fn by_register(
         &self,
         way: Way,
         register_mm: f64,
         programmed: Vec<Element>,
     ) -> Result<Compensated, ToolError> {
-        let (low_mm, high_mm) = self.register_range_mm;
-        if !(low_mm..=high_mm).contains(&register_mm) {
-            let right = "State register_mm within it, or drive the nose's own path (--way path), which needs no register";
-            return Err(ToolError::Register { radius_mm: register_mm, low_mm, high_mm, right });
-        }
+        self.check_register(register_mm)?;
         for element in &programmed {
             let Some(arc) = element.piece.arc.filter(|arc| arc.radius_mm < 0.0) else { continue };
             if -arc.radius_mm < register_mm {
@@ -177,7 +178,7 @@ impl Compensator<'_> {
                 return Err(ToolError::Gouge { place: Place(element.piece.from), why });
             }
         }
-        let path = chain::moved(&programmed, &Contact::of_register(&self.setting, register_mm), Corner::Roll)?;
+        let path = chain::moved(&programmed, &Contact::of_register(&self.setting, register_mm))?;
         Ok(Compensated { way, register_mm, programmed, path })
     }
 }

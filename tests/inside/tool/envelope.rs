@@ -48,7 +48,8 @@ fn places(piece: &Piece, middle: f64, reach: f64, of: impl Fn(f64) -> DVec2) -> 
 fn what_is_left_is_the_envelope_of_the_moved_nose() {
     let shaft = shaft();
     let mut worst: f64 = 0.0;
-    for nose in [papers(), nose(0.25, |a| 0.385 - 0.01 * (2.0 * a).sin()), nose(0.25, flat_support)] {
+    let noses = [papers(), nose(0.25, |a| 0.385 - 0.01 * (2.0 * a).sin()), nose(0.25, flat_support)];
+    for (flat, nose) in [false, false, true].into_iter().zip(noses) {
         let edge = edge(&nose);
         for register in [0.4, 0.3865] {
             let c = compensator(&shaft, &nose, register);
@@ -58,8 +59,8 @@ fn what_is_left_is_the_envelope_of_the_moved_nose() {
                 for k in 1..8 {
                     let share = f64::from(k) / 8.0;
                     let (a, at) = (piece.angle_at(share), piece.at(share));
-                    // 45° on the concave arc: the flat is flatter than the surface
-                    if piece.arc.is_some_and(|arc| arc.radius_mm < 0.0) && nose.support_mm(a) < 0.3865 {
+                    // 45° on the arcs: there the flat touches with its two corners, e has a kink
+                    if flat && piece.arc.is_some() && (a.to_degrees() - 45.0).abs() < 1.0 {
                         continue;
                     }
                     let places = places(piece, share, 0.05, |a| register * DVec2::from_angle(a) + shift);
@@ -69,7 +70,8 @@ fn what_is_left_is_the_envelope_of_the_moved_nose() {
                     let e = |a: f64| c.setting.left_mm(a, register);
                     let slope = (e(a + 1e-4) - e(a - 1e-4)) / 2e-4;
                     let inside = piece.arc.map_or(0.0, |arc| 0.5 * slope * slope / arc.radius_mm);
-                    worst = worst.max((brute - e(a) + inside).abs());
+                    let away = (brute - e(a) + inside).abs();
+                    worst = worst.max(away);
                 }
             }
         }

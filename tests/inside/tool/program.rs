@@ -149,11 +149,3 @@ fn linuxcnc_drives_the_same_path() {
         }
     }
 }
-#[test]
-fn debug_flat() {
-    let part = part();
-    let nose = nose(0.25, flat_support);
-    let c = compensator(&part, &nose, 0.4);
-    println!("path {:?}", c.carry_out(Way::Path).map(|d| d.path.iter().map(|e| (e.source, e.piece.from_rad.to_degrees(), e.piece.to_rad.to_degrees(), e.piece.length_mm(), e.piece.arc.map(|a| a.radius_mm))).filter(|e| e.0 == 2).collect::<Vec<_>>()));
-    println!("contour {:?}", c.contour().map(|d| d.iter().map(|e| (e.source, e.piece.from_rad.to_degrees(), e.piece.to_rad.to_degrees(), e.piece.length_mm(), e.piece.arc.map(|a| a.radius_mm))).filter(|e| e.0 == 2).collect::<Vec<_>>()));
-}
