@@ -44,8 +44,8 @@
 // -- 0 vocabulary: types, the rule of conformity, mathematics without state
 pub mod conformity;
 pub mod frame;
-mod numerics;
 pub(crate) mod nose;
+mod numerics;
 pub(crate) mod outline;
 pub mod plan;
 pub mod profile;

@@ -1,11 +1,11 @@
 //! A finishing cut along lines and arcs: a contour for the control's nose compensation, or the path
 //! of the gauge point itself.
 //!
-//! The part stands roughed inside the bar, or is the bar: the tool comes down beyond the end face, in
-//! feed, enters along the first piece or along its normal by more than R, follows the pieces, and
-//! leaves radially. Fanuc: the radius goes into the geometry of the tool's offset (G10 P10000 + n,
-//! R, Q), the wear radius, which adds to it, is set to zero. LinuxCNC: G42.1 takes the diameter and
-//! the tip direction with it and leaves the tool table alone.
+//! The part stands roughed inside the bar, or is the bar: the tool comes down beyond the end face,
+//! in feed, enters along the first piece or along its normal by more than R, follows the pieces,
+//! and leaves radially. Fanuc: the radius goes into the geometry of the tool's offset (G10 P10000 +
+//! n, R, Q), the wear radius, which adds to it, is set to zero. LinuxCNC: G42.1 takes the diameter
+//! and the tip direction with it and leaves the tool table alone.
 
 use glam::DVec2;
 
@@ -98,7 +98,8 @@ impl ContourProgram<'_> {
 
     /// The pieces in the order of cutting.
     fn in_order(&self) -> Vec<Piece> {
-        let reversed = |p: &Piece| Piece { from: p.to, to: p.from, from_rad: p.to_rad, to_rad: p.from_rad, ..*p };
+        let reversed =
+            |p: &Piece| Piece { from: p.to, to: p.from, from_rad: p.to_rad, to_rad: p.from_rad, ..*p };
         match self.piece.direction {
             Direction::TowardsChuck => self.pieces.iter().rev().map(reversed).collect(),
             Direction::TowardsTailstock => self.pieces.to_vec(),
@@ -118,7 +119,8 @@ impl ContourProgram<'_> {
 
     fn skeleton(&self, dialect: Dialect, entry: DVec2) -> Result<Skeleton<'_>, NcError> {
         let largest = self.pieces.iter().map(|p| 2.0 * p.from.x.max(p.to.x)).fold(0.0, f64::max);
-        let mut route = skeleton::check(self.settings, self.piece, largest.min(self.piece.before_mm), dialect)?;
+        let mut route =
+            skeleton::check(self.settings, self.piece, largest.min(self.piece.before_mm), dialect)?;
         route.z_first = round3(entry.y);
         Ok(Skeleton {
             dialect,
@@ -138,7 +140,10 @@ impl ContourProgram<'_> {
         let mut texts = vec![
             format!("shadowgauge {} for {}", env!("CARGO_PKG_VERSION"), skeleton.dialect.as_str()),
             self.about.to_owned(),
-            format!("finishing cut in a bar of {} mm, roughed to the contour", number(self.piece.before_mm, 3)),
+            format!(
+                "finishing cut in a bar of {} mm, roughed to the contour",
+                number(self.piece.before_mm, 3)
+            ),
             "X is a diameter, Z 0 the face that clamps the part".to_owned(),
             format!("tool {}, set in X and Z at its tip direction", s.tool),
         ];
@@ -158,7 +163,8 @@ impl ContourProgram<'_> {
         let (d, s, route) = (skeleton.dialect, self.settings, &skeleton.route);
         let mut lines = d.to_change(route.change);
         if let (Some(register), Dialect::Fanuc) = (self.register, d) {
-            let (radius, tip) = (number(register.radius_mm, d.x_decimals()), register.tip.number(Numbering::Fanuc));
+            let (radius, tip) =
+                (number(register.radius_mm, d.x_decimals()), register.tip.number(Numbering::Fanuc));
             lines.push(d.comment("geometry radius and tip, the wear radius adds to it"));
             lines.push(format!("G10 P{} R{radius} Q{tip}", 10_000 + s.tool));
             lines.push(format!("G10 P{} R0.", s.tool));
@@ -249,8 +255,11 @@ impl ContourProgram<'_> {
         space.tool[0] = Convex::hull(tip.into_iter().chain([above(left), above(right)]).collect());
         replay::check(&text, &space)?;
         let start = replay::Point { x: skeleton.route.change.x_mm, z: skeleton.route.change.z_mm };
-        let events = replay::run(&text, &space.control(start))
-            .map_err(|(block, what)| NcError::Block { block, text: String::new(), what })?;
+        let events = replay::run(&text, &space.control(start)).map_err(|(block, what)| NcError::Block {
+            block,
+            text: String::new(),
+            what,
+        })?;
         let at = |p: replay::Point| DVec2::new(0.5 * p.x, p.z);
         let feed = |deed: &Deed| match deed {
             Deed::Move { from, to, rapid: false } => Some((at(*from), at(*to))),
@@ -275,8 +284,8 @@ struct Entry {
     to: DVec2,
 }
 
-/// Along the first piece where that leads in from beyond the end face, else along its normal; onto a
-/// face `before_mm` before its first point.
+/// Along the first piece where that leads in from beyond the end face, else along its normal; onto
+/// a face `before_mm` before its first point.
 fn entry(first: &Piece, lead_mm: f64, before_mm: f64) -> Entry {
     let (along, n) = (way(first, first.from_rad), DVec2::from_angle(first.from_rad));
     let back = first.from - lead_mm * along;

@@ -1,9 +1,9 @@
 //! A nose by its support function: how far it reaches in every direction.
 //!
-//! The nose is the set of points p about the tool point O. Towards a surface with the normal n(a) it
-//! reaches h(a) = max(−p·n(a)), mm; concave places of the edge cut nothing, so that its convex hull
-//! is all that counts. With q = −p the set {q} has the support function h itself, and
-//! q(a) = h·n + h'·t is the point that touches.
+//! The nose is the set of points p about the tool point O. Towards a surface with the normal n(a)
+//! it reaches h(a) = max(−p·n(a)), mm; concave places of the edge cut nothing, so that its convex
+//! hull is all that counts. With q = −p the set {q} has the support function h itself, and q(a) =
+//! h·n + h'·t is the point that touches.
 //!
 //! h is given at directions a_i with the tangents q·n(a_i) = h_i. A polygon of these tangents is
 //! the hull's outer bound; a value that lies outside of its neighbours' tangents belongs to no body
@@ -70,7 +70,9 @@ pub(crate) enum NoseError {
         allowed_um: f64,
     },
     /// A covariance of another size, or none.
-    #[error("the covariance must be a symmetric {0} x {0} matrix, one row a direction, with no negative variance")]
+    #[error(
+        "the covariance must be a symmetric {0} x {0} matrix, one row a direction, with no negative variance"
+    )]
     Covariance(usize),
 }
 

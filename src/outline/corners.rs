@@ -122,7 +122,10 @@ fn check(points: &[ContourPoint]) -> Result<(), SettingError> {
             ));
         }
         if i > 0 && p.z_mm == points[i - 1].z_mm && p.diameter_mm == points[i - 1].diameter_mm {
-            return Err(SettingError::at(key("z_mm"), "the corner before it lies at the same place: give it once"));
+            return Err(SettingError::at(
+                key("z_mm"),
+                "the corner before it lies at the same place: give it once",
+            ));
         }
     }
     Ok(())

@@ -9,8 +9,8 @@
 //! n points out of the material. A shaft's runs to the tailstock, a bore's to the chuck; along a
 //! convex arc a rises, along a concave one it falls.
 //!
-//! In: corners as on a drawing. Out: [`Outline`] of [`Piece`]s. `piece` is one line or arc, `meeting`
-//! where two of them intersect, `corners` makes outlines.
+//! In: corners as on a drawing. Out: [`Outline`] of [`Piece`]s. `piece` is one line or arc,
+//! `meeting` where two of them intersect, `corners` makes outlines.
 
 mod corners;
 mod meeting;

@@ -1,8 +1,8 @@
 //! Where the tool point stands for a surface point: moved by what touches there.
 //!
 //! For a surface point S with the normal n(a) the nose touches with the tool point at S + q(a). A
-//! control that compensates moves its circle's centre to S + R·n, and with it the tool point to
-//! S + R·n + R·σ − g. Both are S + c(a), and c'(a) is along t(a): the moved curve keeps the surface's
+//! control that compensates moves its circle's centre to S + R·n, and with it the tool point to S +
+//! R·n + R·σ − g. Both are S + c(a), and c'(a) is along t(a): the moved curve keeps the surface's
 //! tangent. So the contour that makes such a control drive the tool point where the nose touches is
 //! the nose's path moved back by R·n + R·σ − g.
 

@@ -93,7 +93,8 @@ impl LargestLeft {
 /// e(a) from the least to the largest normal of the part.
 pub(crate) fn by_angle(compensator: &Compensator<'_>) -> Vec<LeftByAngle> {
     let angles = compensator.angles();
-    let (low, high) = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)));
+    let (low, high) =
+        angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)));
     let steps = ((high - low).to_degrees() / STEP_DEG).ceil() as usize;
     let at = |k: usize| if steps == 0 { low } else { low + (high - low) * k as f64 / steps as f64 };
     let of = |a: f64| LeftByAngle {

@@ -49,9 +49,7 @@ pub(crate) enum ToolError {
         why: String,
     },
     /// A register beyond what a control takes.
-    #[error(
-        "register R = {radius_mm:.5} mm: the control takes {low_mm} to {high_mm} mm. {right}"
-    )]
+    #[error("register R = {radius_mm:.5} mm: the control takes {low_mm} to {high_mm} mm. {right}")]
     Register {
         /// Value wanted, mm.
         radius_mm: f64,

@@ -1,12 +1,12 @@
-//! What a path leaves of a part: at every place of the outline, how far from it along the normal the
-//! first nose on the path lies.
+//! What a path leaves of a part: at every place of the outline, how far from it along the normal
+//! the first nose on the path lies.
 //!
-//! The nose at O takes up the points x with (O − x)·n_i ≤ h_i for all directions n_i. Along a straight
-//! move it sweeps the sum of itself and the move: the same half-planes, each moved to the end of the
-//! move that reaches further, and the one along the move with its own support. A ray from the
-//! surface enters this convex region where the last of its half-planes begins. The nearest entry of
-//! all moves is what is left, below 0 where the nose cuts too deep. Nothing of the construction of
-//! the path is used.
+//! The nose at O takes up the points x with (O − x)·n_i ≤ h_i for all directions n_i. Along a
+//! straight move it sweeps the sum of itself and the move: the same half-planes, each moved to the
+//! end of the move that reaches further, and the one along the move with its own support. A ray
+//! from the surface enters this convex region where the last of its half-planes begins. The nearest
+//! entry of all moves is what is left, below 0 where the nose cuts too deep. Nothing of the
+//! construction of the path is used.
 
 use glam::DVec2;
 

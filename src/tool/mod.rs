@@ -1,8 +1,8 @@
 //! What a worn nose does to a part, and what a program does about it.
 //!
-//! A control takes the nose for a circle of the register radius R about a centre that lies
-//! R·(σx, σz) from the gauge point. The nose of a real tool reaches h(a) towards a surface with the
-//! normal n(a); set by touching, its gauge point lies at g = (σx·Hx, σz·Hz) from the tool point. So a
+//! A control takes the nose for a circle of the register radius R about a centre that lies R·(σx,
+//! σz) from the gauge point. The nose of a real tool reaches h(a) towards a surface with the normal
+//! n(a); set by touching, its gauge point lies at g = (σx·Hx, σz·Hz) from the tool point. So a
 //! contour programmed with G41 or G42 leaves, along n,
 //!
 //! e(a) = R(1 + σx·cos a + σz·sin a) − g·n(a) − h(a),
@@ -11,12 +11,12 @@
 //! leaves least, the contour edited by what is left, and the path of the tool point itself, without
 //! the control's compensation.
 //!
-//! In: `NoseProfile`, `ToolGeometry`, `Outline`. Out: e(a) with u ([`Setting`]), the path of each way
-//! ([`Compensator`]), what it leaves ([`Remainder`]) and the [`Document`] of all. `register` holds
-//! e(a), `contact` and `biarc` move a piece by what touches it, `chain` joins the moved pieces, `ways`
-//! are the four, `left` measures a path against the outline apart from all of these, `sizes` turns
-//! that into diameters, faces, cones, arcs and corners. `nose_file` and `settings` read files. A
-//! further way is a variant of [`Way`] and its arm in `ways`.
+//! In: `NoseProfile`, `ToolGeometry`, `Outline`. Out: e(a) with u ([`Setting`]), the path of each
+//! way ([`Compensator`]), what it leaves ([`Remainder`]) and the [`Document`] of all. `register`
+//! holds e(a), `contact` and `biarc` move a piece by what touches it, `chain` joins the moved
+//! pieces, `ways` are the four, `left` measures a path against the outline apart from all of these,
+//! `sizes` turns that into diameters, faces, cones, arcs and corners. `nose_file` and `settings`
+//! read files. A further way is a variant of [`Way`] and its arm in `ways`.
 
 mod biarc;
 mod chain;
@@ -43,7 +43,7 @@ pub(crate) use register::Stated;
 #[cfg(test)]
 pub(crate) use settings::ImageAxes;
 pub(crate) use settings::{OutlineFile, ToolFile};
+pub(crate) use sizes::PieceChange;
 #[cfg(test)]
 pub(crate) use sizes::{Kind, changes};
-pub(crate) use sizes::PieceChange;
 pub(crate) use ways::{Compensated, Compensator, Way};

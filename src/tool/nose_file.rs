@@ -54,7 +54,8 @@ pub(crate) struct MeasuredNose {
 /// Reads the nose of an image, or of the only one that has its support.
 ///
 /// # Errors
-/// Text that is no such document, no image or several of that name, support values that are no nose.
+/// Text that is no such document, no image or several of that name, support values that are no
+/// nose.
 pub(crate) fn read_nose(
     text: &str,
     wanted: Option<&str>,
@@ -89,8 +90,12 @@ pub(crate) fn read_nose(
 fn profile(image: &Image, axes: ImageAxes, geometry: &ToolGeometry) -> Result<NoseProfile, ToolError> {
     let n = image.support.len();
     let (low, high) = geometry.range_rad();
-    let mut order: Vec<(f64, usize)> =
-        image.support.iter().map(|row| normal_of(row.direction_deg, axes, 0.5 * (low + high))).zip(0..).collect();
+    let mut order: Vec<(f64, usize)> = image
+        .support
+        .iter()
+        .map(|row| normal_of(row.direction_deg, axes, 0.5 * (low + high)))
+        .zip(0..)
+        .collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let supports: Vec<Support> = order
         .iter()

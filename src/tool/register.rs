@@ -134,10 +134,11 @@ impl<'a> Setting<'a> {
             if largest(c) <= largest(d) { b = d } else { a = c }
         }
         let least = largest(0.5 * (a + b)) + ROUNDING_MM;
-        let within = terms.iter().filter(|(k, _)| k.abs() > ROUNDING_MM).fold((low, high), |(from, to), (k, m)| {
-            let (one, other) = ((-least - m) / k, (least - m) / k);
-            (from.max(one.min(other)), to.min(one.max(other)))
-        });
+        let within =
+            terms.iter().filter(|(k, _)| k.abs() > ROUNDING_MM).fold((low, high), |(from, to), (k, m)| {
+                let (one, other) = ((-least - m) / k, (least - m) / k);
+                (from.max(one.min(other)), to.min(one.max(other)))
+            });
         if within.0 <= within.1 { now_mm.clamp(within.0, within.1) } else { 0.5 * (a + b) }
     }
 }

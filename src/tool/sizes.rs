@@ -75,7 +75,8 @@ const TANGENT_RAD: f64 = 1e-6;
 pub(crate) fn changes(outline: &Outline, left: &[Remainder]) -> (Vec<PieceChange>, Vec<CornerChange>) {
     let of = |i: usize| left.iter().filter(move |r| r.source == i && r.reached);
     let pieces = outline.pieces.iter().enumerate();
-    let changed = pieces.filter_map(|(i, piece)| change(piece, &of(i).copied().collect::<Vec<_>>())).collect();
+    let changed =
+        pieces.filter_map(|(i, piece)| change(piece, &of(i).copied().collect::<Vec<_>>())).collect();
     let corner = |i: usize| {
         let (a, b) = (&outline.pieces[i], &outline.pieces[i + 1]);
         let (one, other) = (of(i).last()?.left_mm, of(i + 1).next()?.left_mm);

@@ -156,7 +156,8 @@ impl Compensator<'_> {
         if (low_mm..=high_mm).contains(&radius_mm) {
             return Ok(());
         }
-        let right = "State register_mm within it, or drive the nose's own path (--way path), which needs no register";
+        let right =
+            "State register_mm within it, or drive the nose's own path (--way path), which needs no register";
         Err(ToolError::Register { radius_mm, low_mm, high_mm, right })
     }
 

@@ -15,8 +15,8 @@ use crate::nose::{Feed, NoseProfile, ToolGeometry};
 use crate::outline::{Outline, Piece, Side};
 use crate::setting::SettingError;
 use crate::tool::{
-    Compensated, Compensator, Document, Element, LargestLeft, Measured, OutlineFile, Remainder, Setting, Tool,
-    ToolError, ToolFile, Way, WayResult, measured, read_nose, remainders,
+    Compensated, Compensator, Document, Element, LargestLeft, Measured, OutlineFile, Remainder, Setting,
+    Tool, ToolError, ToolFile, Way, WayResult, measured, read_nose, remainders,
 };
 
 /// What a program changes.
@@ -115,7 +115,8 @@ pub(crate) fn run(args: &CompensateArgs) -> CommandResult {
     });
     let results = tried.iter().map(|(way, result)| way_result(*way, result)).collect();
     let final_left = by_program.as_ref().unwrap_or(left);
-    let mut document = Document::new(&nose, &compensator, results, (way, final_left), inputs.geometry.range_rad());
+    let mut document =
+        Document::new(&nose, &compensator, results, (way, final_left), inputs.geometry.range_rad());
     document.dialect = written.as_ref().map(|_| args.dialect.as_str());
     document.program_largest = by_program.as_ref().and_then(|left| LargestLeft::of(left));
 
@@ -254,7 +255,9 @@ fn program(
         ..Workpiece::new(inputs.outline.z_mm().1, stock, stock)
     };
     let about = match (args.way, register) {
-        (WayArgument::Path, _) | (_, None) => "path of the measured nose, no compensation by the control".to_owned(),
+        (WayArgument::Path, _) | (_, None) => {
+            "path of the measured nose, no compensation by the control".to_owned()
+        }
         (WayArgument::EditedContour, Some(r)) => {
             format!("contour edited for the measured nose, register R {:.5}", r.radius_mm)
         }
@@ -275,8 +278,7 @@ fn program(
 
 /// The machine's data, with the tool's nose.
 fn machine(args: &CompensateArgs, inputs: &Inputs) -> Result<NcSettings, Failure> {
-    let with_nose =
-        |s: NcSettings| NcSettings { nose_radius_mm: Some(inputs.geometry.nose_radius_mm), ..s };
+    let with_nose = |s: NcSettings| NcSettings { nose_radius_mm: Some(inputs.geometry.nose_radius_mm), ..s };
     let Some(path) = &args.machine else { return Ok(with_nose(NcSettings::default())) };
     let file = ConfigText::read(path)?;
     let settings = with_nose(file.parse()?);

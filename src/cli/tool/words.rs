@@ -63,7 +63,10 @@ pub(super) fn print(d: &Document, program: Option<&str>) {
     }
     match d.dialect {
         Some(dialect) => {
-            say_line!("program for {dialect}, as its blocks command: {}", largest(d.program_largest.as_ref()));
+            say_line!(
+                "program for {dialect}, as its blocks command: {}",
+                largest(d.program_largest.as_ref())
+            );
         }
         None => say_line!("no program: programs for bores are not written, path.csv of --out has the path"),
     }

@@ -115,7 +115,8 @@ impl Interpreter<'_> {
         };
         let tip = tip.ok_or("a tip direction of 0 to 9 is needed")?;
         let (right, from) = (code / 10 == 42, self.at);
-        self.nose.compensation = Some(Compensation { right, radius, tip, from, contour: Vec::new(), ends: false });
+        self.nose.compensation =
+            Some(Compensation { right, radius, tip, from, contour: Vec::new(), ends: false });
         Ok(())
     }
 
@@ -206,22 +207,23 @@ impl Compensation {
             return Err(format!("the contour turns by more than 135 degrees at X {:.3} Z {:.3}", at.x, at.z));
         }
         let sine = a.along.perp_dot(b.along);
-        let at = if sine.abs() < 1e-12 { a.to } else { a.to + a.along * ((b.from - a.to).perp_dot(b.along) / sine) };
+        let at = if sine.abs() < 1e-12 {
+            a.to
+        } else {
+            a.to + a.along * ((b.from - a.to).perp_dot(b.along) / sine)
+        };
         let fits = (at - start).dot(a.along) > -1e-9 && (b.to - at).dot(b.along) > -1e-9;
         Ok(fits.then_some(at))
     }
 
     /// Ends the centre's path where it first meets the next block; the number of the move that goes
     /// on from there.
-    fn shortened(
-        &self,
-        centres: &mut Vec<(DVec2, usize)>,
-        ways: &[Way],
-        k: usize,
-    ) -> Result<usize, String> {
+    fn shortened(&self, centres: &mut Vec<(DVec2, usize)>, ways: &[Way], k: usize) -> Result<usize, String> {
         let next = &ways[k + 1..];
         let ahead = next.iter().take_while(|w| w.block == next[0].block).count();
-        for back in (1..centres.len() + 1).take_while(|&back| centres[centres.len() - back].1 == ways[k].block) {
+        for back in
+            (1..centres.len() + 1).take_while(|&back| centres[centres.len() - back].1 == ways[k].block)
+        {
             let i = centres.len() - back;
             let from = centres[i].0;
             let to = centres.get(i + 1).map_or(ways[k].to, |c| c.0);
@@ -263,8 +265,7 @@ fn chords(from: DVec2, to: DVec2, radius: f64, clockwise: bool) -> Result<Vec<Po
     let turn = 2.0 * (half / radius).min(1.0).asin() * if clockwise { -1.0 } else { 1.0 };
     let step = (8.0 * SAGITTA_MM / radius).sqrt();
     let count = (turn.abs() / step).ceil().max(1.0) as usize;
-    let at = |k: usize| {
-        point(centre + DVec2::from_angle(turn * k as f64 / count as f64).rotate(from - centre))
-    };
+    let at =
+        |k: usize| point(centre + DVec2::from_angle(turn * k as f64 / count as f64).rotate(from - centre));
     Ok((1..count).map(at).chain([point(to)]).collect())
 }

@@ -378,9 +378,7 @@ impl<'a> Interpreter<'a> {
         let orients = |m: &u32| self.control.settings.spindle_orientation.is_some_and(|o| o.m_code == *m);
         let is_radius = matches!(self.modal.motion, Some(Motion::Arc { .. })) || words.g.contains(&10.0);
         if words.get('R').or(words.get('Q')).is_some() && !is_radius && !words.m.iter().any(orients) {
-            return Err("R and Q are understood with an arc, a nose's register, and the code that turns the \
-                        spindle to an angle alone"
-                .into());
+            return Err("R and Q are understood with arcs, registers of a nose and a spindle's angle".into());
         }
         let mut end = false;
         for &m in &words.m {

@@ -26,9 +26,9 @@ mod surface;
 mod touch;
 
 pub(crate) use convex::Convex;
-pub(crate) use interpreter::{Deed, Point};
 #[cfg(test)]
 pub(crate) use interpreter::{Control, Event};
+pub(crate) use interpreter::{Deed, Point};
 pub(crate) use judge::{CommandedCut, Solid, WorkingSpace, check, check_once, must_alarm};
 pub(crate) use run::run;
 #[cfg(test)]

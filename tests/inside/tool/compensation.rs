@@ -83,7 +83,10 @@ fn every_tip_direction_leaves_the_same_of_the_mirrored_part() {
         };
         let (low, high) = tool.range_rad();
         let (from, to) = (flip((-27f64).to_radians()), flip(93f64.to_radians()));
-        assert!((low - from.min(to)).abs() < 1e-9 && (high - from.max(to)).abs() < 1e-9, "{x} {z}: {low} {high}");
+        assert!(
+            (low - from.min(to)).abs() < 1e-9 && (high - from.max(to)).abs() < 1e-9,
+            "{x} {z}: {low} {high}"
+        );
         let here = Setting::new(&seen, &tool, &Stated::default()).unwrap();
         let there = Setting::new(&nose, &geometry(), &Stated::default()).unwrap();
         for k in -26..=92 {
@@ -114,9 +117,8 @@ fn tip_numbers_are_those_of_the_controls() {
 
 #[test]
 fn uncertainty_follows_from_the_values_that_enter() {
-    let values: Vec<Support> = (-27..=93)
-        .map(|k| Support { a_rad: f64::from(k).to_radians(), h_mm: 0.4, u_mm: 1e-4 })
-        .collect();
+    let values: Vec<Support> =
+        (-27..=93).map(|k| Support { a_rad: f64::from(k).to_radians(), h_mm: 0.4, u_mm: 1e-4 }).collect();
     let own = NoseProfile::new(&values, None, 0.0).unwrap();
     let setting = Setting::new(&own, &geometry(), &Stated::default()).unwrap();
     for k in [-20, 24, 45, 70] {
@@ -165,8 +167,7 @@ fn the_best_register_is_the_least_of_all() {
     let shaft = shaft();
     let nose = papers();
     let c = compensator(&shaft, &nose, 0.4);
-    let largest =
-        |r: f64| c.angles().iter().map(|a| c.setting.left_mm(*a, r).abs()).fold(0.0, f64::max);
+    let largest = |r: f64| c.angles().iter().map(|a| c.setting.left_mm(*a, r).abs()).fold(0.0, f64::max);
     let best = c.setting.best_radius_mm(&c.angles(), 0.4, (0.001, 4.0));
     let least = (0..40_000).map(|k| largest(0.35 + 2.5e-6 * f64::from(k))).fold(f64::INFINITY, f64::min);
     assert!((largest(best) - least).abs() < 2e-6, "{best}: {} {least}", largest(best));
@@ -181,8 +182,8 @@ fn sizes_of_a_round_nose_have_closed_forms() {
     let nose = round(0.38);
     let (left, _) = left_of(&compensator(&shaft, &nose, 0.4), Way::Register);
     let (pieces, corners) = changes(&shaft, &left);
-    // e = Δ(1 − c − s) is a circle moved by (−Δ, −Δ) and larger by Δ, but for the second order of the
-    // movement along the surface, Δ²/2ρ
+    // e = Δ(1 − c − s) is a circle moved by (−Δ, −Δ) and larger by Δ, but for the second order of
+    // the movement along the surface, Δ²/2ρ
     let delta = 20.0;
     let mut kinds = Vec::new();
     for p in &pieces {
@@ -220,13 +221,21 @@ fn what_the_tool_cannot_do_is_refused_with_its_place() {
     let nose = round(0.4);
     // a groove that falls towards the chuck at 35°, beyond κ_r' = 27°
     let run = 2.0 / 35f64.to_radians().tan();
-    let corners =
-        [corner(0.0, 30.0, 0.0), corner(10.0, 30.0, 0.0), corner(10.0 + run, 34.0, 0.0), corner(20.0, 34.0, 0.0)];
+    let corners = [
+        corner(0.0, 30.0, 0.0),
+        corner(10.0, 30.0, 0.0),
+        corner(10.0 + run, 34.0, 0.0),
+        corner(20.0, 34.0, 0.0),
+    ];
     let groove = Outline::from_corners(&corners, Side::External).unwrap();
     let error = compensator(&groove, &nose, 0.4).check(&geometry()).unwrap_err().to_string();
-    assert!(error.contains("Z 10.000") && error.contains("-35.000°") && error.contains("cannot be the tool's"), "{error}");
+    assert!(
+        error.contains("Z 10.000") && error.contains("-35.000°") && error.contains("cannot be the tool's"),
+        "{error}"
+    );
 
-    let corners = [corner(0.0, 40.0, 0.0), corner(10.0, 40.0, 0.0), corner(10.0, 30.0, 0.3), corner(20.0, 30.0, 0.0)];
+    let corners =
+        [corner(0.0, 40.0, 0.0), corner(10.0, 40.0, 0.0), corner(10.0, 30.0, 0.3), corner(20.0, 30.0, 0.0)];
     let fillet = Outline::from_corners(&corners, Side::External).unwrap();
     let c = compensator(&fillet, &nose, 0.4);
     let error = c.carry_out(Way::Register).unwrap_err().to_string();
@@ -250,13 +259,11 @@ fn what_the_tool_cannot_do_is_refused_with_its_place() {
 #[test]
 fn a_bore_is_compensated_like_a_shaft() {
     use std::f64::consts::PI;
-    let tool = crate::nose::ToolGeometry {
-        tip: TipDirection { x: 1, z: -1 },
-        side: Side::Internal,
-        ..geometry()
-    };
+    let tool =
+        crate::nose::ToolGeometry { tip: TipDirection { x: 1, z: -1 }, side: Side::Internal, ..geometry() };
     let nose = mirrored(&papers(), |a| PI - a);
-    let corners = [corner(0.0, 20.0, 0.0), corner(10.0, 20.0, 2.0), corner(20.0, 28.0, 0.0), corner(30.0, 28.0, 0.0)];
+    let corners =
+        [corner(0.0, 20.0, 0.0), corner(10.0, 20.0, 2.0), corner(20.0, 28.0, 0.0), corner(30.0, 28.0, 0.0)];
     let bore = Outline::from_corners(&corners, Side::Internal).unwrap();
     let setting = Setting::new(&nose, &tool, &Stated::default()).unwrap();
     let c = Compensator {
@@ -279,14 +286,17 @@ fn contact_is_what_a_direction_in_the_image_stands_for() {
     let geometry = geometry();
     let rows: Vec<String> = (-27..=93)
         .map(|k| {
-            // the nose points down and left: a surface's normal a is touched in the direction a + 180°
-            // turned into the image, +X up and +Z to the right
+            // the nose points down and left: a surface's normal a is touched in the direction a +
+            // 180° turned into the image, +X up and +Z to the right
             let deg = 270.0 - f64::from(k);
             let away = DVec2::new(0.1, 0.05).dot(DVec2::from_angle(f64::from(k).to_radians()));
             format!("{{\"direction_deg\": {deg}, \"h_um\": {}, \"u_um\": 0.1}}", 400.0 + 1e3 * away)
         })
         .collect();
-    let text = format!("{{\"images\": [{{\"image\": \"n.png\", \"support\": [{}], \"other\": 1}}]}}", rows.join(","));
+    let text = format!(
+        "{{\"images\": [{{\"image\": \"n.png\", \"support\": [{}], \"other\": 1}}]}}",
+        rows.join(",")
+    );
     let axes = ImageAxes::default();
     let nose = read_nose(&text, None, axes, &geometry).unwrap();
     assert_eq!(nose.image, "n.png");

@@ -65,8 +65,8 @@ fn what_is_left_is_the_envelope_of_the_moved_nose() {
                     }
                     let places = places(piece, share, 0.05, |a| register * DVec2::from_angle(a) + shift);
                     let brute = envelope(&edge, &places, at, DVec2::from_angle(a));
-                    // e(a) is how far the tangent moves; it touches e'(a) further along, and at the place
-                    // itself a surface of the radius ρ lies e'²/2ρ inside its tangent
+                    // e(a) is how far the tangent moves; it touches e'(a) further along, and at the
+                    // place itself a surface of the radius ρ lies e'²/2ρ inside its tangent
                     let e = |a: f64| c.setting.left_mm(a, register);
                     let slope = (e(a + 1e-4) - e(a - 1e-4)) / 2e-4;
                     let inside = piece.arc.map_or(0.0, |arc| 0.5 * slope * slope / arc.radius_mm);

@@ -22,7 +22,8 @@ pub fn geometry() -> ToolGeometry {
 pub fn nose(step_deg: f64, h_mm: impl Fn(f64) -> f64) -> NoseProfile {
     let steps = (120.0 / step_deg).round() as usize;
     let at = |k: usize| -27.0 + 120.0 * k as f64 / steps as f64;
-    let support = |k: usize| Support { a_rad: at(k).to_radians(), h_mm: h_mm(at(k).to_radians()), u_mm: 5e-5 };
+    let support =
+        |k: usize| Support { a_rad: at(k).to_radians(), h_mm: h_mm(at(k).to_radians()), u_mm: 5e-5 };
     NoseProfile::new(&(0..=steps).map(support).collect::<Vec<_>>(), None, 0.0).unwrap()
 }
 

@@ -43,7 +43,10 @@ fn the_contact_moves_along_the_surface() {
             let n = DVec2::from_angle(a);
             assert!((behind - before).dot(n.perp()) > -1e-12, "convex at {k}");
             // a chord of two tangent points lies inside both tangents
-            assert!(profile.support_mm(a) - before.dot(n) > -1e-12 && profile.support_mm(a) - behind.dot(n) > -1e-12);
+            assert!(
+                profile.support_mm(a) - before.dot(n) > -1e-12
+                    && profile.support_mm(a) - behind.dot(n) > -1e-12
+            );
         }
     }
 }

@@ -1,12 +1,13 @@
-//! Programs of all ways against the path they stand for, by the replay and by LinuxCNC's interpreter.
+//! Programs of all ways against the path they stand for, by the replay and by LinuxCNC's
+//! interpreter.
 
 use glam::DVec2;
 
 use super::parts::{compensator, corner, flat_support, nose, papers, round};
 use crate::inside::linuxcnc::interpret;
 use crate::nc::{
-    ChangePosition, Chuck, ContourProgram, Dialect, GeometryOffset, NcSettings, NoseRegister, Spindle, Tailstock,
-    WearX, Workpiece, WrittenContour,
+    ChangePosition, Chuck, ContourProgram, Dialect, GeometryOffset, NcSettings, NoseRegister, Spindle,
+    Tailstock, WearX, Workpiece, WrittenContour,
 };
 use crate::nose::NoseProfile;
 use crate::outline::{Outline, Piece, Side};
@@ -63,7 +64,8 @@ fn written(
     program.write(dialect).map_err(|e| e.to_string())
 }
 
-/// Largest difference of what moves of the gauge point leave from what the way's own path leaves, µm.
+/// Largest difference of what moves of the gauge point leave from what the way's own path leaves,
+/// µm.
 fn difference_um(c: &Compensator<'_>, done: &Compensated, moves: &[(DVec2, DVec2)]) -> f64 {
     let (tool, gauge) = (Tool::new(c.setting.nose), c.setting.gauge_point());
     let moves: Vec<_> = moves.iter().map(|m| (m.0 - gauge, m.1 - gauge)).collect();
@@ -113,8 +115,12 @@ fn canonical(printed: &str) -> Vec<(DVec2, DVec2)> {
             let angle = |v: DVec2| v.x.atan2(v.y);
             let whole = std::f64::consts::TAU;
             let mut turn = angle(end - centre) - angle(from);
-            if numbers[4] > 0.0 && turn < 0.0 { turn += whole }
-            if numbers[4] < 0.0 && turn > 0.0 { turn -= whole }
+            if numbers[4] > 0.0 && turn < 0.0 {
+                turn += whole
+            }
+            if numbers[4] < 0.0 && turn > 0.0 {
+                turn -= whole
+            }
             let radius = from.length();
             let point = |k: i32| {
                 let a = angle(from) + turn * f64::from(k) / 500.0;
