@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 
-use super::parts::{compensator, corner, flat_support, nose, papers, round};
+use super::parts::{compensator, corner, flat_support, nose, papers};
 use crate::inside::linuxcnc::interpret;
 use crate::nc::{
     ChangePosition, Chuck, ContourProgram, Dialect, GeometryOffset, NcSettings, NoseRegister, Spindle,
@@ -76,8 +76,8 @@ fn difference_um(c: &Compensator<'_>, done: &Compensated, moves: &[(DVec2, DVec2
     pairs.map(|(a, b)| 1e3 * (a.left_mm - b.left_mm).abs()).fold(0.0, f64::max)
 }
 
-fn noses() -> [NoseProfile; 3] {
-    [papers(), nose(0.25, flat_support), round(0.38)]
+fn noses() -> [NoseProfile; 2] {
+    [papers(), nose(0.25, flat_support)]
 }
 
 #[test]
