@@ -3,8 +3,9 @@
 
 use glam::DVec2;
 
-use super::parts::{compensator, corner, flat_support, nose, papers};
+use super::parts::{compensator, corner, flat_support, nose, papers, round};
 use crate::inside::linuxcnc::interpret;
+use crate::nc::replay::{self, Control, Point};
 use crate::nc::{
     ChangePosition, Chuck, ContourProgram, Dialect, GeometryOffset, NcSettings, NoseRegister, Spindle,
     Tailstock, WearX, Workpiece, WrittenContour,
@@ -154,4 +155,32 @@ fn linuxcnc_drives_the_same_path() {
             assert!(away < 0.1, "{}: {away}\n{printed}\n{}", way.as_str(), written.text);
         }
     }
+}
+
+#[test]
+fn blocks_that_a_control_would_stop_at_are_refused() {
+    let (part, settings, nose) = (part(), machine(), round(0.4));
+    let c = compensator(&part, &nose, 0.4);
+    let text = written(&c, &c.carry_out(Way::Register).unwrap(), Dialect::Linuxcnc, &settings).unwrap().text;
+    let change = Point { x: 200.0, z: 120.0 };
+    let control = Control {
+        dialect: Dialect::Linuxcnc,
+        settings: &settings,
+        start: change,
+        reference: change,
+        variables: Vec::new(),
+        with_probe: false,
+        surface: None,
+    };
+    let fault = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}: {text}");
+        replay::run(&text.replacen(from, to, 1), &control).unwrap_err().1
+    };
+    assert!(replay::run(&text, &control).is_ok());
+    assert!(fault("G40 G01 X34.", "G01 X34.").contains("a rapid while the nose is compensated"));
+    assert!(fault(" R5.", "").contains("an arc needs R"));
+    assert!(fault(" R5.", " R3.").contains("no arc of R 3 joins"));
+    assert!(fault(" L2", "").contains("need D, the diameter, and L"));
+    assert!(fault("D0.8", "D9.").contains("does not fit into the contour"));
+    assert!(fault("G42.1 D0.8 L2", "G42").contains("not understood"));
 }
