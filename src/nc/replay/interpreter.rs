@@ -7,9 +7,9 @@
 //! here cannot be shown to be safe. Positions are those of the programmed point of the nose, with
 //! the wear offset in force (X a diameter).
 
-use super::arcs::Nose;
 use super::expression::{Reader, Variables};
 use super::flow::{Program, leading, o_word};
+use super::nose::Nose;
 use super::surface::Surface;
 use crate::nc::dialect::Dialect;
 use crate::nc::machine::{GeometryOffset, WearX};

@@ -21,6 +21,7 @@ mod expression;
 mod flow;
 mod interpreter;
 mod judge;
+mod nose;
 mod run;
 mod surface;
 mod touch;

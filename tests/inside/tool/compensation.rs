@@ -169,8 +169,8 @@ fn the_best_register_is_the_least_of_all() {
     let c = compensator(&shaft, &nose, 0.4);
     let largest = |r: f64| c.angles().iter().map(|a| c.setting.left_mm(*a, r).abs()).fold(0.0, f64::max);
     let best = c.setting.best_radius_mm(&c.angles(), 0.4, (0.001, 4.0));
-    let least = (0..40_000).map(|k| largest(0.35 + 2.5e-6 * f64::from(k))).fold(f64::INFINITY, f64::min);
-    assert!((largest(best) - least).abs() < 2e-6, "{best}: {} {least}", largest(best));
+    let least = (0..8000).map(|k| largest(0.35 + 1.25e-5 * f64::from(k))).fold(f64::INFINITY, f64::min);
+    assert!((largest(best) - least).abs() < 6e-6, "{best}: {} {least}", largest(best));
     // on cylinders and faces alone R has no effect: it stays
     let c = c.setting.best_radius_mm(&[0.0, std::f64::consts::FRAC_PI_2], 0.4, (0.001, 4.0));
     assert!((c - 0.4).abs() < 1e-12);
