@@ -18,10 +18,10 @@
 //! part, first.
 //!
 //! `settings`, `machine`, `probe_settings` and `stated` hold the machine's data; `route`, `path`
-//! and `skeleton` plan, `dialect` writes the blocks, `turning`, `macro_program`, `probing_program` and
-//! `contour_program` (lines and arcs) are the programs, `surroundings` the solids. A new dialect is a variant of
-//! `Dialect` with its words and its match arms in `replay`; a new program is a file beside
-//! `turning`.
+//! and `skeleton` plan, `dialect` writes the blocks, `turning`, `macro_program`, `probing_program`
+//! and `contour_program` (lines and arcs) are the programs, `surroundings` the solids. A new
+//! dialect is a variant of `Dialect` with its words and its match arms in `replay`; a new program
+//! is a file beside `turning`.
 
 mod contour_program;
 mod dialect;

@@ -273,7 +273,12 @@ fn program(
         cutting: inputs.part.cutting,
         about: &about,
     };
-    program.write(args.dialect).map_err(Failure::refuse)
+    program.write(args.dialect).map_err(|e| match args.machine {
+        Some(_) => Failure::refuse(e),
+        None => Failure::refuse(format!(
+            "{e}; what stands around the part was assumed: state it by --machine FILE"
+        )),
+    })
 }
 
 /// The machine's data, with the tool's nose.

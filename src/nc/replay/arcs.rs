@@ -1,7 +1,7 @@
 //! Arcs and nose radius compensation of a replay: both become straight moves.
 //!
-//! An arc by R is the shorter one, clockwise for G02 as seen with Z to the right and X up; `nose` has
-//! what G41 and G42 make of a contour.
+//! An arc by R is the shorter one, clockwise for G02 as seen with Z to the right and X up; `nose`
+//! has what G41 and G42 make of a contour.
 
 use glam::DVec2;
 

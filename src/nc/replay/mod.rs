@@ -2,8 +2,8 @@
 //!
 //! The text is read again by an interpreter (`interpreter`, `arcs`) that shares nothing with the
 //! emitter, from every start position of a lattice and of the solids' corners that is clear; each
-//! move sweeps the nose's outline (and the holder's box, where it is stated) through the plane of the
-//! tool. A program passes where
+//! move sweeps the nose's outline (and the holder's box, where it is stated) through the plane of
+//! the tool. A program passes where
 //!
 //! - no move touches chuck, jaws, centre, quill, steady rest or parked gauge head, or leaves the
 //!   travel,

@@ -1,10 +1,10 @@
 //! The nose as a control takes it: registers, and what G41 and G42 make of a contour.
 //!
-//! With G41 or G42 the centre of the register's circle runs beside the contour at the distance R, and
-//! the gauge point R·(σx, σz) from it: it starts, and ends, at right angles to the first and the last
-//! move; between two moves the offset lines are extended or shortened to where they meet, at a
-//! concave corner by as much as the two blocks that meet there allow. Vectors are (Z, X as a radius),
-//! mm: to the right and up.
+//! With G41 or G42 the centre of the register's circle runs beside the contour at the distance R,
+//! and the gauge point R·(σx, σz) from it: it starts, and ends, at right angles to the first and
+//! the last move; between two moves the offset lines are extended or shortened to where they meet,
+//! at a concave corner by as much as the two blocks that meet there allow. Vectors are (Z, X as a
+//! radius), mm: to the right and up.
 
 use std::collections::HashMap;
 
