@@ -45,14 +45,24 @@ const NO_LENGTH_MM: f64 = 1e-7;
 /// A place where the moved pieces do not meet: what touches does not fit in.
 pub(super) fn moved(outline: &[Element], contact: &Contact<'_>) -> Result<Vec<Element>, ToolError> {
     let mut path: Vec<Element> = Vec::new();
+    let mut lost = None;
     for run in runs(outline, contact) {
         match run.joint {
             _ if path.is_empty() => path = run.elements,
             Joint::Smooth => path.extend(run.elements),
-            Joint::Trimmed => path = trimmed(path, &run)?,
+            // a run that meets nothing vanishes: the tool touches before and behind it at once
+            Joint::Trimmed => lost = trimmed(&mut path, &run).is_none().then_some(run.place),
         }
     }
-    Ok(path)
+    match lost {
+        None => Ok(path),
+        Some(at) => {
+            let why = "the nose does not fit in here at all: a narrower nose, a smaller register R, or a wider groove and \
+                       a larger radius at this place would be right"
+                .to_owned();
+            Err(ToolError::Gouge { place: Place(at), why })
+        }
+    }
 }
 
 fn runs(outline: &[Element], contact: &Contact<'_>) -> Vec<Run> {
@@ -94,8 +104,9 @@ fn push(
     }
 }
 
-/// The path up to its intersection with a run, and the run from there on.
-fn trimmed(mut path: Vec<Element>, run: &Run) -> Result<Vec<Element>, ToolError> {
+/// Cuts a path at its intersection with a run and goes on with it from there; `None`, and an
+/// unchanged path, where they do not intersect.
+fn trimmed(path: &mut Vec<Element>, run: &Run) -> Option<()> {
     let next = &run.elements;
     for sum in 0..path.len() + next.len() - 1 {
         for ahead in 0..=sum.min(next.len() - 1) {
@@ -105,14 +116,11 @@ fn trimmed(mut path: Vec<Element>, run: &Run) -> Result<Vec<Element>, ToolError>
             let found = meetings(&a, &b).into_iter().filter(|m| on(&a, *m) && on(&b, *m));
             let Some(at) = found.min_by(|m, n| a.share_of(*m).total_cmp(&a.share_of(*n))) else { continue };
             path.truncate(i + 1);
-            cut(&mut path, at, next, ahead);
-            return Ok(path);
+            cut(path, at, next, ahead);
+            return Some(());
         }
     }
-    let why = "the nose does not fit in here at all: a narrower nose, a smaller register R, or a wider groove and a larger \
-               radius at this place would be right"
-        .to_owned();
-    Err(ToolError::Gouge { place: Place(run.place), why })
+    None
 }
 
 /// Ends the path's last piece, and begins the run's piece number `ahead`, at a point.

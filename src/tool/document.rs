@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::error::{Place, ToolError};
 use super::left::{self, Remainder, Tool};
 use super::nose_file::MeasuredNose;
 use super::sizes::{self, CornerChange, PieceChange};
@@ -108,15 +109,35 @@ pub(crate) fn by_angle(compensator: &Compensator<'_>) -> Vec<LeftByAngle> {
 /// A way carried out, with what its path leaves.
 pub(crate) type Measured = (Compensated, Vec<Remainder>);
 
+/// Depth to which a path that follows the measured nose may cut into the part, mm: the increment of
+/// most controls, far above what its arcs depart by.
+const DEPTH_MM: f64 = 0.001;
+
 /// Carries a way out and measures its path.
+///
+/// # Errors
+/// As [`Compensator::carry_out`]; a path of the measured nose that cuts into the part elsewhere than
+/// where it touches.
 pub(crate) fn measured(
     compensator: &Compensator<'_>,
     tool: &Tool<'_>,
     way: Way,
-) -> Result<Measured, super::error::ToolError> {
+) -> Result<Measured, ToolError> {
     let done = compensator.carry_out(way)?;
     let left = left::remainders(compensator.outline, &done.path, &left::moves_of(&done.path), tool);
-    Ok((done, left))
+    let follows = matches!(way, Way::EditedContour | Way::Path);
+    let deepest = left.iter().min_by(|a, b| a.left_mm.total_cmp(&b.left_mm));
+    match deepest.filter(|r| follows && r.left_mm < -DEPTH_MM) {
+        None => Ok((done, left)),
+        Some(r) => {
+            let why = format!(
+                "the nose would cut {:.1} µm too deep while it touches elsewhere; a narrower nose or a wider gap would be \
+                 right",
+                -1e3 * r.left_mm
+            );
+            Err(ToolError::Gouge { place: Place(r.at), why })
+        }
+    }
 }
 
 impl Document {

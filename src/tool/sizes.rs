@@ -79,7 +79,7 @@ pub(crate) fn changes(outline: &Outline, left: &[Remainder]) -> (Vec<PieceChange
         pieces.filter_map(|(i, piece)| change(piece, &of(i).copied().collect::<Vec<_>>())).collect();
     let corner = |i: usize| {
         let (a, b) = (&outline.pieces[i], &outline.pieces[i + 1]);
-        let (one, other) = (of(i).last()?.left_mm, of(i + 1).next()?.left_mm);
+        let (one, other) = (of(i).next_back()?.left_mm, of(i + 1).next()?.left_mm);
         corner_change((a.to, a.to_rad, b.from_rad), one, other)
     };
     (changed, (0..outline.pieces.len().saturating_sub(1)).filter_map(corner).collect())

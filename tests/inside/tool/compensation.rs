@@ -257,6 +257,34 @@ fn what_the_tool_cannot_do_is_refused_with_its_place() {
 }
 
 #[test]
+fn a_groove_narrower_than_the_nose_is_left_partly_and_never_cut_into() {
+    // shoulder, a bottom of .1 mm, a flank of 20° that falls towards the chuck
+    let end = 5.1 + 2.0 / 20f64.to_radians().tan();
+    let corners = [
+        corner(0.0, 40.0, 0.0),
+        corner(5.0, 40.0, 0.0),
+        corner(5.0, 36.0, 0.0),
+        corner(5.1, 36.0, 0.0),
+        corner(end, 40.0, 0.0),
+        corner(end + 10.0, 40.0, 0.0),
+    ];
+    let groove = Outline::from_corners(&corners, Side::External).unwrap();
+    let nose = round(0.4);
+    let c = compensator(&groove, &nose, 0.4);
+    let (left, _) = left_of(&c, Way::Path);
+    assert!(left.iter().all(|r| r.left_mm > -3e-5), "{left:?}");
+    // the circle between the shoulder and the flank: its centre .4 from both, .4/cos 20° + (.4 − .1)·tan 20°
+    // above the bottom's line
+    let t = 20f64.to_radians();
+    let lowest = 0.4 / t.cos() + (0.4 - 0.1) * t.tan() - 0.4;
+    let bottom: Vec<&Remainder> = left.iter().filter(|r| r.source == 2).collect();
+    let at = bottom.last().unwrap();
+    let away = 5.4 - at.at.y;
+    let expected = lowest + 0.4 - (0.4f64 * 0.4 - away * away).sqrt();
+    assert!((at.left_mm - expected).abs() < 1e-6, "{} {expected}", at.left_mm);
+}
+
+#[test]
 fn a_bore_is_compensated_like_a_shaft() {
     use std::f64::consts::PI;
     let tool =
