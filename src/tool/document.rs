@@ -116,8 +116,8 @@ const DEPTH_MM: f64 = 0.001;
 /// Carries a way out and measures its path.
 ///
 /// # Errors
-/// As [`Compensator::carry_out`]; a path of the measured nose that cuts into the part elsewhere than
-/// where it touches.
+/// As [`Compensator::carry_out`]; a path of the measured nose that cuts into the part
+/// elsewhere than where it touches.
 pub(crate) fn measured(
     compensator: &Compensator<'_>,
     tool: &Tool<'_>,

@@ -273,8 +273,8 @@ fn a_groove_narrower_than_the_nose_is_left_partly_and_never_cut_into() {
     let c = compensator(&groove, &nose, 0.4);
     let (left, _) = left_of(&c, Way::Path);
     assert!(left.iter().all(|r| r.left_mm > -3e-5), "{left:?}");
-    // the circle between shoulder and flank: its centre .4 from both, .4/cos 20° + (.4 − .1)·tan 20°
-    // above the bottom's line
+    // the circle between shoulder and flank has its centre .4 from both, and
+    // .4/cos 20° + (.4 − .1)·tan 20° above the bottom's line
     let t = 20f64.to_radians();
     let lowest = 0.4 / t.cos() + (0.4 - 0.1) * t.tan() - 0.4;
     let bottom: Vec<&Remainder> = left.iter().filter(|r| r.source == 2).collect();
