@@ -44,7 +44,9 @@
 // -- 0 vocabulary: types, the rule of conformity, mathematics without state
 pub mod conformity;
 pub mod frame;
+pub(crate) mod nose;
 mod numerics;
+pub(crate) mod outline;
 pub mod plan;
 pub mod profile;
 pub mod setting;
@@ -61,6 +63,8 @@ pub mod process;
 #[cfg(feature = "render")]
 pub mod render;
 pub mod source;
+#[cfg(feature = "cli")]
+pub(crate) mod tool;
 // -- 2 composition: where stages meet
 pub mod cell;
 pub mod closed_loop;

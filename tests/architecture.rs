@@ -15,7 +15,8 @@ mod imports;
 
 /// Rooms by layer, bottom to top; a file imports its own room and earlier ones; the stages import
 /// only the vocabulary.
-const VOCABULARY: [&str; 7] = ["numerics", "setting", "frame", "shaft", "profile", "plan", "conformity"];
+const VOCABULARY: [&str; 9] =
+    ["numerics", "setting", "frame", "shaft", "profile", "plan", "outline", "nose", "conformity"];
 const STAGES: [&str; 9] =
     ["process", "render", "gauge", "probe", "control", "source", "nc", "tool", "machine"];
 const COMPOSITION: [&str; 7] =
@@ -38,7 +39,7 @@ const ROOMS: [(&str, &str); 3] = [
     (
         "cli",
         "failure process terminal input_output calibration_plan schema new completions man optics measure calibrate render doctor run demo \
-         nc optimize reproduce study reference",
+         nc tool optimize reproduce study reference",
     ),
 ];
 

@@ -4,6 +4,8 @@
 #[path = "support/program.rs"]
 mod program;
 
+#[path = "control_cli/tool.rs"]
+mod tool;
 #[path = "control_cli/with_command.rs"]
 mod with_command;
 

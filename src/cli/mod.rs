@@ -34,6 +34,7 @@ mod reproduce;
 mod run;
 mod schema;
 mod study;
+mod tool;
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -98,6 +99,9 @@ commands! {
     Reproduce(reproduce::Paper) => reproduce::run,
     /// Write the offsets of a run as an NC program.
     Nc(nc::NcArgs) => nc::run,
+    /// The nose of a turning tool, and what it does to a part.
+    #[command(subcommand)]
+    Tool(tool::ToolCommand) => tool::run,
     /// Measurements over the stages.
     #[command(subcommand)]
     Study(study::Study) => study::run,

@@ -18,6 +18,7 @@ use crate::studies::factor::FactorConfig;
 use crate::studies::machine::MachineStudyConfig;
 use crate::studies::optimize::OptimizeConfig;
 use crate::studies::reproduce_003::Inputs;
+use crate::tool::{OutlineFile, ToolFile};
 
 /// A kind of file.
 pub(crate) struct FileKind {
@@ -30,7 +31,7 @@ pub(crate) struct FileKind {
 }
 
 /// Config files, jobs first.
-pub(crate) const CONFIGS: [FileKind; 9] = [
+pub(crate) const CONFIGS: [FileKind; 12] = [
     FileKind { name: "job", title: "A job (`run`, `render`, most studies)", schema: || schema_for!(Job) },
     FileKind {
         name: "calibration",
@@ -72,6 +73,16 @@ pub(crate) const CONFIGS: [FileKind; 9] = [
         name: "reproduce_003",
         title: "A paper's inputs (`reproduce 003 --inputs`)",
         schema: || schema_for!(Inputs),
+    },
+    FileKind {
+        name: "tool",
+        title: "A turning tool (`tool compensate --tool`)",
+        schema: || schema_for!(ToolFile),
+    },
+    FileKind {
+        name: "outline",
+        title: "A part's outline (`tool compensate --part`)",
+        schema: || schema_for!(OutlineFile),
     },
 ];
 

@@ -67,6 +67,12 @@ impl Dialect {
         }
     }
 
+    /// Least and largest nose radius of an offset, mm: seven digits in the usual increments of a
+    /// Fanuc, taken for all of them.
+    pub(crate) fn nose_register_mm(self) -> (f64, f64) {
+        (0.001, 999.999)
+    }
+
     /// Whether a program can write the wear register.
     pub(crate) fn has_wear_register(self) -> bool {
         self == Self::Fanuc

@@ -44,7 +44,7 @@ impl Skeleton<'_> {
         self.framed(title, texts)
     }
 
-    fn framed(&self, title: &str, mut texts: Vec<String>) -> Vec<String> {
+    pub(super) fn framed(&self, title: &str, mut texts: Vec<String>) -> Vec<String> {
         let d = self.dialect;
         if d == Dialect::Sinumerik {
             texts.push(format!(
@@ -89,7 +89,7 @@ impl Skeleton<'_> {
         texts
     }
 
-    fn change_position(&self) -> [String; 2] {
+    pub(super) fn change_position(&self) -> [String; 2] {
         let change = self.route.change;
         let change = format!("X {} Z {}", mm(change.x_mm), mm(change.z_mm));
         if self.dialect.changes_at_reference() {
@@ -185,7 +185,7 @@ impl Skeleton<'_> {
     }
 
     /// Assumptions in place of data that the machine's table lacks.
-    fn assumed(&self, smallest_mm: f64, cuts: bool) -> Vec<String> {
+    pub(super) fn assumed(&self, smallest_mm: f64, cuts: bool) -> Vec<String> {
         let s = self.settings;
         let mut texts = Vec::new();
         let mut not_stated = |is: bool, text: String| {

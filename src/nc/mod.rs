@@ -20,13 +20,14 @@
 //!
 //! `settings`, `machine`, `probe_settings` and `stated` hold the machine's data; `route`, `path`
 //! (`contour_path` of a stepped shaft) and `skeleton` plan, `dialect` writes the blocks
-//! (`sinumerik` those that are not ISO), `turning`, `air_cut`, `macro_program` and
-//! `probing_program` are the programs, `surroundings` the solids. A new dialect is a variant of
-//! `Dialect` with its words and its match arms in `replay`; a new program is a file beside
-//! `turning`.
+//! (`sinumerik` those that are not ISO), `turning`, `air_cut`, `macro_program`, `probing_program`
+//! and `contour_program` (lines and arcs) are the programs, `surroundings` the solids. A new
+//! dialect is a variant of `Dialect` with its words and its match arms in `replay`; a new program
+//! is a file beside `turning`.
 
 mod air_cut;
 mod contour_path;
+mod contour_program;
 mod dialect;
 mod error;
 mod header;
@@ -57,6 +58,7 @@ pub use self::{
     settings::{NcSettings, Remeasure},
 };
 pub(crate) use air_cut::AirCut;
+pub(crate) use contour_program::{ContourProgram, NoseRegister, WrittenContour};
 pub(crate) use error::NcError;
 pub(crate) use line::{LineFit, fit_line};
 pub(crate) use machine::Direction;

@@ -150,6 +150,8 @@ fn produced_tables(work: &Work) -> Vec<(&'static str, Vec<String>)> {
         ("factor.csv", "out/factor/factor.csv"),
         ("front.csv", "out/optimize/front.csv"),
         ("rows.csv", "out/rows/rows.csv"),
+        ("left.csv of tool compensate", "out/nose/left.csv"),
+        ("path.csv of tool compensate", "out/nose/path.csv"),
     ];
     found.extend(others.map(|(name, path)| (name, work.columns(path))));
     found
@@ -160,6 +162,8 @@ fn produced_documents(work: &Work) -> Vec<(&'static str, Value)> {
     let measured = "measure out/frames/frames --calibration calibration.json --json --budget --tolerance";
     let run = "run configs/small_shaft.toml --out out/small --backend cpu --json";
     let calibrate = "calibrate configs/small_calibration.toml --out calibration.json --backend cpu --json";
+    let compensate = "tool compensate --nose configs/tool/nose.json --tool configs/tool/tool.toml --part \
+                      configs/tool/outline.toml --machine configs/tool/machine.toml --json --out out/nose";
     work.run("render configs/small_shaft.toml --out out/frames --frames 8 --backend cpu");
     work.run("reproduce 000 --no-frames --out out/rows");
     vec![
@@ -189,6 +193,7 @@ fn produced_documents(work: &Work) -> Vec<(&'static str, Value)> {
         ),
         ("study factor --json", work.json("study factor --json --out out/factor")),
         ("optimize --json", work.json("optimize configs/optimize_003.toml --json --out out/optimize")),
+        ("tool compensate --json", work.json(compensate)),
     ]
 }
 

@@ -45,6 +45,7 @@ mod render_shaft;
 mod ring_measure;
 mod run_truth;
 mod stepped;
+mod tool;
 mod uncertainty;
 
 #[path = "../support/mod.rs"]

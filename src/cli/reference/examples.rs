@@ -75,6 +75,17 @@ const EXAMPLES: &[Examples] = &[
     ),
     ("reproduce 003", &["shadowgauge reproduce 003 --json", "shadowgauge reproduce 003 --out out/003"]),
     (
+        "tool",
+        &["shadowgauge tool compensate --nose nose.json --tool tool.toml --part outline.toml --out out/nose"],
+    ),
+    (
+        "tool compensate",
+        &[
+            "shadowgauge tool compensate --nose nose.json --tool tool.toml --part outline.toml --out out/nose",
+            "shadowgauge tool compensate --nose nose.json --tool tool.toml --part outline.toml --way best-register --dialect fanuc --machine machine.toml --json",
+        ],
+    ),
+    (
         "nc",
         &[
             "shadowgauge nc out/small --dialect linuxcnc --dry-run",

@@ -1,14 +1,15 @@
 //! Runs a program block by block, as its control would, and lists the events.
 //!
 //! The subset of G code that this crate emits, in the ISO dialects (`sinumerik` reads the other):
-//! G00 G01 G07 G08 (LinuxCNC) G10 G18 G21 G28 G40 G43 G49 G50 G65 H99 G80 G90 G95 G96 G97 G99,
-//! probing by G31 or G38.2 with G94 or G98, M02-M06 M30 and one M code that measures, T, `#`
+//! G00 to G03 G07 G08 (LinuxCNC) G10 G18 G21 G28 G40 to G43 G49 G50 G65 H99 G80 G90 G95 G96 G97
+//! G99, probing by G31 or G38.2 with G94 or G98, M02-M06 M30 and one M code that measures, T, `#`
 //! variables, IF THEN, IF GOTO, WHILE DO END, and LinuxCNC's `o` words. Everything else is refused:
 //! a code without an implementation here cannot be shown to be safe. Positions are those of the
 //! programmed point of the nose, with the wear offset in force (X a diameter).
 
 use super::expression::{Reader, Variables};
 use super::flow::{Program, leading, o_word};
+use super::nose::Nose;
 use super::surface::Surface;
 use crate::nc::dialect::Dialect;
 use crate::nc::machine::{GeometryOffset, WearX};
@@ -93,6 +94,7 @@ pub(crate) struct Control<'a> {
 pub(super) enum Motion {
     Rapid,
     Feed,
+    Arc { clockwise: bool },
 }
 
 /// Modal state; `None` is what the program has not set yet.
@@ -129,6 +131,7 @@ pub(super) struct Interpreter<'a> {
     pub(super) program: &'a Program,
     pub(super) variables: Variables,
     wear: std::collections::HashMap<u32, f64>,
+    pub(super) nose: Nose,
     /// Diameter that the wear offset in force adds to X.
     pub(super) shift: f64,
     pub(super) at: Point,
@@ -171,6 +174,7 @@ impl<'a> Interpreter<'a> {
             program,
             variables: control.variables.iter().copied().collect(),
             wear: std::collections::HashMap::new(),
+            nose: Nose::default(),
             shift: 0.0,
             at: control.start,
             with_probe: control.with_probe,
@@ -347,7 +351,7 @@ impl<'a> Interpreter<'a> {
                         "{letter}{value} has no decimal point: a control may take it in increments"
                     ));
                 }
-                'X' | 'Z' | 'U' | 'W' | 'F' | 'S' | 'T' | 'P' | 'H' | 'D' | 'R' | 'Q' => {
+                'X' | 'Z' | 'U' | 'W' | 'F' | 'S' | 'T' | 'P' | 'H' | 'D' | 'L' | 'R' | 'Q' => {
                     if words.get(letter).is_some() {
                         return Err(format!("{letter} stands twice"));
                     }
@@ -377,10 +381,9 @@ impl<'a> Interpreter<'a> {
             self.modal.speed |= speed > 0.0 && !words.g.contains(&50.0);
         }
         let orients = |m: &u32| self.control.settings.spindle_orientation.is_some_and(|o| o.m_code == *m);
-        if words.get('R').or(words.get('Q')).is_some() && !words.m.iter().any(orients) {
-            return Err(
-                "R and Q are understood with the code that turns the spindle to an angle alone".into()
-            );
+        let is_radius = matches!(self.modal.motion, Some(Motion::Arc { .. })) || words.g.contains(&10.0);
+        if words.get('R').or(words.get('Q')).is_some() && !is_radius && !words.m.iter().any(orients) {
+            return Err("R and Q are understood with arcs, registers of a nose and a spindle's angle".into());
         }
         let mut end = false;
         for &m in &words.m {
@@ -402,14 +405,20 @@ impl<'a> Interpreter<'a> {
         match (code, linuxcnc) {
             (0, _) => self.modal.motion = Some(Motion::Rapid),
             (10, _) => self.modal.motion = Some(Motion::Feed),
+            (20 | 30, _) => self.modal.motion = Some(Motion::Arc { clockwise: code == 20 }),
             (70, true) => self.modal.positions.x_unit = Some(1.0),
             (80, true) => self.modal.positions.x_unit = Some(2.0),
+            (100, false) if words.get('R').is_some() => self.write_nose(words)?,
             (100, false) => self.write_offset(words)?,
             (310, false) | (382, true) => {}
             (180, _) => self.modal.positions.plane = true,
             (210, _) => self.modal.positions.millimetres = true,
             (280, false) => self.go_to_reference(line, words)?,
-            (400, _) => self.modal.positions.no_nose_compensation = true,
+            (400, _) => {
+                self.modal.positions.no_nose_compensation = true;
+                self.set_compensation(code, words)?;
+            }
+            (410 | 420, false) | (411 | 421, true) => self.set_compensation(code, words)?,
             (430 | 490, true) => self.shift = 0.0,
             (500, false) => {
                 if words.get('S').is_none_or(|s| s <= 0.0) || words.get('X').or(words.get('Z')).is_some() {
@@ -517,6 +526,7 @@ impl<'a> Interpreter<'a> {
         }
         let unit = settings.wear_x.unwrap_or(WearX::Diameter).diameter_per_unit();
         self.shift = self.wear.get(&offset).copied().unwrap_or(0.0) * unit;
+        self.nose.offset = offset;
         self.modal.tool_called |= offset != 0;
         self.happens(line, Deed::ToolChange(self.at));
         Ok(())
@@ -525,6 +535,9 @@ impl<'a> Interpreter<'a> {
     /// Whether the program ends.
     pub(super) fn miscellaneous(&mut self, line: usize, m: u32) -> Result<bool, String> {
         match m {
+            2 | 30 if self.nose.compensation.is_some() => {
+                return Err("the program ends while the nose is compensated".into());
+            }
             2 | 30 => return Ok(true),
             3 | 4 => {
                 if !self.modal.speed {
@@ -558,17 +571,16 @@ impl<'a> Interpreter<'a> {
             return Ok(());
         }
         let unit = self.x_unit()?;
-        let motion = self.modal.motion.ok_or("a position without G00 or G01")?;
-        if motion == Motion::Feed {
+        let motion = self.modal.motion.ok_or("a position without G00 to G03")?;
+        if motion != Motion::Rapid {
             self.may_feed()?;
         }
         let to = Point {
             x: words.get('X').map_or(self.at.x, |x| x * unit + self.shift),
             z: words.get('Z').unwrap_or(self.at.z),
         };
-        self.has_cut |= motion == Motion::Feed;
-        self.go(line, to, motion == Motion::Rapid);
-        Ok(())
+        self.has_cut |= motion != Motion::Rapid;
+        self.drive(line, to, words)
     }
 
     fn may_feed(&self) -> Result<(), String> {

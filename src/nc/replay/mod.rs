@@ -1,9 +1,9 @@
 //! Replays a finished program among the solids of the machine, before it is returned.
 //!
-//! The text is read again by an interpreter (`interpreter`) that shares nothing with the emitter,
-//! from every start position of a lattice and of the solids' corners that is clear; each move
-//! sweeps the nose's outline (and the holder's box, where it is stated) through the plane of the
-//! tool. A program passes where
+//! The text is read again by an interpreter (`interpreter`, `arcs`) that shares nothing with the
+//! emitter, from every start position of a lattice and of the solids' corners that is clear; each
+//! move sweeps the nose's outline (and the holder's box, where it is stated) through the plane of
+//! the tool. A program passes where
 //!
 //! - no move touches chuck, jaws, centre, quill, steady rest or parked gauge head, or leaves the
 //!   travel,
@@ -12,15 +12,17 @@
 //! - the tool is changed, and the part measured, at the change position alone,
 //! - the probe goes down to the part in probing moves alone, radially and with the spindle standing
 //!   still, and neither its ball nor its body touches anything else, even where no touch stops it,
-//! - no feed cuts below the commanded diameter,
+//! - no feed cuts below the commanded diameter (contours are judged by what they leave instead),
 //! - feeds at the commanded diameter cover the part from the stated end of the cut to its end face.
 
+mod arcs;
 mod convex;
 mod expression;
 mod finished;
 mod flow;
 mod interpreter;
 mod judge;
+mod nose;
 mod run;
 mod sinumerik;
 mod surface;
@@ -29,8 +31,10 @@ mod touch;
 pub(crate) use convex::Convex;
 pub(crate) use finished::FinishedSolid;
 #[cfg(test)]
-pub(crate) use interpreter::{Control, Deed, Event, Point};
+pub(crate) use interpreter::{Control, Event};
+pub(crate) use interpreter::{Deed, Point};
 pub(crate) use judge::{CommandedCut, Solid, WorkingSpace, check, check_once, must_alarm};
+pub(crate) use run::run;
 #[cfg(test)]
-pub(crate) use run::{run, variables};
+pub(crate) use run::variables;
 pub(crate) use surface::Surface;

@@ -1,0 +1,303 @@
+//! A finishing cut along lines and arcs: a contour for the control's nose compensation, or the path
+//! of the gauge point itself.
+//!
+//! The part stands roughed inside the bar, or is the bar: the tool comes down beyond the end face,
+//! in feed, enters along the first piece or along its normal by more than R, follows the pieces,
+//! and leaves radially. Fanuc: the radius goes into the geometry of the tool's offset (G10 P10000 +
+//! n, R, Q), the wear radius, which adds to it, is set to zero. LinuxCNC: G42.1 takes the diameter
+//! and the tip direction with it and leaves the tool table alone.
+
+use glam::DVec2;
+
+use super::dialect::{Dialect, number};
+use super::error::NcError;
+use super::machine::{Direction, Spindle};
+use super::replay::{self, Convex, Deed};
+use super::route::{Workpiece, round3};
+use super::settings::NcSettings;
+use super::skeleton::{self, Skeleton};
+use crate::nose::{Numbering, TipDirection};
+use crate::outline::Piece;
+use crate::plan::CuttingData;
+
+/// The register of a nose for the control's compensation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NoseRegister {
+    /// Radius R, mm.
+    pub radius_mm: f64,
+    /// Tip direction.
+    pub tip: TipDirection,
+}
+
+/// A finishing cut to be written.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ContourProgram<'a> {
+    /// The contour, or with no register the path of the gauge point: a shaft's, from chuck to
+    /// tailstock, X as a radius.
+    pub pieces: &'a [Piece],
+    /// The register for G41 or G42; with none the program runs with G40.
+    pub register: Option<NoseRegister>,
+    /// The nose's outline (X, Z) about the gauge point, mm.
+    pub nose: &'a [DVec2],
+    /// The bar.
+    pub piece: &'a Workpiece,
+    /// The machine.
+    pub settings: &'a NcSettings,
+    /// Cutting data.
+    pub cutting: CuttingData,
+    /// What the program does about the nose, for its header.
+    pub about: &'a str,
+}
+
+/// A program that has passed its replay.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct WrittenContour {
+    /// Its text.
+    pub text: String,
+    /// Moves of the gauge point in feed, (X radius, Z) from and to, as the text commands them.
+    pub moves: Vec<(DVec2, DVec2)>,
+}
+
+/// Beyond this share of Z in its normal a piece is entered and left along Z.
+const FACE: f64 = 0.7;
+/// Length of entry and exit, in units of R: controls need more than one.
+const ENTRY_RADII: f64 = 2.0;
+/// Length by which a face is begun earlier, in units of R: more than the fillet of R.
+const BEFORE_RADII: f64 = 1.5;
+/// Height of the tool above its nose in the replay, mm: beyond all dimensions of a lathe.
+const FAR_MM: f64 = 1e4;
+
+impl ContourProgram<'_> {
+    /// The program's text and its moves, replayed from every start position.
+    ///
+    /// # Errors
+    /// Machine data that are missing, a register that the control cannot be given, a block that
+    /// collides or that the control would stop at.
+    pub(crate) fn write(&self, dialect: Dialect) -> Result<WrittenContour, NcError> {
+        if self.register.is_some() && dialect == Dialect::Gsk {
+            return Err(NcError::Plan(
+                "gsk: how a program writes the register R and the tip direction of this control is not verified; drive \
+                 the nose's own path (--way path), which needs neither"
+                    .into(),
+            ));
+        }
+        let cut = self.in_order();
+        let (Some(first), Some(last)) = (cut.first(), cut.last()) else {
+            return Err(NcError::Plan("a path without a piece".into()));
+        };
+        let skeleton = self.skeleton(dialect, entry(first, self.lead_mm(), self.before_mm()).from)?;
+        let mut lines = self.head(&skeleton);
+        lines.extend(self.approach(&skeleton));
+        lines.extend(self.blocks(&skeleton, &cut));
+        lines.extend(self.leave(last, &skeleton));
+        lines.extend(dialect.to_change(skeleton.route.change));
+        lines.extend(dialect.end());
+        let text = lines.join("\n") + "\n";
+        self.replayed(text, &skeleton)
+    }
+
+    /// The pieces in the order of cutting.
+    fn in_order(&self) -> Vec<Piece> {
+        let reversed =
+            |p: &Piece| Piece { from: p.to, to: p.from, from_rad: p.to_rad, to_rad: p.from_rad, ..*p };
+        match self.piece.direction {
+            Direction::TowardsChuck => self.pieces.iter().rev().map(reversed).collect(),
+            Direction::TowardsTailstock => self.pieces.to_vec(),
+        }
+    }
+
+    fn lead_mm(&self) -> f64 {
+        let radius = self.register.map_or(0.0, |r| r.radius_mm);
+        self.settings.lead_in_mm.max(ENTRY_RADII * radius)
+    }
+
+    /// Length by which a face is begun before its first point: a control may leave the fillet of R
+    /// between the entry and the first piece.
+    fn before_mm(&self) -> f64 {
+        self.register.map_or(0.0, |r| BEFORE_RADII * r.radius_mm)
+    }
+
+    fn skeleton(&self, dialect: Dialect, entry: DVec2) -> Result<Skeleton<'_>, NcError> {
+        let largest = self.pieces.iter().map(|p| 2.0 * p.from.x.max(p.to.x)).fold(0.0, f64::max);
+        let mut route =
+            skeleton::check(self.settings, self.piece, largest.min(self.piece.before_mm), dialect)?;
+        route.z_first = round3(entry.y);
+        Ok(Skeleton {
+            dialect,
+            settings: self.settings,
+            piece: self.piece,
+            route,
+            cutting: self.cutting,
+            pass: 1,
+            wear_mm: 0.0,
+            limits_mm: None,
+            measures_first: false,
+        })
+    }
+
+    fn head(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
+        let s = self.settings;
+        let mut texts = vec![
+            format!("shadowgauge {} for {}", env!("CARGO_PKG_VERSION"), skeleton.dialect.as_str()),
+            self.about.to_owned(),
+            format!(
+                "finishing cut in a bar of {} mm, roughed to the contour",
+                number(self.piece.before_mm, 3)
+            ),
+            "X is a diameter, Z 0 the face that clamps the part".to_owned(),
+            format!("tool {}, set in X and Z at its tip direction", s.tool),
+        ];
+        texts.extend(skeleton.change_position());
+        let smallest = self.end_diameter_mm();
+        texts.extend(skeleton.assumed(smallest, true));
+        skeleton.framed(&format!("CONTOUR OF PART {}", s.part_number), texts)
+    }
+
+    /// Diameter at the end face, mm.
+    fn end_diameter_mm(&self) -> f64 {
+        let end = self.pieces.last().map_or(0.0, |p| p.from.x.max(p.to.x));
+        2.0 * end
+    }
+
+    fn approach(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
+        let (d, s, route) = (skeleton.dialect, self.settings, &skeleton.route);
+        let mut lines = d.to_change(route.change);
+        if let (Some(register), Dialect::Fanuc) = (self.register, d) {
+            let (radius, tip) =
+                (number(register.radius_mm, d.x_decimals()), register.tip.number(Numbering::Fanuc));
+            lines.push(d.comment("geometry radius and tip, the wear radius adds to it"));
+            lines.push(format!("G10 P{} R{radius} Q{tip}", 10_000 + s.tool));
+            lines.push(format!("G10 P{} R0.", s.tool));
+        }
+        lines.extend(d.tool(s.tool, s.tool));
+        let sense = s.spindle.unwrap_or(Spindle::M03);
+        lines.extend(d.spindle(self.cutting.speed_m_per_min, s.speed_limit_per_min, sense));
+        lines.extend(d.approach(route.change, route.z_first, route.clear_mm));
+        lines
+    }
+
+    /// The entry and the pieces, as far as increments resolve them.
+    fn blocks(&self, skeleton: &Skeleton<'_>, cut: &[Piece]) -> Vec<String> {
+        let d = skeleton.dialect;
+        let feed = number(self.cutting.feed_mm_per_rev, 4);
+        let at = entry(&cut[0], self.lead_mm(), self.before_mm());
+        let mut lines = vec![format!("G01 X{} F{feed}", number(2.0 * at.from.x, d.x_decimals()))];
+        lines.push(self.position(&self.compensation(d), at.to, skeleton));
+        let (mut code, mut stands) = ("", self.position("", at.to, skeleton));
+        let to = self.position("", cut[0].from, skeleton);
+        if to != stands {
+            lines.push(to.clone());
+            (code, stands) = ("G01", to);
+        }
+        for piece in cut {
+            let to = self.position("", piece.to, skeleton);
+            if to == stands {
+                continue;
+            }
+            let (this, radius) = self.code(piece, d);
+            let word = if this == code { String::new() } else { format!("{this} ") };
+            lines.push(word + &to + &radius);
+            (code, stands) = (this, to);
+        }
+        lines
+    }
+
+    /// Away from the last piece, where the compensation ends, and out to the clear diameter.
+    fn leave(&self, last: &Piece, skeleton: &Skeleton<'_>) -> Vec<String> {
+        let clear = format!("X{}", number(skeleton.route.clear_mm, 3));
+        let along_z = exit(last, self.lead_mm()).map(|at| self.position("", at, skeleton));
+        let mut lines: Vec<String> = along_z.into_iter().chain([clear]).collect();
+        lines[0] = format!("{}G01 {}", if self.register.is_some() { "G40 " } else { "" }, lines[0]);
+        lines
+    }
+
+    /// Code and R of a piece: a line where the sagitta is below half an increment.
+    fn code(&self, piece: &Piece, d: Dialect) -> (&'static str, String) {
+        let Some(arc) = piece.arc else { return ("G01", String::new()) };
+        let (half, radius) = (0.5 * piece.from.distance(piece.to), arc.radius_mm.abs());
+        let sagitta = radius - (radius * radius - half * half).max(0.0).sqrt();
+        if sagitta < 0.5 * 10f64.powi(-(d.x_decimals() as i32)) {
+            return ("G01", String::new());
+        }
+        // seen with Z to the right and X up, a falling angle of the normal is anticlockwise
+        let code = if piece.to_rad < piece.from_rad { "G03" } else { "G02" };
+        (code, format!(" R{}", number(radius, d.x_decimals())))
+    }
+
+    fn position(&self, before: &str, at: DVec2, skeleton: &Skeleton<'_>) -> String {
+        let decimals = skeleton.dialect.x_decimals();
+        format!("{before}X{} Z{}", number(2.0 * at.x, decimals), number(at.y, decimals))
+    }
+
+    /// Words that start the compensation with the entry.
+    fn compensation(&self, d: Dialect) -> String {
+        let Some(register) = self.register else { return String::new() };
+        let side = match self.piece.direction {
+            Direction::TowardsChuck => "G42",
+            Direction::TowardsTailstock => "G41",
+        };
+        match d {
+            Dialect::Linuxcnc => {
+                let tip = register.tip.number(Numbering::Linuxcnc);
+                format!("{side}.1 D{} L{tip} ", number(2.0 * register.radius_mm, d.x_decimals()))
+            }
+            _ => format!("{side} "),
+        }
+    }
+
+    fn replayed(&self, text: String, skeleton: &Skeleton<'_>) -> Result<WrittenContour, NcError> {
+        let mut space = skeleton.working_space(vec![(0.0, self.end_diameter_mm())]);
+        // how deep it cuts is judged by what it leaves of the outline, not by stations
+        space.cut = replay::CommandedCut { commanded: vec![(0.0, -FAR_MM)], between: (0.0, 0.0) };
+        let tip: Vec<(f64, f64)> = self.nose.iter().map(|p| (p.y, p.x)).collect();
+        let above = |z: f64| (z, FAR_MM);
+        let ((left, _), (right, _)) = Convex::hull(tip.clone()).bounds();
+        space.tool[0] = Convex::hull(tip.into_iter().chain([above(left), above(right)]).collect());
+        replay::check(&text, &space)?;
+        let start = replay::Point { x: skeleton.route.change.x_mm, z: skeleton.route.change.z_mm };
+        let events = replay::run(&text, &space.control(start)).map_err(|(block, what)| NcError::Block {
+            block,
+            text: String::new(),
+            what,
+        })?;
+        let at = |p: replay::Point| DVec2::new(0.5 * p.x, p.z);
+        let feed = |deed: &Deed| match deed {
+            Deed::Move { from, to, rapid: false } => Some((at(*from), at(*to))),
+            _ => None,
+        };
+        let moves = events.iter().filter_map(|event| feed(&event.deed)).collect();
+        Ok(WrittenContour { text, moves })
+    }
+}
+
+/// Direction of the cut at the ends of a piece, from its chord or, on an arc, at right angles to
+/// the normal.
+fn way(piece: &Piece, a: f64) -> DVec2 {
+    let along = DVec2::from_angle(a).perp();
+    along * (piece.to - piece.from).dot(along).signum()
+}
+
+/// How a cut is entered.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    from: DVec2,
+    to: DVec2,
+}
+
+/// Along the first piece where that leads in from beyond the end face, else along its normal; onto
+/// a face `before_mm` before its first point.
+fn entry(first: &Piece, lead_mm: f64, before_mm: f64) -> Entry {
+    let (along, n) = (way(first, first.from_rad), DVec2::from_angle(first.from_rad));
+    let back = first.from - lead_mm * along;
+    if back.y - first.from.y > FACE * lead_mm && back.x >= 0.0 {
+        return Entry { from: back, to: first.from };
+    }
+    let to = if n.y > FACE { first.from - before_mm * along } else { first.from };
+    Entry { from: to + lead_mm * n, to }
+}
+
+/// Where a cut that ends on a face is left to, along Z; others are left radially.
+fn exit(last: &Piece, lead_mm: f64) -> Option<DVec2> {
+    let n = DVec2::from_angle(last.to_rad);
+    (n.y > FACE).then(|| last.to + DVec2::new(0.0, lead_mm))
+}

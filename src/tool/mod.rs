@@ -1,0 +1,49 @@
+//! What a worn nose does to a part, and what a program does about it.
+//!
+//! A control takes the nose for a circle of the register radius R about a centre that lies R·(σx,
+//! σz) from the gauge point. The nose of a real tool reaches h(a) towards a surface with the normal
+//! n(a); set by touching, its gauge point lies at g = (σx·Hx, σz·Hz) from the tool point. So a
+//! contour programmed with G41 or G42 leaves, along n,
+//!
+//! e(a) = R(1 + σx·cos a + σz·sin a) − g·n(a) − h(a),
+//!
+//! positive where material is left. Four ways go about it: the register as it is, the register that
+//! leaves least, the contour edited by what is left, and the path of the tool point itself, without
+//! the control's compensation.
+//!
+//! In: `NoseProfile`, `ToolGeometry`, `Outline`. Out: e(a) with u ([`Setting`]), the path of each
+//! way ([`Compensator`]), what it leaves ([`Remainder`]) and the [`Document`] of all. `register`
+//! holds e(a), `contact` and `biarc` move a piece by what touches it, `chain` joins the moved
+//! pieces, `ways` are the four, `left` measures a path against the outline apart from all of these,
+//! `sizes` turns that into diameters, faces, cones, arcs and corners. `nose_file` and `settings`
+//! read files. A further way is a variant of [`Way`] and its arm in `ways`.
+
+mod biarc;
+mod chain;
+mod contact;
+mod document;
+mod error;
+mod left;
+mod nose_file;
+mod register;
+mod settings;
+mod sizes;
+mod ways;
+
+pub(crate) use chain::Element;
+pub(crate) use document::{Document, LargestLeft, Measured, WayResult, measured};
+pub(crate) use error::ToolError;
+pub(crate) use left::{Remainder, Tool, remainders};
+#[cfg(test)]
+pub(crate) use left::{largest, moves_of};
+pub(crate) use nose_file::read_nose;
+pub(crate) use register::Setting;
+#[cfg(test)]
+pub(crate) use register::Stated;
+#[cfg(test)]
+pub(crate) use settings::ImageAxes;
+pub(crate) use settings::{OutlineFile, ToolFile};
+pub(crate) use sizes::PieceChange;
+#[cfg(test)]
+pub(crate) use sizes::{Kind, changes};
+pub(crate) use ways::{Compensated, Compensator, Way};

@@ -1,0 +1,186 @@
+//! Programs of all ways against the path they stand for, by the replay and by LinuxCNC's
+//! interpreter.
+
+use glam::DVec2;
+
+use super::parts::{compensator, corner, flat_support, nose, papers, round};
+use crate::inside::linuxcnc::interpret;
+use crate::nc::replay::{self, Control, Point};
+use crate::nc::{
+    ChangePosition, Chuck, ContourProgram, Dialect, GeometryOffset, NcSettings, NoseRegister, Spindle,
+    Tailstock, WearX, Workpiece, WrittenContour,
+};
+use crate::nose::NoseProfile;
+use crate::outline::{Outline, Piece, Side};
+use crate::plan::CuttingData;
+use crate::tool::{Compensated, Compensator, Tool, Way, remainders};
+
+/// A shaft in a chuck: cylinder, shoulder, concave R2, cylinder, 24° cone, convex R5, end face.
+fn part() -> Outline {
+    let run = 2.0 / 24f64.to_radians().tan();
+    let corners = [
+        corner(20.0, 32.0, 0.0),
+        corner(24.0, 32.0, 0.0),
+        corner(24.0, 26.0, 2.0),
+        corner(32.0, 26.0, 0.0),
+        corner(32.0 + run, 22.0, 0.0),
+        corner(45.0, 22.0, 5.0),
+        corner(45.0, 6.0, 0.0),
+    ];
+    Outline::from_corners(&corners, Side::External).unwrap()
+}
+
+fn machine() -> NcSettings {
+    NcSettings {
+        tailstock: Some(Tailstock::Absent),
+        chuck: Some(Chuck { diameter_mm: 160.0, jaws_to_z_mm: 14.0, jaws_diameter_mm: None }),
+        change_position: Some(ChangePosition { x_mm: 200.0, z_mm: 120.0 }),
+        wear_x: Some(WearX::Diameter),
+        geometry_offset: Some(GeometryOffset::ByTool),
+        spindle: Some(Spindle::M03),
+        least_z_mm: 15.0,
+        ..NcSettings::default()
+    }
+}
+
+fn written(
+    c: &Compensator<'_>,
+    done: &Compensated,
+    dialect: Dialect,
+    settings: &NcSettings,
+) -> Result<WrittenContour, String> {
+    let gauge = c.setting.gauge_point();
+    let outline: Vec<DVec2> = c.setting.nose.outline().into_iter().map(|p| p - gauge).collect();
+    let pieces: Vec<Piece> = done.programmed.iter().map(|e| e.piece).collect();
+    let program = ContourProgram {
+        pieces: &pieces,
+        register: (done.way != Way::Path)
+            .then_some(NoseRegister { radius_mm: done.register_mm, tip: c.setting.tip }),
+        nose: &outline,
+        piece: &Workpiece::new(45.0, 32.0, 32.0),
+        settings,
+        cutting: CuttingData { speed_m_per_min: 180.0, feed_mm_per_rev: 0.08 },
+        about: "test",
+    };
+    program.write(dialect).map_err(|e| e.to_string())
+}
+
+/// Largest difference of what moves of the gauge point leave from what the way's own path leaves,
+/// µm.
+fn difference_um(c: &Compensator<'_>, done: &Compensated, moves: &[(DVec2, DVec2)]) -> f64 {
+    let (tool, gauge) = (Tool::new(c.setting.nose), c.setting.gauge_point());
+    let moves: Vec<_> = moves.iter().map(|m| (m.0 - gauge, m.1 - gauge)).collect();
+    let own = remainders(c.outline, &done.path, &crate::tool::moves_of(&done.path), &tool);
+    let other = remainders(c.outline, &done.path, &moves, &tool);
+    assert_eq!(own.len(), other.len());
+    let pairs = own.iter().zip(&other).filter(|(a, _)| a.reached);
+    pairs.map(|(a, b)| 1e3 * (a.left_mm - b.left_mm).abs()).fold(0.0, f64::max)
+}
+
+fn noses() -> [NoseProfile; 2] {
+    [papers(), nose(0.25, flat_support)]
+}
+
+#[test]
+fn programs_command_the_path_of_their_way() {
+    let (part, settings) = (part(), machine());
+    for nose in &noses() {
+        let c = compensator(&part, nose, 0.4);
+        for way in Way::ALL {
+            let done = c.carry_out(way).unwrap();
+            // half an increment of Fanuc's X as a radius is .25 µm, of Z .5 µm, of R .5 µm
+            for (dialect, most) in [(Dialect::Linuxcnc, 0.1), (Dialect::Fanuc, 1.5)] {
+                let written = written(&c, &done, dialect, &settings).unwrap();
+                let away = difference_um(&c, &done, &written.moves);
+                println!("{} {}: {away:.4} µm", dialect.as_str(), way.as_str());
+                assert!(away < most, "{} {}: {away}\n{}", dialect.as_str(), way.as_str(), written.text);
+            }
+        }
+    }
+}
+
+/// Straight moves of LinuxCNC's canonical commands, arcs by chords: (X radius, Z).
+fn canonical(printed: &str) -> Vec<(DVec2, DVec2)> {
+    let mut at: Option<DVec2> = None;
+    let mut moves = Vec::new();
+    for line in printed.lines() {
+        let Some((name, rest)) = line.split_once('(') else { continue };
+        let numbers: Vec<f64> =
+            rest.split(')').next().unwrap().split(',').filter_map(|n| n.trim().parse().ok()).collect();
+        let points = if name.ends_with("STRAIGHT_FEED") || name.ends_with("STRAIGHT_TRAVERSE") {
+            vec![DVec2::new(numbers[0], numbers[2])]
+        } else if name.ends_with("ARC_FEED") {
+            // first axis Z, second X in G18; rotation > 0 is anticlockwise from Z to X
+            let (end, centre) = (DVec2::new(numbers[1], numbers[0]), DVec2::new(numbers[3], numbers[2]));
+            let from = at.unwrap() - centre;
+            let angle = |v: DVec2| v.x.atan2(v.y);
+            let whole = std::f64::consts::TAU;
+            let mut turn = angle(end - centre) - angle(from);
+            if numbers[4] > 0.0 && turn < 0.0 {
+                turn += whole
+            }
+            if numbers[4] < 0.0 && turn > 0.0 {
+                turn -= whole
+            }
+            let radius = from.length();
+            let point = |k: i32| {
+                let a = angle(from) + turn * f64::from(k) / 500.0;
+                centre + radius * DVec2::new(a.sin(), a.cos())
+            };
+            (1..500).map(point).chain([end]).collect()
+        } else {
+            continue;
+        };
+        for to in points {
+            moves.extend(at.map(|from| (from, to)));
+            at = Some(to);
+        }
+    }
+    moves
+}
+
+#[test]
+fn linuxcnc_drives_the_same_path() {
+    let (part, settings) = (part(), machine());
+    for nose in &noses() {
+        let c = compensator(&part, nose, 0.4);
+        for way in Way::ALL {
+            let done = c.carry_out(way).unwrap();
+            let written = written(&c, &done, Dialect::Linuxcnc, &settings).unwrap();
+            let Some((_, printed)) = interpret(&written.text) else { return };
+            let moves = canonical(&printed);
+            assert!(moves.len() > 20, "{printed}\n{}", written.text);
+            let away = difference_um(&c, &done, &moves);
+            println!("rs274 {}: {away:.4} µm", way.as_str());
+            assert!(away < 0.1, "{}: {away}\n{printed}\n{}", way.as_str(), written.text);
+        }
+    }
+}
+
+#[test]
+fn blocks_that_a_control_would_stop_at_are_refused() {
+    let (part, settings, nose) = (part(), machine(), round(0.4));
+    let c = compensator(&part, &nose, 0.4);
+    let text = written(&c, &c.carry_out(Way::Register).unwrap(), Dialect::Linuxcnc, &settings).unwrap().text;
+    let change = Point { x: 200.0, z: 120.0 };
+    let control = Control {
+        dialect: Dialect::Linuxcnc,
+        settings: &settings,
+        start: change,
+        reference: change,
+        variables: Vec::new(),
+        with_probe: false,
+        surface: None,
+    };
+    let fault = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}: {text}");
+        replay::run(&text.replacen(from, to, 1), &control).unwrap_err().1
+    };
+    assert!(replay::run(&text, &control).is_ok());
+    assert!(fault("G40 G01 X34.", "G01 X34.").contains("a rapid while the nose is compensated"));
+    assert!(fault(" R5.", "").contains("an arc needs R"));
+    assert!(fault(" R5.", " R3.").contains("no arc of R 3 joins"));
+    assert!(fault(" L2", "").contains("need D, the diameter, and L"));
+    assert!(fault("D0.8", "D9.").contains("does not fit into the contour"));
+    assert!(fault("G42.1 D0.8 L2", "G42").contains("not understood"));
+}
