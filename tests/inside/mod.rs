@@ -26,6 +26,7 @@ mod linuxcnc;
 mod nc_probing;
 mod nc_programs;
 mod nc_replay;
+mod optics_cylinder;
 mod optics_esf;
 mod optics_lens;
 mod probe_run;

@@ -7,13 +7,15 @@
 //! - [`MeasuredEdge`]: read from a file;
 //! - [`PartiallyCoherentEdge`]: a telecentric camera gauge, circular pupil and circular source,
 //!   with defocus;
+//! - [`CylinderEdge`]: the same camera before a thick round part, whose limb the light grazes;
 //! - [`LaserShadow`]: collimated laser light without a lens;
 //! - [`GrazingReflection`]: the reflection of a polished cylinder, in addition to any of them.
 //!
-//! All are knife-edge results; for a thick, shiny cylinder each is an approximation (see
-//! [`GrazingReflection`]). The table holds the light at a point; [`EdgeSpread::over_pixel`]
+//! All but [`CylinderEdge`] are knife-edge results; for a thick, shiny cylinder each of them is an
+//! approximation (see [`GrazingReflection`]). The table holds the light at a point; [`EdgeSpread::over_pixel`]
 //! integrates it over a pixel's area.
 
+pub(crate) mod cylinder;
 mod focus_stack;
 pub(crate) mod fresnel_integrals;
 pub(crate) mod gaussian;
@@ -27,7 +29,8 @@ mod table;
 mod transmission;
 
 pub use self::{
-    grazing::GrazingReflection, laser::LaserShadow, measured::MeasuredEsf, partial::PartiallyCoherentEdge,
+    cylinder::CylinderEdge, grazing::GrazingReflection, laser::LaserShadow, measured::MeasuredEsf,
+    partial::PartiallyCoherentEdge,
 };
 pub(crate) use focus_stack::FocusStack;
 pub(crate) use gaussian::GaussianBlur;
