@@ -21,6 +21,7 @@ pub(crate) mod fresnel_integrals;
 pub(crate) mod gaussian;
 mod grazing;
 mod laser;
+mod limb_stack;
 mod measured;
 mod partial;
 pub(crate) mod quadrature;
@@ -34,6 +35,7 @@ pub use self::{
 };
 pub(crate) use focus_stack::FocusStack;
 pub(crate) use gaussian::GaussianBlur;
+pub(crate) use limb_stack::{LimbLayout, LimbStack};
 pub(crate) use measured::MeasuredEdge;
 pub(crate) use shifts::Shifts;
 pub(crate) use table::EdgeSpread;

@@ -65,6 +65,12 @@ impl HalfShadow {
         Self { from, per_step: 1.0 / step, values }
     }
 
+    /// No half shadow: a thin screen's.
+    pub(crate) fn none(largest: f64) -> Self {
+        let values = vec![C::new(0.0, 0.0); POINTS];
+        Self { from: -largest, per_step: (POINTS - 1) as f64 / (2.0 * largest), values }
+    }
+
     /// The mean of several, which reach equally far.
     pub(crate) fn mean(all: &[Self]) -> Self {
         let share = 1.0 / all.len() as f64;

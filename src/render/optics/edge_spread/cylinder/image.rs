@@ -73,13 +73,20 @@ pub(crate) struct Limb {
     pub k: f64,
     /// M = (kR/2)^(1/3).
     pub m: f64,
+    /// Coefficient of s³ in the phase: 1/3, or 0 for a thin screen.
+    cubic: f64,
 }
 
 impl Limb {
     /// The limb of a radius of curvature.
     pub(crate) fn new(radius_mm: f64, wavelength_nm: f64) -> Self {
         let k = 2e3 * PI / wavelength_nm;
-        Self { k, m: (0.5e3 * k * radius_mm).cbrt() }
+        Self { k, m: (0.5e3 * k * radius_mm).cbrt(), cubic: 1.0 / 3.0 }
+    }
+
+    /// A thin screen: a half plane in the plane of the axis; any M serves as its unit.
+    pub(crate) fn screen(wavelength_nm: f64) -> Self {
+        Self { cubic: 0.0, ..Self::new(1.0, wavelength_nm) }
     }
 
     /// ℓ = M/k, µm.
@@ -125,7 +132,7 @@ impl Samples {
     }
 }
 
-/// The image of a limb: mean of the polarisations whose boundaries are given.
+/// The image of a limb: mean of the polarisations whose boundaries are given; of a screen without any.
 pub(crate) fn image(limb: Limb, view: &View, boundaries: &[Boundary]) -> Samples {
     let both = shadows(limb, view, boundaries);
     // Far from the limb polarisations differ by less than 1e-3 of the amplitude, and the image
@@ -154,6 +161,9 @@ pub(crate) fn image(limb: Limb, view: &View, boundaries: &[Boundary]) -> Samples
 /// P of every polarisation, as far as the pupil and the source need it.
 fn shadows(limb: Limb, view: &View, boundaries: &[Boundary]) -> Vec<HalfShadow> {
     let largest = limb.m * (view.na + view.source_na);
+    if boundaries.is_empty() {
+        return vec![HalfShadow::none(largest)];
+    }
     boundaries.iter().map(|b| HalfShadow::new(b.scaled(limb.m), largest)).collect()
 }
 
@@ -280,7 +290,7 @@ impl Chord {
     ) -> (f64, Vec<f64>) {
         let rim = limb.m * self.pupil;
         let depth = limb.depth(view.focus_mm);
-        let own = |s: f64| unit(-s * s * (s / 3.0 + depth));
+        let own = |s: f64| unit(-s * s * (s * limb.cubic + depth));
         // Phase of the integrand over the half pupil, with that of P.
         let far = zone
             .lanes

@@ -28,9 +28,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::airy::C;
-use self::image::{Limb, View, image};
+use self::image::{Limb, Samples, View, image};
 pub use self::material::Material;
 use self::surface::Surface;
+use super::partial::PartiallyCoherentEdge;
 use super::shifts::Shifts;
 use super::table::EdgeSpread;
 use crate::render::error::{RenderError, within};
@@ -135,7 +136,8 @@ impl CylinderEdge {
         within("optics.esf.cylinder.numerical_aperture", self.na, 1e-3, 0.2)?;
         within("optics.esf.cylinder.coherence_ratio", self.coherence_ratio, 0.0, 3.0)?;
         within("optics.esf.cylinder.wavelength_nm", self.wavelength_nm, 100.0, 20_000.0)?;
-        within("optics.esf.cylinder.reach", self.reach, 2.0, 200.0)?;
+        // The nodes of the source grow with the reach.
+        within("optics.esf.cylinder.reach", self.reach, 4.0, 60.0)?;
         within("optics.esf.cylinder.extra_sigma_um", self.extra_sigma_um, 0.0, 1e4)?;
         // Geometric blur of 2·z·λ/NA has to stay within the reach.
         let largest_mm = 0.25 * self.reach * self.unit_um() / self.na * 1e-3;
@@ -155,6 +157,18 @@ impl CylinderEdge {
     /// λ/NA, µm.
     pub(crate) fn unit_um(&self) -> f64 {
         self.wavelength_nm * 1e-3 / self.na
+    }
+
+    /// The same lens and light before a thin screen.
+    pub(crate) fn thin(&self) -> PartiallyCoherentEdge {
+        PartiallyCoherentEdge {
+            na: self.na,
+            coherence_ratio: self.coherence_ratio,
+            wavelength_nm: self.wavelength_nm,
+            defocus_mm: self.defocus_mm,
+            reach: self.reach,
+            extra_sigma_um: self.extra_sigma_um,
+        }
     }
 
     /// The image of the limb of a surface of curvature radius `radius_mm`, its axis `y_mm` nearer to the
@@ -178,17 +192,18 @@ impl CylinderEdge {
         Ok(table)
     }
 
+    /// The image of a flat face along the light, a thin screen in the plane of the axis; µm on the
+    /// object.
+    ///
+    /// # Errors
+    /// Refuses values outside their ranges.
+    pub(crate) fn face(&self) -> Result<EdgeSpread, RenderError> {
+        self.check()?;
+        self.tabulated(&image(Limb::screen(self.wavelength_nm), &self.view(), &[]))
+    }
+
     fn computed(&self, radius_mm: f64) -> Result<EdgeSpread, RenderError> {
-        let unit = self.unit_um();
-        let reach_um = self.reach * unit;
         let limb = Limb::new(radius_mm, self.wavelength_nm);
-        let view = View {
-            na: self.na,
-            source_na: self.na * self.coherence_ratio,
-            // Seen from the axis, the plane of focus lies behind where the axis is nearer.
-            focus_mm: -self.defocus_mm,
-            reach_um,
-        };
         let surface = self.surface()?;
         let along = match self.polarisation {
             Polarisation::Unpolarised => &[true, false][..],
@@ -196,7 +211,21 @@ impl CylinderEdge {
             Polarisation::AcrossAxis => &[false],
         };
         let boundaries: Vec<_> = along.iter().map(|along| surface.boundary(limb.k, *along)).collect();
-        let samples = image(limb, &view, &boundaries);
+        self.tabulated(&image(limb, &self.view(), &boundaries))
+    }
+
+    fn view(&self) -> View {
+        View {
+            na: self.na,
+            source_na: self.na * self.coherence_ratio,
+            // Seen from the axis, the plane of focus lies behind where the axis is nearer.
+            focus_mm: -self.defocus_mm,
+            reach_um: self.reach * self.unit_um(),
+        }
+    }
+
+    fn tabulated(&self, samples: &Samples) -> Result<EdgeSpread, RenderError> {
+        let (unit, reach_um) = (self.unit_um(), self.reach * self.unit_um());
         let table = EdgeSpread::tabulate(-reach_um, reach_um, TOLERANCE, |d| samples.at(d))?;
         if self.extra_sigma_um == 0.0 {
             return Ok(table);
