@@ -35,6 +35,7 @@ mod process_studies;
 mod render_frames;
 mod render_golden;
 mod render_light;
+mod render_limbs;
 mod render_noise;
 mod render_optics;
 mod render_shaders;

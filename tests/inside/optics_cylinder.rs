@@ -7,8 +7,9 @@ use nalgebra::{Matrix3, Vector3};
 use rustfft::num_complex::Complex;
 use shadowgauge::render::esf_families::cylinder::airy::{airy, unit};
 use shadowgauge::render::esf_families::cylinder::half_shadow::HalfShadow;
+use shadowgauge::render::esf_families::cylinder::image::Limb;
 use shadowgauge::render::esf_families::cylinder::surface::{Boundary, Surface};
-use shadowgauge::render::esf_families::cylinder::{CylinderEdge, Polarisation};
+use shadowgauge::render::esf_families::cylinder::{CylinderEdge, Material, Polarisation};
 use shadowgauge::render::esf_families::quadrature::gauss_legendre;
 use shadowgauge::render::esf_families::{EdgeSpread, PartiallyCoherentEdge};
 
@@ -371,5 +372,110 @@ fn the_edge_lies_outside_the_limb_as_far_as_four_methods_find() {
             let found = shift_of(&edge, diameter);
             close(found, wanted, 0.002, &format!("S {ratio} Ø{diameter}"));
         }
+    }
+}
+
+// -- settings
+
+#[test]
+fn a_part_or_a_lens_that_the_family_does_not_hold_for_is_refused_with_the_reason() {
+    let plain = CylinderEdge::default();
+    let refused =
+        |edge: &CylinderEdge, radius_mm: f64| edge.edge_spread(radius_mm, 0.0).unwrap_err().to_string();
+    for (edge, radius_mm, words) in [
+        (plain.clone(), 0.2, "Ø0.4000 mm: is too thin"),
+        (CylinderEdge { wavelength_nm: 690.0, ..plain.clone() }, 0.26, "holds from Ø0.58 mm on"),
+        (plain.clone(), f64::NAN, "too thin"),
+        (CylinderEdge { na: 0.15, ..plain.clone() }, 9.0, "too thick for apertures of 0.1500"),
+        (
+            CylinderEdge { refractive_index: Some(1.5), extinction: Some(1e-6), ..plain.clone() },
+            3.0,
+            "transparent",
+        ),
+        (CylinderEdge { extinction: Some(3.0), ..plain.clone() }, 3.0, "needs `refractive_index`"),
+        (CylinderEdge { refractive_index: Some(3.0), ..plain.clone() }, 3.0, "needs `extinction`"),
+        (CylinderEdge { wavelength_nm: 850.0, ..plain.clone() }, 3.0, "400 to 700 nm"),
+        (CylinderEdge { correlation_um: 1.0, ..plain.clone() }, 3.0, "correlation_um"),
+        (
+            CylinderEdge { refractive_index: Some(1.0), extinction: Some(0.1), ..plain.clone() },
+            3.0,
+            "that of air",
+        ),
+    ] {
+        let text = refused(&edge, radius_mm);
+        assert!(text.contains(words), "{text}, not {words}");
+    }
+    let ceramic = CylinderEdge { material: Material::Ceramic, ..plain.clone() };
+    assert!(ceramic.edge_spread(3.0, 0.0).is_ok(), "ceramic scatters");
+}
+
+#[test]
+fn materials_films_and_textures_move_the_edge_as_published() {
+    // Against steel, NA .02, S .5, Ø18, 4 µm of blur.
+    let steel = CylinderEdge { extra_sigma_um: 4.0, ..CylinderEdge::default() };
+    let at = |edge: CylinderEdge| shift_of(&edge, 18.0) - shift_of(&steel, 18.0);
+    for (material, wanted, tolerance) in [
+        (Material::Iron, -0.008, 0.004),
+        (Material::Chromium, 0.011, 0.004),
+        (Material::Aluminium, 0.09, 0.01),
+        (Material::Ceramic, -0.12, 0.015),
+    ] {
+        close(at(CylinderEdge { material, ..steel.clone() }), wanted, tolerance, &format!("{material:?}"));
+    }
+    // A rough surface along the light: what a parabolic equation marched past rough limbs gives.
+    for (rq, wanted) in [(0.2, 0.06), (0.4, 0.24)] {
+        let rough = CylinderEdge { roughness_um: rq, correlation_um: 5.0, ..steel.clone() };
+        close(at(rough), wanted, 0.15 * wanted + 0.01, &format!("Rq {rq}"));
+    }
+    let difference = |along| {
+        let edge = CylinderEdge { polarisation: along, ..steel.clone() };
+        at(edge)
+    };
+    let (te, tm) = (difference(Polarisation::AcrossAxis), difference(Polarisation::AlongAxis));
+    close(te + tm, 0.0, 0.006, "unpolarised light is their mean");
+    assert!(te > 0.1, "{te}");
+}
+
+#[test]
+fn polarisations_of_parallel_light_differ_by_the_extinction() {
+    // NA → 0: the surface seems displaced by -(λ/2π)Re(1/g), nothing in TM and κλ/2π in TE, as long as
+    // |Mg| is large.
+    let limb = Limb::new(2000.0, 525.0);
+    let steel =
+        Surface { index: STEEL, film_um: 0.0, film_index: 1.47, roughness_um: 0.0, correlation_um: 10.0 };
+    let shift = |boundary: Boundary| {
+        2.0 * limb.length_um() * HalfShadow::new(boundary.scaled(limb.m), 1.0).at(0.0).re
+    };
+    let soft = shift(Boundary::soft());
+    let [tm, te] = [true, false].map(|along| shift(steel.boundary(limb.k, along)) - soft);
+    let of = |along| -(steel.boundary(limb.k, along).pair()[0]).re / limb.k;
+    println!("TM {tm:.4} µm ({:.4}), TE {te:.4} µm ({:.4})", of(true), of(false));
+    close(tm, of(true), 0.01, "TM");
+    close(te, of(false), 0.01, "TE");
+    close(of(false), 3.1 * 0.525 / (2.0 * PI), 0.01, "κλ/2π");
+}
+
+#[test]
+fn focus_moves_the_limb_by_its_sign_and_less_the_wider_the_source() {
+    // µm of edge a mm of the plane of focus towards the camera, template in focus, Ø18.
+    for (ratio, wanted) in [(0.5, 1.8), (0.75, 0.86), (1.0, -0.16)] {
+        let edge = CylinderEdge { coherence_ratio: ratio, extra_sigma_um: 4.0, ..CylinderEdge::default() };
+        let at = |defocus_mm| shift_of(&CylinderEdge { defocus_mm, ..edge.clone() }, 18.0);
+        close((at(-0.1) - at(0.1)) / 0.2, wanted, 0.1, &format!("S {ratio}"));
+    }
+}
+
+#[test]
+fn without_half_shadow_and_cubic_phase_it_is_the_thin_screen() {
+    for (coherence_ratio, defocus_mm) in [(0.0, 0.0), (0.5, 0.0), (0.5, 0.7), (1.0, 0.3), (1.5, 0.0)] {
+        let edge = CylinderEdge { coherence_ratio, defocus_mm, ..CylinderEdge::default() };
+        let (face, screen) = (edge.face().unwrap(), edge.thin().edge_spread().unwrap());
+        let worst = (-1600..=1600)
+            .map(|i| 0.25 * f64::from(i))
+            .map(|d| (face.value(d) - screen.value(d)).abs())
+            .fold(0.0, f64::max);
+        println!("S {coherence_ratio}, {defocus_mm} mm: {worst:.1e}");
+        let limit = if coherence_ratio < 1.0 { 1e-4 } else { 5e-4 };
+        assert!(worst < limit, "S {coherence_ratio}, {defocus_mm} mm: {worst:.1e}");
     }
 }

@@ -33,7 +33,7 @@ const SAMPLES: f64 = 12.0;
 const POINTS: usize = 12;
 
 /// Nodes on a chord of the source of half length S (of the pupil's) for a distance of x λ/NA: 6 + 5.3 S x err by
-/// less than 3e-4 of full light, 1e-5 within 2 λ/NA (compared with 96 nodes on 48 chords, S .3 to 1.5).
+/// 3e-4 of full light, 2e-5 within 2 λ/NA (against 96 nodes on 48 chords, S .3 to 1.5).
 const LEAST_NODES: f64 = 6.0;
 const NODES_PER_UNIT: f64 = 5.3;
 
