@@ -33,8 +33,8 @@ pub(crate) struct EsfArgs {
     /// Distance of the part's axis from the plane of focus, towards the camera, mm.
     #[arg(long, value_name = "Y", default_value_t = 0.0, allow_negative_numbers = true)]
     axis_y_mm: f64,
-    /// With the further blur (`extra_sigma_um`: aberration, sensor) of partially coherent light or a
-    /// cylinder's limb, as a gauge given CONFIG by --esf fits it.
+    /// With the further blur (`extra_sigma_um`: aberration, sensor) of partially coherent light or
+    /// a cylinder's limb, as a gauge given CONFIG by --esf fits it.
     #[arg(long)]
     with_blur: bool,
     /// Print JSON.
@@ -136,7 +136,8 @@ pub(crate) fn run(command: &OpticsCommand) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// Removes the further blur from partially coherent light (also of a limb) and returns it, µm on the object.
+/// Removes the further blur from partially coherent light (also of a limb) and returns it, µm on
+/// the object.
 fn take_extra_blur(esf: &mut Esf) -> f64 {
     match esf {
         Esf::PartiallyCoherent(p) => std::mem::take(&mut p.extra_sigma_um),

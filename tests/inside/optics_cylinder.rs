@@ -96,7 +96,8 @@ fn of(boundary: Boundary) -> C {
 
 // -- the series of the infinite cylinder
 
-/// The coefficients a_n about n = kR, as far as the limb at +R is seen, and what is needed to sum them.
+/// The coefficients a_n about n = kR, as far as the limb at +R is seen, and what is needed to sum
+/// them.
 struct Series {
     k: f64,
     first: usize,
@@ -140,8 +141,8 @@ fn bessel(x: f64, last: usize) -> (Vec<f64>, Vec<f64>) {
 }
 
 impl Series {
-    /// A body of index m (or an ideal conductor without one) of radius R µm; the coefficients taper off
-    /// over `taper_um` deep in the shadow, so that the other limb is not seen.
+    /// A body of index m (or an ideal conductor without one) of radius R µm; the coefficients taper
+    /// off over `taper_um` deep in the shadow, so that the other limb is not seen.
     fn new(
         radius_um: f64,
         wavelength_um: f64,
@@ -184,8 +185,8 @@ impl Series {
         Self { k, first, coefficients: coefficients.split_off(first), centre: x }
     }
 
-    /// Σ a_n e^(-i(n - kR)φ) over the n kept: a_-n = a_n, and -n belongs to the limb at +R; n of the other
-    /// sign too where n = 0 is kept.
+    /// Σ a_n e^(-i(n - kR)φ) over the n kept: a_-n = a_n, and -n belongs to the limb at +R; n of
+    /// the other sign too where n = 0 is kept.
     fn scattered(&self, phi: f64) -> C {
         let sum = |turn: C| {
             let mut now = unit(turn.arg() * self.first as f64);
@@ -205,8 +206,8 @@ fn is_fine(edge: &CylinderEdge) -> bool {
     edge.na > 0.03 || edge.coherence_ratio > 0.95
 }
 
-/// Light at distances from the limb, by Abbe's sum over a round source (polar nodes) of the waves of a
-/// series, for the polarisations given; y is the plane of focus towards the camera, µm.
+/// Light at distances from the limb, by Abbe's sum over a round source (polar nodes) of the waves
+/// of a series, for the polarisations given; y is the plane of focus towards the camera, µm.
 fn imaged(series: &[Series], edge: &CylinderEdge, places: &[f64], y_um: f64) -> Vec<f64> {
     let rule = if is_fine(edge) { (28, 40) } else { (14, 24) };
     let k = series[0].k;
@@ -322,7 +323,8 @@ fn the_limb_agrees_with_the_series_of_the_cylinder() {
         let worst = against_series(&edge, 0.5 * diameter, STEEL);
         let (s, na) = (edge.coherence_ratio, edge.na);
         println!("Ø{diameter} S {s} NA {na} defocus {}: {worst:.1e}", edge.defocus_mm);
-        // From S = 1 on the source reaches the rim of the pupil, where the judge's own sum converges slowly.
+        // From S = 1 on the source reaches the rim of the pupil, where the judge's own sum
+        // converges slowly.
         let limit = if s < 1.0 { 3e-4 } else { 6e-4 };
         assert!(worst < limit, "Ø{diameter} {edge:?}: {worst:.1e}");
     }
@@ -330,8 +332,8 @@ fn the_limb_agrees_with_the_series_of_the_cylinder() {
 
 // -- shifts
 
-/// The shift of the limb's image outwards against the thin screen's, µm, both under the same blur: least
-/// squares over ±18 µm, levels free as a gauge estimates them.
+/// The shift of the limb's image outwards against the thin screen's, µm, both under the same blur:
+/// least squares over ±18 µm, levels free as a gauge estimates them.
 fn shift_um(limb: &EdgeSpread, screen: &EdgeSpread) -> f64 {
     let mut fit = Vector3::new(0.0, 1.0, 0.0);
     for _ in 0..12 {
@@ -438,8 +440,8 @@ fn materials_films_and_textures_move_the_edge_as_published() {
 
 #[test]
 fn polarisations_of_parallel_light_differ_by_the_extinction() {
-    // NA → 0: the surface seems displaced by -(λ/2π)Re(1/g), nothing in TM and κλ/2π in TE, as long as
-    // |Mg| is large.
+    // NA → 0: the surface seems displaced by -(λ/2π)Re(1/g), nothing in TM and κλ/2π in TE, as long
+    // as |Mg| is large.
     let limb = Limb::new(2000.0, 525.0);
     let steel =
         Surface { index: STEEL, film_um: 0.0, film_index: 1.47, roughness_um: 0.0, correlation_um: 10.0 };

@@ -78,8 +78,8 @@ fn difference(light: &[f64], at_px: f64, slope: f64, esf: &EdgeSpread, pixel_mm:
         .fold(0.0, f64::max)
 }
 
-/// The twin and the device draw the limb of a taper by the local radius, and of an axis out of focus by
-/// its sign.
+/// The twin and the device draw the limb of a taper by the local radius, and of an axis out of
+/// focus by its sign.
 #[test]
 fn a_frame_has_the_limb_of_its_radius_and_distance() {
     let edge = CylinderEdge { coherence_ratio: 0.7, ..CylinderEdge::default() };

@@ -13,11 +13,11 @@
 //! faces per rise of the edge by σ. Beneath a leaning shoulder's overhang there is light again.
 //! Threads, whose corners are not known in advance, have panels of an eighth of a pixel, with an
 //! error of 1e-4 px at flanks of tan 60°. Other families have no such form: their light at a point
-//! is F(σΦ⁻¹(I)), with I that of a Gaussian of the family's width; where limbs are thick, F turns from that of
-//! the limb to that of a face with the direction of I's gradient. That is exact along every
-//! straight edge; at a corner of 90° it would err by up to 0.27 of full intensity in monochromatic
-//! light from a point source, where the rings of both edges cross. There the shoulders of cylinders
-//! are computed from the amplitudes (`optics::laser_shoulder`;
+//! is F(σΦ⁻¹(I)), with I that of a Gaussian of the family's width; where limbs are thick, F turns
+//! from that of the limb to that of a face with the direction of I's gradient. That is exact along
+//! every straight edge; at a corner of 90° it would err by up to 0.27 of full intensity in
+//! monochromatic light from a point source, where the rings of both edges cross. There the
+//! shoulders of cylinders are computed from the amplitudes (`optics::laser_shoulder`;
 //! `tests/inside/render_shaft/corners.rs` compares them with the opaque quadrant). An edge in
 //! motion is the mean of its images.
 
@@ -444,9 +444,9 @@ impl Image<'_> {
         }
     }
 
-    /// Share of a face along the light in the edge that casts the shadow at a point: sin² of the angle
-    /// between the gradient of the Gaussian light and the column. Limbs and faces have edge spreads
-    /// of their own.
+    /// Share of a face along the light in the edge that casts the shadow at a point: sin² of the
+    /// angle between the gradient of the Gaussian light and the column. Limbs and faces have edge
+    /// spreads of their own.
     fn facing(&self, [x, y]: [f64; 2], weights: &[f64]) -> f64 {
         let sign = if self.side == 0 { 1.0 } else { -1.0 };
         let (mut sums, mut down) = ([0.0; 4], 0.0);

@@ -1,10 +1,11 @@
 //! Limbs of cylinders of several radii, in and out of focus: tables over R^(1/3) and the signed
 //! distance of the axis.
 //!
-//! The image of a limb follows R^(1/3). Between radii whose ratio is at most 1.25 a linear blend in it errs by less
-//! than 1e-4 of full light. Where all axes lie at one distance from the plane of focus, the kernel blends over
-//! the radius itself; where they do not, it blends over the distance, and every radius takes the nearest
-//! of closely spaced ones, which are blends of the computed tables.
+//! The image of a limb follows R^(1/3). Between radii whose ratio is at most 1.25 a linear blend in
+//! it errs by less than 1e-4 of full light. Where all axes lie at one distance from the plane of
+//! focus, the kernel blends over the radius itself; where they do not, it blends over the distance,
+//! and every radius takes the nearest of closely spaced ones, which are blends of the computed
+//! tables.
 
 use rayon::prelude::*;
 
@@ -16,8 +17,8 @@ use crate::render::error::RenderError;
 /// Largest ratio of the radii of two computed tables.
 const NODE_RATIO: f64 = 1.25;
 
-/// Largest ratio of radii that share a table where the distance is blended. The edge moves by .25 µm per ln R
-/// (NA .02, S .5), so that half a step moves it by .0025 µm.
+/// Largest ratio of radii that share a table where the distance is blended. The edge moves by .25
+/// µm per ln R (NA .02, S .5), so that half a step moves it by .0025 µm.
 const SHARED_RATIO: f64 = 1.02;
 
 /// Tables of one cylinder family.
@@ -33,13 +34,14 @@ pub(crate) struct LimbStack {
 pub(crate) enum LimbLayout {
     /// Equal steps of R^(1/3) (mm^(1/3)), linear between two; a single table has the step 0.
     Radii { first: f64, step: f64 },
-    /// Equal steps of the axis' distance, linear between two, for every one of these radii (mm, ascending).
+    /// Equal steps of the axis' distance, linear between two, for every one of these radii (mm,
+    /// ascending).
     Distances { first_mm: f64, step_mm: f64, per_radius: u32, radii_mm: Vec<f64> },
 }
 
 impl LimbStack {
-    /// Tables for radii between two and axes up to `depth_mm` nearer and farther than the family's own
-    /// defocus.
+    /// Tables for radii between two and axes up to `depth_mm` nearer and farther than the family's
+    /// own defocus.
     ///
     /// # Errors
     /// As [`CylinderEdge::edge_spread`] and [`FocusStack::between`].

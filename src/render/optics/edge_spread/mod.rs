@@ -12,8 +12,8 @@
 //! - [`GrazingReflection`]: the reflection of a polished cylinder, in addition to any of them.
 //!
 //! All but [`CylinderEdge`] are knife-edge results; for a thick, shiny cylinder each of them is an
-//! approximation (see [`GrazingReflection`]). The table holds the light at a point; [`EdgeSpread::over_pixel`]
-//! integrates it over a pixel's area.
+//! approximation (see [`GrazingReflection`]). The table holds the light at a point;
+//! [`EdgeSpread::over_pixel`] integrates it over a pixel's area.
 
 pub(crate) mod cylinder;
 mod focus_stack;

@@ -1,10 +1,10 @@
 //! The Airy function Ai of a complex argument and its derivative.
 //!
-//! Up to |z| = 7 the power series (DLMF 9.4.1), beyond it the asymptotic series (DLMF 9.7.5, 9.7.6),
-//! cut before its smallest term. The series loses digits like e^|ζ|, ζ = ⅔z^(3/2), the asymptotic one errs by
-//! e^(-2|ζ|): both have 2e-11 of the larger of Ai and Bi where they meet. The asymptotic series is
-//! used for |arg z| ≤ ⅔π only; the rest of the plane follows from Ai(z) = -e^(2πi/3)Ai(ze^(2πi/3)) -
-//! e^(-2πi/3)Ai(ze^(-2πi/3)) (DLMF 9.2.12).
+//! Up to |z| = 7 the power series (DLMF 9.4.1), beyond it the asymptotic series (DLMF 9.7.5,
+//! 9.7.6), cut before its smallest term. The series loses digits like e^|ζ|, ζ = ⅔z^(3/2), the
+//! asymptotic one errs by e^(-2|ζ|): both have 2e-11 of the larger of Ai and Bi where they meet.
+//! The asymptotic series is used for |arg z| ≤ ⅔π only; the rest of the plane follows from Ai(z) =
+//! -e^(2πi/3)Ai(ze^(2πi/3)) - e^(-2πi/3)Ai(ze^(-2πi/3)) (DLMF 9.2.12).
 
 use std::f64::consts::{FRAC_PI_3, PI};
 

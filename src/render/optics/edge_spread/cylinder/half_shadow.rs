@@ -6,11 +6,11 @@
 //! P(s) = ∫₀^∞ a e^(-ist) dt + ∫₋∞⁰ (a - 1/2) e^(-ist) dt,   a - 1/2 = 1/2 (w̄' + q w̄)/(w' + q w)
 //! ```
 //!
-//! (V. A. Fock, Electromagnetic Diffraction and Propagation Problems, 1965; P. H. Pathak, Radio Sci.
-//! 14 (1979) 419.) Right of 0 the integrand falls like e^(-4/3 t^(3/2)). Left of it a - 1/2 only oscillates:
-//! the path leaves the axis at -T for -T - x e^(-iπ/3), where it falls faster than e^(-ist)
-//! grows as long as 2√T > s. The nodes and their weights hold for every s up to the largest, so that a
-//! table of P costs one exponential a node.
+//! (V. A. Fock, Electromagnetic Diffraction and Propagation Problems, 1965; P. H. Pathak, Radio
+//! Sci. 14 (1979) 419.) Right of 0 the integrand falls like e^(-4/3 t^(3/2)). Left of it a - 1/2
+//! only oscillates: the path leaves the axis at -T for -T - x e^(-iπ/3), where it falls faster than
+//! e^(-ist) grows as long as 2√T > s. The nodes and their weights hold for every s up to the
+//! largest, so that a table of P costs one exponential a node.
 
 use std::f64::consts::FRAC_PI_3;
 

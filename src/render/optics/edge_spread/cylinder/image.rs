@@ -1,22 +1,23 @@
 //! The image of a cylinder's limb, from the half-shadow integral of every point of the source.
 //!
-//! Lengths across the light in ℓ = M/k, angles in 1/M, with M = (kR/2)^(1/3): X = (x - R)/ℓ, s = Mθ,
-//! Y = y_f M/R for a plane of focus y_f on the camera's side of the axis. With f(s) = exp i(Xs - s³/3 -
-//! Ys²), a source point in the direction s₀ has behind a pupil |s| < s_m the image
+//! Lengths across the light in ℓ = M/k, angles in 1/M, with M = (kR/2)^(1/3): X = (x - R)/ℓ, s =
+//! Mθ, Y = y_f M/R for a plane of focus y_f on the camera's side of the axis. With f(s) = exp i(Xs
+//! - s³/3 - Ys²), a source point in the direction s₀ has behind a pupil |s| < s_m the image
 //!
 //! ```text
 //! u = [½ f(s₀) if |s₀| < s_m] + (1/2πi) PV∫ f(s)/(s - s₀) ds - (1/π) ∫ f(s) P(s - s₀) ds
 //! ```
 //!
 //! The half plane is this without s³/3 and P (V. A. Fock 1965). From the principal value f(s₀) is
-//! subtracted under the integral and its own, f(s₀) ln|(s_m - s₀)/(s_m + s₀)|, added. A source point at
-//! the angle ζ along the axis keeps it: its chord of the pupil is √(NA² - ζ²), of the source
-//! √(NA_i² - ζ²). |u|² is added over the source and divided by the part of it that passes directly.
+//! subtracted under the integral and its own, f(s₀) ln|(s_m - s₀)/(s_m + s₀)|, added. A source
+//! point at the angle ζ along the axis keeps it: its chord of the pupil is √(NA² - ζ²), of the
+//! source √(NA_i² - ζ²). |u|² is added over the source and divided by the part of it that passes
+//! directly.
 //!
-//! The image is the square of a function of the bandwidth NA/λ, so that twelve samples a λ/NA contain
-//! it; between them a polynomial through twelve errs by less than 1e-6. The phase between the light of two source
-//! points grows with the distance from the limb, and with it the number of source points that is needed:
-//! the samples are computed in zones.
+//! The image is the square of a function of the bandwidth NA/λ, so that twelve samples a λ/NA
+//! contain it; between them a polynomial through twelve errs by less than 1e-6. The phase between
+//! the light of two source points grows with the distance from the limb, and with it the number of
+//! source points that is needed: the samples are computed in zones.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -32,8 +33,9 @@ use crate::render::optics::edge_spread::quadrature::{gauss_legendre, scaled};
 const SAMPLES: f64 = 12.0;
 const POINTS: usize = 12;
 
-/// Nodes on a chord of the source of half length S (of the pupil's) for a distance of x λ/NA: 6 + 5.3 S x err by
-/// 3e-4 of full light, 2e-5 within 2 λ/NA (against 96 nodes on 48 chords, S .3 to 1.5).
+/// Nodes on a chord of the source of half length S (of the pupil's) for a distance of x λ/NA: 6 +
+/// 5.3 S x err by 3e-4 of full light, 2e-5 within 2 λ/NA (against 96 nodes on 48 chords, S .3 to
+/// 1.5).
 const LEAST_NODES: f64 = 6.0;
 const NODES_PER_UNIT: f64 = 5.3;
 
@@ -132,7 +134,8 @@ impl Samples {
     }
 }
 
-/// The image of a limb: mean of the polarisations whose boundaries are given; of a screen without any.
+/// The image of a limb: mean of the polarisations whose boundaries are given; of a screen without
+/// any.
 pub(crate) fn image(limb: Limb, view: &View, boundaries: &[Boundary]) -> Samples {
     let both = shadows(limb, view, boundaries);
     // Far from the limb polarisations differ by less than 1e-3 of the amplitude, and the image
@@ -243,8 +246,8 @@ struct Chord {
     nodes: usize,
 }
 
-/// The chords of the source that pupil and source share, for samples up to `reach` λ/NA away; one for
-/// coherent light.
+/// The chords of the source that pupil and source share, for samples up to `reach` λ/NA away; one
+/// for coherent light.
 fn chords(view: &View, reach: f64) -> Vec<Chord> {
     if view.source_na < COHERENT * view.na {
         return vec![Chord { pupil: view.na, source: 0.0, weight: 1.0, nodes: 1 }];
@@ -280,7 +283,8 @@ impl Chord {
         points.collect()
     }
 
-    /// The part of the source that passes directly, and the light of all of it at the samples of a zone.
+    /// The part of the source that passes directly, and the light of all of it at the samples of a
+    /// zone.
     fn light(
         &self,
         limb: Limb,

@@ -1,8 +1,8 @@
 //! The surface of a cylinder to grazing light: its impedance, for both polarisations.
 //!
 //! At grazing incidence the field on a surface obeys ∂u/∂n = k g u, and its reciprocal 1/g is what
-//! enters: the surface seems displaced outwards by -(λ/2π) Re(1/g). With the refractive index m = n + iκ,
-//! time as e^(-iωt) and b = √(m_f² - 1) of a film of thickness t,
+//! enters: the surface seems displaced outwards by -(λ/2π) Re(1/g). With the refractive index m = n
+//! + iκ, time as e^(-iωt) and b = √(m_f² - 1) of a film of thickness t,
 //!
 //! ```text
 //! E along the axis (TM)   g = -i √(m² - 1)        p = 1
