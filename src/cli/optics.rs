@@ -160,6 +160,9 @@ fn header(
         _ => esf.to_string(),
     };
     let mut text = format!("# edge-spread function of {}: {family}\n", args.config.display());
+    if let Esf::Cylinder(_) = &nominal.optics.esf {
+        let _ = writeln!(text, "# limb of a cylinder of radius {radius_mm} mm");
+    }
     if let Some(reflection) = &nominal.optics.reflection {
         let reflection = serde_json::to_string(reflection).map_err(Failure::fail)?;
         let _ =

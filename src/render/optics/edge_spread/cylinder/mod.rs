@@ -25,5 +25,8 @@ pub(crate) mod image;
 mod material;
 pub(crate) mod surface;
 
-pub use self::edge::{CylinderEdge, Polarisation};
-pub use self::material::Material;
+pub use self::edge::CylinderEdge;
+#[cfg(test)]
+pub(crate) use self::edge::Polarisation;
+#[cfg(test)]
+pub(crate) use self::material::Material;
