@@ -139,7 +139,8 @@ fn the_face_of_a_shoulder_is_a_screen() {
         .collect();
     let by = |esf: &EdgeSpread| {
         let judge = StraightReference { esf, pixel_um: 1e3 * setup.pixel_mm };
-        let near = (at as usize - 12)..(at as usize + 12);
+        // As far as columns are drawn with the corner in sight.
+        let near = (at as usize - 4)..(at as usize + 5);
         near.map(|c| (light[c] - judge.light(at - c as f64, 0.0)).abs()).fold(0.0, f64::max)
     };
     let (screen, limb) = (by(&edge.face().unwrap()), by(&edge.edge_spread(3.0, 0.0).unwrap()));
