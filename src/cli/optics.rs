@@ -26,15 +26,15 @@ pub(crate) enum OpticsCommand {
 pub(crate) struct EsfArgs {
     /// A job's config, or a calibration's with [simulate].
     config: PathBuf,
-    /// Radius of the part, mm, which only a glancing reflection depends on; that of the finished
-    /// part without it.
+    /// Radius of the part, mm, which only the limb of a cylinder and a glancing reflection depend
+    /// on; that of the finished part without it.
     #[arg(long, value_name = "R", value_parser = length, allow_negative_numbers = true)]
     radius_mm: Option<f64>,
     /// Distance of the part's axis from the plane of focus, towards the camera, mm.
     #[arg(long, value_name = "Y", default_value_t = 0.0, allow_negative_numbers = true)]
     axis_y_mm: f64,
-    /// With the further blur (`extra_sigma_um`: aberration, sensor) of partially coherent light, as
-    /// a gauge given CONFIG by --esf fits it.
+    /// With the further blur (`extra_sigma_um`: aberration, sensor) of partially coherent light or
+    /// a cylinder's limb, as a gauge given CONFIG by --esf fits it.
     #[arg(long)]
     with_blur: bool,
     /// Print JSON.
@@ -136,10 +136,12 @@ pub(crate) fn run(command: &OpticsCommand) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// Removes the further blur from partially coherent light and returns it, µm on the object.
+/// Removes the further blur from partially coherent light (also of a limb) and returns it, µm on
+/// the object.
 fn take_extra_blur(esf: &mut Esf) -> f64 {
     match esf {
         Esf::PartiallyCoherent(p) => std::mem::take(&mut p.extra_sigma_um),
+        Esf::Cylinder(c) => std::mem::take(&mut c.extra_sigma_um),
         _ => 0.0,
     }
 }
@@ -158,6 +160,9 @@ fn header(
         _ => esf.to_string(),
     };
     let mut text = format!("# edge-spread function of {}: {family}\n", args.config.display());
+    if let Esf::Cylinder(_) = &nominal.optics.esf {
+        let _ = writeln!(text, "# limb of a cylinder of radius {radius_mm} mm");
+    }
     if let Some(reflection) = &nominal.optics.reflection {
         let reflection = serde_json::to_string(reflection).map_err(Failure::fail)?;
         let _ =

@@ -59,6 +59,13 @@ pub(super) const CASES: &[Case] = &[
         "[optics.esf.partially_coherent]\nnumerical_aperture = 0.05\ncoherence_ratio = 0.3\ndefocus_mm = 0.6\n",
     ),
     case(
+        "limb",
+        "limb of a thick part",
+        1.0,
+        0.6,
+        "[optics.esf.cylinder]\nnumerical_aperture = 0.05\ncoherence_ratio = 0.3\n",
+    ),
+    case(
         "laser_shadow",
         "laser shadow, fresnel fringes",
         3.0,

@@ -15,7 +15,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::edge_spread::gaussian::gaussian;
 use super::edge_spread::quadrature::gauss_legendre;
 use super::edge_spread::{
-    EdgeSpread, FocusStack, GaussianBlur, GrazingReflection, LaserShadow, PartiallyCoherentEdge, Shifts,
+    CylinderEdge, EdgeSpread, FocusStack, GaussianBlur, GrazingReflection, LaserShadow, LimbLayout,
+    LimbStack, PartiallyCoherentEdge, Shifts,
 };
 use super::settings::{Esf, Optics};
 use crate::render::error::RenderError;
@@ -67,6 +68,10 @@ enum Focus {
     Nears { distance_mm: f64 },
     /// Tables at equal steps of |y + offset|, linear between two.
     Stack { offset_mm: f64, step_mm: f64, tables: u32 },
+    /// Tables at equal steps of signed y, linear between two.
+    Signed { first_mm: f64, step_mm: f64, tables: u32 },
+    /// Tables at equal steps of the radius' cube root (mm^(1/3)), linear between two.
+    Radii { first: f64, step: f64, tables: u32 },
 }
 
 /// Edge-spread functions over u = d/scale, piecewise cubic, 0 in the shadow and 1 in the light.
@@ -99,9 +104,11 @@ pub struct EsfTable {
 #[derive(Clone, Debug, PartialEq)]
 struct Origin {
     focus: Focus,
-    /// Radii of reflecting surfaces that have tables of their own, ascending; empty without
-    /// reflection.
+    /// Radii of reflecting surfaces and of limbs that have tables of their own, ascending; empty
+    /// where the radius has no effect.
     radii_mm: Vec<f64>,
+    /// Whether the last table is that of flat faces along the light.
+    has_face: bool,
     /// The tables in f64, µm on the object; empty for the plain Gaussian.
     sources: Arc<[EdgeSpread]>,
     pixel_mm: f64,
@@ -153,8 +160,8 @@ impl TableCache {
         extent: &Extent,
     ) -> Result<Arc<EsfTable>, RenderError> {
         let mut extent = *extent;
-        if optics.reflection.is_none() {
-            // The radius affects reflections only.
+        if optics.reflection.is_none() && !matches!(esf, Esf::Cylinder(_)) {
+            // The radius affects reflections and limbs only.
             extent.radius_mm = (1.0, 1.0);
         }
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -193,6 +200,9 @@ impl EsfTable {
         if let (Esf::Gaussian(g), None) = (esf, reflection) {
             return Ok(Self::gaussian(g.sigma_px, optics.defocus_na, extent.pixel_mm));
         }
+        if let Esf::Cylinder(edge) = esf {
+            return Self::limbs(edge, extent);
+        }
         let family = Family { esf, na: optics.defocus_na, pixel_um: extent.pixel_mm * 1e3 };
         let (focus, tables) = family.over_focus(extent.depth_mm)?;
         let (radii_mm, tables) = match reflection {
@@ -200,7 +210,31 @@ impl EsfTable {
             None => (Vec::new(), tables),
         };
         let sources = tables.into();
-        Self::from_tables(Origin { focus, radii_mm, sources, pixel_mm: extent.pixel_mm })
+        Self::from_tables(Origin { focus, radii_mm, has_face: false, sources, pixel_mm: extent.pixel_mm })
+    }
+
+    /// The limbs of cylinders of all radii and distances of the extent, and the face of a shoulder.
+    fn limbs(edge: &CylinderEdge, extent: &Extent) -> Result<Self, RenderError> {
+        let stack = LimbStack::new(edge, extent.radius_mm, extent.depth_mm, BLEND_TOLERANCE)?;
+        let mut tables = stack.tables;
+        let (focus, radii_mm) = match stack.layout {
+            LimbLayout::Radii { .. } if tables.len() == 1 => (Focus::Fixed, Vec::new()),
+            LimbLayout::Radii { first, step } => {
+                (Focus::Radii { first, step, tables: tables.len() as u32 }, Vec::new())
+            }
+            LimbLayout::Distances { first_mm, step_mm, per_radius, radii_mm } => {
+                (Focus::Signed { first_mm, step_mm, tables: per_radius }, radii_mm)
+            }
+        };
+        tables.push(edge.face()?);
+        let pixel_mm = extent.pixel_mm;
+        Self::from_tables(Origin { focus, radii_mm, has_face: true, sources: tables.into(), pixel_mm })
+    }
+
+    /// The table of flat faces along the light, where they have one of their own.
+    pub(crate) fn face(&self) -> Option<TablePlace> {
+        let table = self.origin.sources.len().checked_sub(1)? as u32;
+        self.origin.has_face.then_some(TablePlace { table, blend: 0.0, scale_px: self.scale_px })
     }
 
     /// The tables convolved with a pixel's height: the light on a pixel past an edge along its
@@ -252,6 +286,7 @@ impl EsfTable {
             origin: Origin {
                 focus: if na == 0.0 { Focus::Fixed } else { Focus::Widens { na } },
                 radii_mm: Vec::new(),
+                has_face: false,
                 sources: Arc::new([]),
                 pixel_mm,
             },
@@ -290,7 +325,7 @@ impl EsfTable {
 
     /// Whether edges may lie between two tables.
     pub(crate) fn is_stacked(&self) -> bool {
-        matches!(self.origin.focus, Focus::Stack { .. })
+        matches!(self.origin.focus, Focus::Stack { .. } | Focus::Signed { .. } | Focus::Radii { .. })
     }
 
     /// Whether all edges share one table and scale, independent of depth and radius.
@@ -300,7 +335,7 @@ impl EsfTable {
 
     /// Whether surfaces of different radius have tables of their own.
     pub(crate) fn has_radii(&self) -> bool {
-        self.origin.radii_mm.len() > 1
+        self.origin.radii_mm.len() > 1 || matches!(self.origin.focus, Focus::Radii { .. })
     }
 
     /// Table and scale of an edge whose axis lies `y_mm` in front of the plane of focus (towards
@@ -320,13 +355,23 @@ impl EsfTable {
                 TablePlace { table: self.bin(radius_mm), blend: 0.0, scale_px: self.scale_px * nearer }
             }
             Focus::Stack { offset_mm, step_mm, tables } => {
-                let last = f64::from(tables - 2);
-                let at = ((y_mm + offset_mm).abs() / step_mm).min(last + 1.0);
-                let below = at.floor().min(last);
-                let table = self.bin(radius_mm) * tables + below as u32;
-                TablePlace { table, blend: at - below, scale_px: self.scale_px }
+                self.between((y_mm + offset_mm).abs() / step_mm, tables, self.bin(radius_mm))
+            }
+            Focus::Signed { first_mm, step_mm, tables } => {
+                self.between((y_mm - first_mm) / step_mm, tables, self.bin(radius_mm))
+            }
+            Focus::Radii { first, step, tables } => {
+                self.between((radius_mm.cbrt() - first) / step, tables, 0)
             }
         }
+    }
+
+    /// A place, in steps, in a stack of tables.
+    fn between(&self, at: f64, tables: u32, stack: u32) -> TablePlace {
+        let last = f64::from(tables - 2);
+        let at = at.clamp(0.0, last + 1.0);
+        let below = at.floor().min(last);
+        TablePlace { table: stack * tables + below as u32, blend: at - below, scale_px: self.scale_px }
     }
 
     /// Index of the radius whose tables are used for a surface.
@@ -403,6 +448,8 @@ impl Family<'_> {
             Esf::PartiallyCoherent(p) => stack(p.defocus_mm, &|defocus_mm| {
                 PartiallyCoherentEdge { defocus_mm, ..p.clone() }.edge_spread()
             }),
+            // Limbs are stacked by [`EsfTable::limbs`]; what is flat or thin has the face.
+            Esf::Cylinder(c) => Ok((Focus::Fixed, vec![c.face()?])),
             Esf::Fresnel(f) => {
                 let focus = if flat { Focus::Fixed } else { nears(f, depth_mm)? };
                 Ok((focus, vec![f.edge_spread()?]))

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::edge_spread::{GrazingReflection, LaserShadow, MeasuredEsf, PartiallyCoherentEdge};
+use super::edge_spread::{CylinderEdge, GrazingReflection, LaserShadow, MeasuredEsf, PartiallyCoherentEdge};
 use super::lens::Distortion;
 use crate::render::error::{RenderError, within};
 
@@ -16,6 +16,8 @@ pub enum Esf {
     Gaussian(GaussianEsf),
     /// Diffraction by a circular pupil in partially coherent light.
     PartiallyCoherent(PartiallyCoherentEdge),
+    /// The limb of a thick round part in the same light: its edge lies outside the body.
+    Cylinder(CylinderEdge),
     /// Collimated light on the bare sensor: a laser shadow.
     Fresnel(LaserShadow),
     /// A measured edge.
@@ -51,6 +53,7 @@ impl Esf {
         match self {
             Self::Gaussian(g) => within("optics.esf.gaussian.sigma_px", g.sigma_px, 0.25, 20.0),
             Self::PartiallyCoherent(p) => p.check(),
+            Self::Cylinder(c) => c.check(),
             Self::Fresnel(f) => f.check(),
             Self::Measured(m) => m.edge().map(drop),
         }
@@ -131,10 +134,26 @@ impl Optics {
                 ));
             }
         }
+        if let Esf::Cylinder(_) = self.esf {
+            self.check_beside_limb()?;
+        }
         self.distortion.check()?;
         if let Some(r) = &self.reflection {
             r.check()?;
         }
         self.esf.check()
+    }
+
+    /// Refuses what the limb of a cylinder already contains or does not follow.
+    fn check_beside_limb(&self) -> Result<(), RenderError> {
+        if let Some(r) = &self.reflection {
+            let right = "adds mirrored light that optics.esf.cylinder contains: leave out one of the two";
+            return Err(RenderError::setting("optics.reflection.polished_share", &r.polished_share, right));
+        }
+        if let Some(e) = &self.entocentric {
+            let right = "moves the limb out of the plane of the axis, which optics.esf.cylinder does not follow: it is for telecentric lenses";
+            return Err(RenderError::setting("optics.entocentric.distance_mm", &e.distance_mm, right));
+        }
+        Ok(())
     }
 }

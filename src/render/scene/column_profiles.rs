@@ -13,10 +13,11 @@
 //! faces per rise of the edge by σ. Beneath a leaning shoulder's overhang there is light again.
 //! Threads, whose corners are not known in advance, have panels of an eighth of a pixel, with an
 //! error of 1e-4 px at flanks of tan 60°. Other families have no such form: their light at a point
-//! is F(σΦ⁻¹(I)), with I that of a Gaussian of the family's width. That is exact along every
-//! straight edge; at a corner of 90° it would err by up to 0.27 of full intensity in monochromatic
-//! light from a point source, where the rings of both edges cross. There the shoulders of cylinders
-//! are computed from the amplitudes (`optics::laser_shoulder`;
+//! is F(σΦ⁻¹(I)), with I that of a Gaussian of the family's width; where limbs are thick, F turns
+//! from that of the limb to that of a face with the direction of I's gradient. That is exact along
+//! every straight edge; at a corner of 90° it would err by up to 0.27 of full intensity in
+//! monochromatic light from a point source, where the rings of both edges cross. There the
+//! shoulders of cylinders are computed from the amplitudes (`optics::laser_shoulder`;
 //! `tests/inside/render_shaft/corners.rs` compares them with the opaque quadrant). An edge in
 //! motion is the mean of its images.
 
@@ -422,6 +423,7 @@ impl Image<'_> {
 
     /// As [`Self::add_gaussian`], for a family with a table only.
     fn add_family(&self, all: &Profiles<'_>, place: &TablePlace, first: f64, light: &mut [f64]) {
+        let face = all.esf.face();
         for node in all.quadrature_over_pixel() {
             let x = self.at + node.0;
             let weights: Vec<f64> = self
@@ -431,10 +433,38 @@ impl Image<'_> {
                 .collect();
             let total: f64 = weights.iter().sum();
             for (r, light) in light.iter_mut().enumerate() {
-                let d = self.distance(x, first + r as f64 + node.1, &weights, total);
-                *light += self.weight * node.2 * all.esf.sample(place, d);
+                let y = first + r as f64 + node.1;
+                let d = self.distance(x, y, &weights, total);
+                let mut lit = all.esf.sample(place, d);
+                if let Some(face) = &face {
+                    lit += self.facing([x, y], &weights) * (all.esf.sample(face, d) - lit);
+                }
+                *light += self.weight * node.2 * lit;
             }
         }
+    }
+
+    /// Share of a face along the light in the edge that casts the shadow at a point: sin² of the
+    /// angle between the gradient of the Gaussian light and the column. Limbs and faces have edge
+    /// spreads of their own.
+    fn facing(&self, [x, y]: [f64; 2], weights: &[f64]) -> f64 {
+        let sign = if self.side == 0 { 1.0 } else { -1.0 };
+        let (mut sums, mut down) = ([0.0; 4], 0.0);
+        for (p, w) in self.points.iter().zip(weights) {
+            let (mut lit, mut dense) = (0.0, 0.0);
+            for (row, sense) in p.borders(self.side) {
+                let (share, density) = gaussian(sign * (row - y) / self.sigma);
+                lit += sense * share;
+                dense += sense * density;
+            }
+            let falls = w * (p.column - x) / (self.sigma * self.sigma);
+            sums = [sums[0] + w, sums[1] + falls, sums[2] + w * lit, sums[3] + falls * lit];
+            down -= w * sign * dense / self.sigma;
+        }
+        // The slope along the row of the mean Σwl/Σw.
+        let along = sums[3] - sums[2] * sums[1] / sums[0];
+        let square = along * along + down * down;
+        if square > 0.0 { along * along / square } else { 0.0 }
     }
 
     /// Distance (px) into the light of a straight edge with the same Gaussian light.

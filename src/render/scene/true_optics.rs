@@ -210,16 +210,22 @@ fn contamination(
     }
     let effective_na = match esf {
         Esf::PartiallyCoherent(p) => p.na * p.coherence_ratio.min(1.0),
+        Esf::Cylinder(c) => c.na * c.coherence_ratio.min(1.0),
         _ => settings.optics.defocus_na,
     };
     let dull = Optics { reflection: None, ..settings.optics.clone() };
+    // Contamination is thin, whatever the part.
+    let thin = match esf {
+        Esf::Cylinder(c) => Esf::PartiallyCoherent(c.thin()),
+        other => other.clone(),
+    };
     let in_focus = Extent { pixel_mm, depth_mm: 0.0, radius_mm: (1.0, 1.0) };
     let geometry = FieldGeometry {
         rows: settings.camera.rows as usize,
         columns: settings.camera.columns as usize,
         pixel_um: pixel_mm * 1e3,
         effective_na,
-        sigma_um: EsfTable::new(esf, &dull, &in_focus)?.blur_px * pixel_mm * 1e3,
+        sigma_um: EsfTable::new(&thin, &dull, &in_focus)?.blur_px * pixel_mm * 1e3,
     };
     ContaminationModel::new(&settings.contamination, geometry, seed ^ CONTAMINATION_STREAM)
 }
@@ -235,6 +241,11 @@ fn scaled_blur(esf: &Esf, factor: f64) -> Esf {
             let mut scaled = p.clone();
             scaled.na /= factor;
             Esf::PartiallyCoherent(scaled)
+        }
+        Esf::Cylinder(c) => {
+            let mut scaled = c.clone();
+            scaled.na /= factor;
+            Esf::Cylinder(scaled)
         }
         Esf::Fresnel(f) => {
             let mut scaled = f.clone();

@@ -1,9 +1,10 @@
 //! Edges out of focus, column by column: tables over a range of defocus, blended between
 //! neighbours.
 //!
-//! On a bent shaft or with a wobbling axis the edge is out of focus by y(z, φ). The image depends
-//! on |y| only; between tables F is linear in |y|, and their number is increased until the error of
-//! the blend is within the tolerance in the middle of every interval.
+//! On a bent shaft or with a wobbling axis the edge is out of focus by y(z, φ). The image of a thin
+//! screen depends on |y| only, that of a thick body on y ([`FocusStack::between`]); between tables F
+//! is linear in it, and their number is increased until the error of the blend is within the
+//! tolerance in the middle of every interval.
 
 use rayon::prelude::*;
 
@@ -20,7 +21,7 @@ const PROBES: usize = 801;
 
 const KEY: &str = "optics.esf.partially_coherent.depth_mm";
 
-/// Tables at equal steps of defocus from 0 to the largest.
+/// Tables at equal steps of defocus, from 0 or the smallest to the largest.
 #[derive(Clone, Debug)]
 pub(crate) struct FocusStack {
     step_mm: f64,
@@ -57,13 +58,25 @@ impl FocusStack {
         table: impl Fn(f64) -> Result<EdgeSpread, RenderError> + Sync,
     ) -> Result<Self, RenderError> {
         within(KEY, largest_mm, 1e-6, 1e3)?;
-        let mut tables = vec![table(0.0)?, table(largest_mm)?];
+        Self::between((0.0, largest_mm), tolerance, table)
+    }
+
+    /// Tables of a family between two signed distances from the plane of focus.
+    ///
+    /// # Errors
+    /// A tolerance that would need more than 257 tables, and what `table` refuses.
+    pub(crate) fn between(
+        (from_mm, to_mm): (f64, f64),
+        tolerance: f64,
+        table: impl Fn(f64) -> Result<EdgeSpread, RenderError> + Sync,
+    ) -> Result<Self, RenderError> {
+        let mut tables = vec![table(from_mm)?, table(to_mm)?];
         loop {
             let intervals = tables.len() - 1;
-            let step_mm = largest_mm / intervals as f64;
+            let step_mm = (to_mm - from_mm) / intervals as f64;
             let middles = (0..intervals)
                 .into_par_iter()
-                .map(|i| table((i as f64 + 0.5) * step_mm))
+                .map(|i| table(from_mm + (i as f64 + 0.5) * step_mm))
                 .collect::<Result<Vec<_>, _>>()?;
             let error = |i: usize| blend_error(&tables[i], &middles[i], &tables[i + 1]);
             let blend_error = (0..intervals).map(error).fold(0.0, f64::max);
@@ -72,13 +85,13 @@ impl FocusStack {
             }
             if 2 * intervals + 1 > MOST_TABLES {
                 let right = format!("{MOST_TABLES} tables still err by {blend_error:.1e}: lower the depth");
-                return Err(RenderError::setting(KEY, &largest_mm, right));
+                return Err(RenderError::setting(KEY, &to_mm, right));
             }
             tables = interleave(tables, middles);
         }
     }
 
-    /// The tables, in focus first.
+    /// The tables, the smallest distance (in focus) first.
     pub(crate) fn tables(&self) -> &[EdgeSpread] {
         &self.tables
     }

@@ -7,18 +7,21 @@
 //! - [`MeasuredEdge`]: read from a file;
 //! - [`PartiallyCoherentEdge`]: a telecentric camera gauge, circular pupil and circular source,
 //!   with defocus;
+//! - [`CylinderEdge`]: the same camera before a thick round part, whose limb the light grazes;
 //! - [`LaserShadow`]: collimated laser light without a lens;
 //! - [`GrazingReflection`]: the reflection of a polished cylinder, in addition to any of them.
 //!
-//! All are knife-edge results; for a thick, shiny cylinder each is an approximation (see
-//! [`GrazingReflection`]). The table holds the light at a point; [`EdgeSpread::over_pixel`]
-//! integrates it over a pixel's area.
+//! All but [`CylinderEdge`] are knife-edge results; for a thick, shiny cylinder each of them is an
+//! approximation (see [`GrazingReflection`]). The table holds the light at a point;
+//! [`EdgeSpread::over_pixel`] integrates it over a pixel's area.
 
+pub(crate) mod cylinder;
 mod focus_stack;
 pub(crate) mod fresnel_integrals;
 pub(crate) mod gaussian;
 mod grazing;
 mod laser;
+mod limb_stack;
 mod measured;
 mod partial;
 pub(crate) mod quadrature;
@@ -27,10 +30,12 @@ mod table;
 mod transmission;
 
 pub use self::{
-    grazing::GrazingReflection, laser::LaserShadow, measured::MeasuredEsf, partial::PartiallyCoherentEdge,
+    cylinder::CylinderEdge, grazing::GrazingReflection, laser::LaserShadow, measured::MeasuredEsf,
+    partial::PartiallyCoherentEdge,
 };
 pub(crate) use focus_stack::FocusStack;
 pub(crate) use gaussian::GaussianBlur;
+pub(crate) use limb_stack::{LimbLayout, LimbStack};
 pub(crate) use measured::MeasuredEdge;
 pub(crate) use shifts::Shifts;
 pub(crate) use table::EdgeSpread;

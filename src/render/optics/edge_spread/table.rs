@@ -236,6 +236,24 @@ impl EdgeSpread {
         })
     }
 
+    /// The blend with another table of the same range, `share` of which is the other's.
+    pub(super) fn blended(&self, other: &Self, share: f64) -> Self {
+        let segments = self.segments().max(other.segments());
+        let step_um = (self.range_um().1 - self.low_um) / segments as f64;
+        let mean = |a: f64, b: f64| a + share * (b - a);
+        let knot = |i: usize| {
+            let d = self.low_um + i as f64 * step_um;
+            // The last knot is full light, independent of its rounding.
+            if i == segments {
+                return (1.0, 0.0);
+            }
+            (mean(self.value(d), other.value(d)), mean(self.slope(d), other.slope(d)))
+        };
+        let knots: Vec<(f64, f64)> = (0..=segments).map(knot).collect();
+        let error = self.interpolation_error.max(other.interpolation_error);
+        Self::from_knots(self.low_um, step_um, &knots, error, self.truncation.max(other.truncation))
+    }
+
     /// The weighted mean of the table over `shifts`: motion, reflections, an extended source.
     ///
     /// # Errors
