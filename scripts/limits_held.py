@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Which unit test holds a threshold of the gauge: half and double of each before the tests that read it.
+"""Which unit test holds the case of a threshold of the gauge: each is put out of action, either way.
 
-    scripts/limits_held.py [--only PATTERN] [--seconds S] [--csv FILE]
+    scripts/limits_held.py [--only PATTERN] [--factor F] [--seconds S] [--csv FILE]
 
-Beside `shadowgauge study limits`, which prints what a threshold changes in rendered scenes: a threshold that changes
-nothing there is deleted unless a test fails when it is halved or doubled. Each test runs alone once, noting the groups
-of thresholds that it reads; then each variant runs those tests, quickest first, until one fails, for at most S seconds
-(60) of a variant. Prints a row a variant: threshold, way, value, the test that fails (`-` where none does).
+Beside `shadowgauge study limits`, which prints what a threshold changes in rendered scenes when it is halved and
+doubled: one that changes nothing there is deleted unless a test holds its case, that is, fails when the threshold is
+divided or multiplied by so much (F, a million unless given) that what it decides is always decided alike. Each test
+runs alone once, noting the groups of thresholds that it reads; then each variant runs those tests, quickest first,
+until one fails, for at most S seconds (60) of a variant. Prints a row a variant: threshold, way, value, the test that
+fails (`-` where none does).
 """
 import argparse
 import csv
@@ -86,9 +88,21 @@ def holder(binary, tests, variant, seconds):
     return None
 
 
+def variants_of(binary, factor):
+    """Name, way and value of both variants of each threshold."""
+    listing = [binary, "--exact", "--ignored", "--nocapture", "studies::limits::values::tests::every_variant"]
+    listed = subprocess.run(listing, check=True, stdout=subprocess.PIPE, text=True).stdout
+    variants = re.findall(r"^variant (\S+) (\S+) (\S+) of (\S+)$", listed, re.M)
+    if factor == 2.0:
+        return [v[:3] for v in variants]
+    names = dict((name, float(value)) for name, _, _, value in variants)
+    return [(n, way, repr(v * f)) for n, v in names.items() for way, f in (("least", 1 / factor), ("most", factor))]
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--only", default="", help="part of the thresholds' names, or names joined by commas")
+    arguments.add_argument("--factor", type=float, default=1e6, help="2 for half and double")
     arguments.add_argument("--seconds", type=float, default=60.0)
     arguments.add_argument("--jobs", type=int, default=2)
     arguments.add_argument("--csv")
@@ -103,11 +117,8 @@ def main():
         if given.survey:
             json.dump([(s, n, sorted(g)) for s, n, g in tests], open(given.survey, "w"))
     print(f"{len(tests)} tests read thresholds, {sum(t[0] for t in tests):.0f} s", file=sys.stderr)
-    listed = subprocess.run([binary, "--exact", "--ignored", "--nocapture", "studies::limits::values::tests::every_variant"],
-                            check=True, stdout=subprocess.PIPE, text=True).stdout
-    variants = re.findall(r"^variant (\S+) (\S+) (\S+)$", listed, re.M)
     only = given.only.split(",")
-    variants = [v for v in variants if any(o in v[0] for o in only)]
+    variants = [v for v in variants_of(binary, given.factor) if any(o in v[0] for o in only)]
 
     def row(variant):
         name, way, value = variant

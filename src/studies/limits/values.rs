@@ -122,7 +122,8 @@ mod tests {
     #[ignore = "a list, not a check"]
     fn every_variant() {
         for variant in crate::gauge::thresholds::every().iter().flat_map(variants) {
-            println!("variant {} {} {}", variant.name, variant.way.name(), variant.value);
+            let Variant { name, default, way, value } = &variant;
+            println!("variant {name} {} {value} of {default}", way.name());
         }
     }
 }
