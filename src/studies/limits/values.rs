@@ -116,4 +116,14 @@ mod tests {
         assert!(values(0.0, false).is_empty() && values(0.0, true).is_empty());
         assert!(values(f64::INFINITY, false).is_empty());
     }
+
+    /// Lists them for `scripts/limits_held.py`.
+    #[test]
+    #[ignore = "a list, not a check"]
+    fn every_variant() {
+        for variant in crate::gauge::thresholds::every().iter().flat_map(variants) {
+            let Variant { name, default, way, value } = &variant;
+            println!("variant {name} {} {value} of {default}", way.name());
+        }
+    }
 }
