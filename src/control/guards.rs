@@ -333,9 +333,12 @@ fn lower_limit_mm(g: &Guarded<'_>, z_mm: f64) -> Option<f64> {
 /// by its growth since the pass before. From another blank nothing is copied: e = e(k) − g Δo.
 fn predicted_mm(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Vec<f64> {
     let (e, o, gain) = (g.errors.e_mm(), &g.plan.offset.o_mm, g.plant_gain);
+    // The form is that of this pass.
+    let to_next_mm = next.nominal_mm - g.plan.nominal_mm;
+    let nominal: Vec<f64> = g.plan.station_nominal_mm().map(|r| r + to_next_mm).collect();
     if g.context.blank_mm.is_some() {
         let steps = offsets_mm.iter().zip(o).map(|(new, old)| gain * (new - old));
-        return e.iter().zip(steps).map(|(e, step)| next.nominal_mm + e - step).collect();
+        return nominal.iter().zip(e).zip(steps).map(|((r, e), step)| r + e - step).collect();
     }
     let before = |passes: u32| {
         let pass = g.plan.pass.checked_sub(passes)?;
@@ -356,10 +359,7 @@ fn predicted_mm(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Vec<f64
                 }
                 _ => 0.0,
             };
-            // The form is that of this pass.
-            let nominal =
-                next.nominal_mm + (g.plan.nominal_at_mm(g.plan.station_z_mm[i]) - g.plan.nominal_mm);
-            nominal + (1.0 - gain) * e[i] - gain * offsets_mm[i] + w + grew
+            nominal[i] + (1.0 - gain) * e[i] - gain * offsets_mm[i] + w + grew
         })
         .collect()
 }

@@ -81,6 +81,11 @@ impl ContourProgram<'_> {
                     .into(),
             ));
         }
+        if dialect == Dialect::Sinumerik {
+            return Err(NcError::Plan(
+                "sinumerik: programs along lines and arcs are written in linuxcnc, fanuc and gsk".into(),
+            ));
+        }
         let cut = self.in_order();
         let (Some(first), Some(last)) = (cut.first(), cut.last()) else {
             return Err(NcError::Plan("a path without a piece".into()));
@@ -248,7 +253,7 @@ impl ContourProgram<'_> {
     fn replayed(&self, text: String, skeleton: &Skeleton<'_>) -> Result<WrittenContour, NcError> {
         let mut space = skeleton.working_space(vec![(0.0, self.end_diameter_mm())]);
         // how deep it cuts is judged by what it leaves of the outline, not by stations
-        space.cut = replay::CommandedCut { commanded: vec![(0.0, -FAR_MM)], between: (0.0, 0.0) };
+        space.cut = replay::CommandedCut { commanded: vec![(0.0, -FAR_MM)], between: (0.0, 0.0), solid: None };
         let tip: Vec<(f64, f64)> = self.nose.iter().map(|p| (p.y, p.x)).collect();
         let above = |z: f64| (z, FAR_MM);
         let ((left, _), (right, _)) = Convex::hull(tip.clone()).bounds();

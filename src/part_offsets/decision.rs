@@ -329,7 +329,7 @@ fn in_words(
 ) -> Decided {
     let finishing = state.pass as usize == job.part.passes();
     // a trial cut is too large on purpose
-    let verdict = (finishing && !was_trial).then(|| part_verdict(&job.part, &seen.profile)).flatten();
+    let verdict = (finishing && !was_trial).then(|| part_verdict(job, &seen.profile)).flatten();
     let plan = state.plan(job);
     let nominal_mm: Vec<f64> = plan.commanded_mm().zip(&plan.offset.o_mm).map(|(b, o)| b + o).collect();
     let stations = seen.profile.stations.iter().zip(&state.stations).enumerate().map(|(i, (read, new))| {

@@ -103,7 +103,7 @@ fn table(page: &mut Page, results: &SectionResults) {
                 format!("{} of {}", s.stations_measured, s.stations),
                 mm(s.mean_mm),
                 um(s.max_abs_error_mm),
-                um(s.true_max_abs_error_mm),
+                s.true_max_abs_error_mm.map_or_else(|| "–".to_owned(), um),
                 s.judged.map_or("", judged).to_owned(),
             ]
         })

@@ -33,10 +33,12 @@ pub(crate) struct SectionResult {
     pub mean_mm: Option<f64>,
     /// Largest |measured − aimed|, mm.
     pub max_abs_error_mm: f64,
-    /// Largest |true − aimed|, mm, for comparison only.
-    pub true_max_abs_error_mm: f64,
+    /// Largest |true − aimed|, mm, for comparison only; left out where the truth is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub true_max_abs_error_mm: Option<f64>,
     /// Largest |measured − true|, mm.
-    pub worst_measured_minus_true_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst_measured_minus_true_mm: Option<f64>,
     /// Verdict on a finished section; none without a tolerance, or before the last pass.
     pub judged: Option<PartConformity>,
 }
@@ -111,6 +113,7 @@ fn of_section(section: &Section, nominal_mm: f64, rows: &[&StationRow]) -> Secti
     let read: Vec<f64> = own.iter().filter_map(|s| s.d_mm).collect();
     let aimed_mm = nominal_mm + section.relative_mm;
     let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+    let is_true_known = own.iter().any(|s| s.true_d_mm.is_some());
     let mean_mm = (!read.is_empty()).then(|| read.iter().sum::<f64>() / read.len() as f64);
     SectionResult {
         name: section.name.clone(),
@@ -124,8 +127,10 @@ fn of_section(section: &Section, nominal_mm: f64, rows: &[&StationRow]) -> Secti
         stations_measured: read.len(),
         mean_mm,
         max_abs_error_mm: largest(&mut read.iter().map(|d| d - aimed_mm)),
-        true_max_abs_error_mm: largest(&mut own.iter().map(|s| s.true_d_mm - aimed_mm)),
-        worst_measured_minus_true_mm: largest(&mut own.iter().filter_map(|s| Some(s.d_mm? - s.true_d_mm))),
+        true_max_abs_error_mm: is_true_known
+            .then(|| largest(&mut own.iter().filter_map(|s| Some(s.true_d_mm? - aimed_mm)))),
+        worst_measured_minus_true_mm: is_true_known
+            .then(|| largest(&mut own.iter().filter_map(|s| Some(s.d_mm? - s.true_d_mm?)))),
         judged: None,
     }
 }

@@ -92,8 +92,6 @@ impl Finished {
 
     /// The passes as a table for a terminal.
     pub(crate) fn to_table(&self) -> String {
-        let um = |mm: f64| format!("{:.2}", mm * 1e3);
-        let or_none = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());
         let mut text = format!(
             "{}: controller {}, {} ({})\n\n pass  nominal/mm  max |e|/µm  true max |e|/µm  measured-true/µm  rms(error/u)  none: true max |e|/µm\n",
             self.job.name,
@@ -132,9 +130,16 @@ impl Finished {
     }
 }
 
+fn um(mm: f64) -> String {
+    format!("{:.2}", mm * 1e3)
+}
+
+fn or_none(text: Option<String>) -> String {
+    text.unwrap_or_else(|| "-".to_owned())
+}
+
 /// The sections of a stepped shaft as a table for a terminal.
 fn section_table(results: &SectionResults) -> String {
-    let um = |mm: f64| format!("{:.2}", mm * 1e3);
     let width = results.sections.iter().map(|s| s.name.chars().count()).max().unwrap_or(0).max(7);
     let mut text = format!(
         "\n {:<width$}   nominal/mm  stations  mean/mm    max |e|/µm  true max |e|/µm  judged\n",
@@ -148,7 +153,7 @@ fn section_table(results: &SectionResults) -> String {
             s.stations_measured,
             s.mean_mm.map_or("-".to_owned(), |d| format!("{d:.4}")),
             um(s.max_abs_error_mm),
-            um(s.true_max_abs_error_mm),
+            or_none(s.true_max_abs_error_mm.map(um)),
             s.judged.map_or("-", |judged| match judged {
                 PartConformity::Conforms => "conforms",
                 PartConformity::NotProven => "not proven",

@@ -47,6 +47,7 @@ impl OpticsFigures {
             Esf::PartiallyCoherent(p) => {
                 ("partially_coherent", Some(p.na), Some(p.wavelength_nm), Some(p.coherence_ratio))
             }
+            Esf::Cylinder(c) => ("cylinder", Some(c.na), Some(c.wavelength_nm), Some(c.coherence_ratio)),
             Esf::Fresnel(f) => ("fresnel", None, Some(f.wavelength_nm), None),
             Esf::Gaussian(_) => ("gaussian", positive(optics.defocus_na), None, None),
             Esf::Measured(_) => ("measured", positive(optics.defocus_na), None, None),
