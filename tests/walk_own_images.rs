@@ -61,7 +61,7 @@ fn own_images_with_two_pins_become_a_table_in_mm() {
     // "With a camera: delete [simulate] and name the folder of each recording"; without a third pin
     // there is no [check].
     let mut plan = start.replace(between(&start, "[check]", "# [fields]"), "");
-    plan.truncate(plan.find("[simulate] ").expect("a table at the end"));
+    plan.truncate(plan.find("\n[simulate] ").expect("a table at the end"));
     for (height, own) in
         [("-1.0", "ten low"), ("1.0", "ten high"), ("-0.5", "twelve low"), ("0.5", "twelve high")]
     {
