@@ -253,7 +253,8 @@ impl ContourProgram<'_> {
     fn replayed(&self, text: String, skeleton: &Skeleton<'_>) -> Result<WrittenContour, NcError> {
         let mut space = skeleton.working_space(vec![(0.0, self.end_diameter_mm())]);
         // how deep it cuts is judged by what it leaves of the outline, not by stations
-        space.cut = replay::CommandedCut { commanded: vec![(0.0, -FAR_MM)], between: (0.0, 0.0), solid: None };
+        space.cut =
+            replay::CommandedCut { commanded: vec![(0.0, -FAR_MM)], between: (0.0, 0.0), solid: None };
         let tip: Vec<(f64, f64)> = self.nose.iter().map(|p| (p.y, p.x)).collect();
         let above = |z: f64| (z, FAR_MM);
         let ((left, _), (right, _)) = Convex::hull(tip.clone()).bounds();

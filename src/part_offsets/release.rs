@@ -48,7 +48,7 @@ fn plan_of(job: &LoopJob, state: &OffsetState, part: &PartRead, number: u32) -> 
 /// A controller that cannot be built, or that follows the passes of one part.
 pub(super) fn release(job: &LoopJob, state: &OffsetState) -> Result<Option<Released>, ControlError> {
     let z_mm = station_z_mm(job);
-    let mut controller = control::build(&settings(job)?, &z_mm)?;
+    let mut controller = control::build(&settings(job)?, job.layout())?;
     controller.begin_part(&PartStart::default(), z_mm.len());
     let context = PassContext {
         next: Some(NextPass {

@@ -63,7 +63,11 @@ impl Rows {
         let stations = folder.stations()?;
         let level = |s: &StationRow| {
             let relative = contour.map_or(0.0, |c| c.relative_mm(s.z_mm, Side::Chuck));
-            StationRow { d_mm: s.d_mm.map(|d| d - relative), true_d_mm: s.true_d_mm.map(|d| d - relative), ..s.clone() }
+            StationRow {
+                d_mm: s.d_mm.map(|d| d - relative),
+                true_d_mm: s.true_d_mm.map(|d| d - relative),
+                ..s.clone()
+            }
         };
         Ok(Self { passes: folder.passes()?, levelled: stations.iter().map(level).collect(), stations })
     }

@@ -21,7 +21,10 @@ fn hexadecimal(bytes: &[u8]) -> String {
 /// # Errors
 /// A file that cannot be read.
 pub(crate) fn image_digests(paths: &[PathBuf]) -> Result<Vec<String>, ReadError> {
-    paths.iter().map(|path| bytes_of(path, Vec::new()).map(|bytes| hexadecimal(&Sha256::digest(bytes)))).collect()
+    paths
+        .iter()
+        .map(|path| bytes_of(path, Vec::new()).map(|bytes| hexadecimal(&Sha256::digest(bytes))))
+        .collect()
 }
 
 /// One digest of all, whatever their order.

@@ -5,7 +5,7 @@ use shadowgauge::nc::replay::{self, Control, Deed, Point};
 use shadowgauge::nc::{
     AirCut, Dialect, GeometryOffset, NcSettings, Spindle, TurningProgram, WearX, Workpiece,
 };
-use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
+use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan, PlannedForm};
 
 const CUTTING: CuttingData = CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 };
 const STOCK_MM: f64 = 12.0;
@@ -24,7 +24,7 @@ fn settings() -> NcSettings {
 fn trial() -> PassPlan {
     let station_z_mm: Vec<f64> = (0..12).map(|i| 2.5 + 5.0 * f64::from(i)).collect();
     let offset = DiameterOffset { o_mm: vec![-TRIAL_MM; 12] };
-    PassPlan { pass: 2, nominal_mm: 11.0, cutting: CUTTING, station_z_mm, offset }
+    PassPlan { pass: 2, nominal_mm: 11.0, cutting: CUTTING, station_z_mm, offset, form: PlannedForm::PLAIN }
 }
 
 /// Feeds of a program: start and end of each, from one start position.

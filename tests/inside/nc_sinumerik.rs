@@ -4,14 +4,14 @@
 
 use shadowgauge::nc::replay::{self, Control, Deed, Point};
 use shadowgauge::nc::{Dialect, NcSettings, Remeasure, Spindle, TurningProgram, Workpiece};
-use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
+use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan, PlannedForm};
 
 const CUTTING: CuttingData = CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 };
 
 fn plan() -> PassPlan {
     let station_z_mm: Vec<f64> = (0..12).map(|i| 2.5 + 5.0 * f64::from(i)).collect();
     let offset = DiameterOffset { o_mm: station_z_mm.iter().map(|z| 1e-4 * z - 0.003).collect() };
-    PassPlan { pass: 2, nominal_mm: 9.9955, cutting: CUTTING, station_z_mm, offset }
+    PassPlan { pass: 2, nominal_mm: 9.9955, cutting: CUTTING, station_z_mm, offset, form: PlannedForm::PLAIN }
 }
 
 fn settings() -> NcSettings {
@@ -104,7 +104,7 @@ fn a_program_that_is_changed_is_refused_with_its_block() {
     };
     refused("G00 Z=60.5", "G00 X=10 Z=60.5", "X and Z move in rapid together");
     refused("G00 Z=60.5", "G00 Z=59.5", "not cut to size from Z 59.5");
-    refused("X=13", "X=9", "in rapid the tool touches");
+    refused("X=13", "X=9", "below the commanded");
     refused("G18 G40 G54 G710 G90 G95 DIAMON", "G18 G40 G54 G710 G90 G95", "DIAMON");
     refused("G18 G40 G54 G710 G90 G95 DIAMON", "G18 G40 G54 G90 G95 DIAMON", "millimetres");
     refused("G18 G40 G54 G710 G90 G95 DIAMON", "G18 G40 G54 G710 G90 G94 DIAMON", "per revolution");
