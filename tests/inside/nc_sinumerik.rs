@@ -104,7 +104,7 @@ fn a_program_that_is_changed_is_refused_with_its_block() {
     };
     refused("G00 Z=60.5", "G00 X=10 Z=60.5", "X and Z move in rapid together");
     refused("G00 Z=60.5", "G00 Z=59.5", "not cut to size from Z 59.5");
-    refused("X=13", "X=9", "in rapid the tool touches");
+    refused("X=13", "X=9", "below the commanded");
     refused("G18 G40 G54 G710 G90 G95 DIAMON", "G18 G40 G54 G710 G90 G95", "DIAMON");
     refused("G18 G40 G54 G710 G90 G95 DIAMON", "G18 G40 G54 G90 G95 DIAMON", "millimetres");
     refused("G18 G40 G54 G710 G90 G95 DIAMON", "G18 G40 G54 G710 G90 G94 DIAMON", "per revolution");
