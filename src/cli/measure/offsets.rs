@@ -106,7 +106,8 @@ impl OffsetJob {
             _ => OffsetState::new(&job, pass, Labels::default()),
         };
         let gauge = Gauge::calibrated(GaugeSettings { esf, ..job.gauge.clone() }, Some(calibration));
-        let gauge = gauge.map_err(super::failure)?;
+        let gauge =
+            gauge.map_err(|e| if e.is_of_settings() { Failure::refuse(e) } else { Failure::fail(e) })?;
         let conditions = conditions.unwrap_or_else(|| job.part_conditions());
         let calibration = calibration.clone().with_conditions(conditions);
         let images = image_digests(images).map_err(Failure::fail)?;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Pass, workpiece};
+use super::pass::{Pass, workpiece};
 use crate::cli::failure::Failure;
 use crate::cli::measure::offsets::read_state;
 use crate::job::Job;
