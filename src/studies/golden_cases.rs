@@ -15,7 +15,7 @@ use crate::truth::true_edges;
 pub(crate) const SHIFT_LIMIT_PX: f64 = 0.001;
 
 /// Name and `case.toml` of every golden frame.
-pub(crate) const CASES: [(&str, &str); 13] = [
+pub(crate) const CASES: [(&str, &str); 14] = [
     ("bent_turning", include_str!("../../golden/bent_turning/case.toml")),
     ("dirty_window", include_str!("../../golden/dirty_window/case.toml")),
     ("faint_contrast", include_str!("../../golden/faint_contrast/case.toml")),
@@ -27,6 +27,7 @@ pub(crate) const CASES: [(&str, &str); 13] = [
     ("rough_surface", include_str!("../../golden/rough_surface/case.toml")),
     ("sharp_taper", include_str!("../../golden/sharp_taper/case.toml")),
     ("soft_thin_wire", include_str!("../../golden/soft_thin_wire/case.toml")),
+    ("thick_cylinder", include_str!("../../golden/thick_cylinder/case.toml")),
     ("tilted_lobes", include_str!("../../golden/tilted_lobes/case.toml")),
     ("uneven_light", include_str!("../../golden/uneven_light/case.toml")),
 ];

@@ -36,7 +36,7 @@ fn blessed(cases: &[GoldenScene]) -> bool {
 #[test]
 fn twin_meets_the_golden_frames() {
     let cases = cases();
-    assert!((10..=13).contains(&cases.len()), "{} cases, not 10 to 13", cases.len());
+    assert!((10..=14).contains(&cases.len()), "{} cases, not 10 to 14", cases.len());
     assert!(!blessed(&cases), "blessed: look at the metrics above, then run again without BLESS");
     for case in &cases {
         let Some((golden, truth)) = case.golden() else {
