@@ -3,17 +3,17 @@
 
 use glam::DVec2;
 
-use super::parts::{compensator, corner, flat_support, nose, papers, round};
+use super::parts::{compensator, corner, flat_support, nose, papers, papers_support, round};
 use crate::inside::linuxcnc::interpret;
 use crate::nc::replay::{self, Control, Point};
 use crate::nc::{
-    ChangePosition, Chuck, ContourProgram, Dialect, GeometryOffset, NcSettings, NoseRegister, Spindle,
-    Tailstock, WearX, Workpiece, WrittenContour,
+    ChangePosition, Chuck, ContourProgram, Dialect, Direction, GeometryOffset, NcSettings, NoseRegister,
+    Spindle, Tailstock, WearX, Workpiece, WrittenContour,
 };
-use crate::nose::NoseProfile;
+use crate::nose::{Feed, NoseProfile, Support, TipDirection, ToolGeometry};
 use crate::outline::{Outline, Piece, Side};
 use crate::plan::CuttingData;
-use crate::tool::{Compensated, Compensator, Tool, Way, remainders};
+use crate::tool::{Compensated, Compensator, Setting, Stated, Tool, Way, remainders};
 
 /// A shaft in a chuck: cylinder, shoulder, concave R2, cylinder, 24° cone, convex R5, end face.
 fn part() -> Outline {
@@ -49,6 +49,7 @@ fn written(
     dialect: Dialect,
     settings: &NcSettings,
 ) -> Result<WrittenContour, String> {
+    let direction = if c.setting.tip.z > 0 { Direction::TowardsTailstock } else { Direction::TowardsChuck };
     let gauge = c.setting.gauge_point();
     let outline: Vec<DVec2> = c.setting.nose.outline().into_iter().map(|p| p - gauge).collect();
     let pieces: Vec<Piece> = done.programmed.iter().map(|e| e.piece).collect();
@@ -57,7 +58,7 @@ fn written(
         register: (done.way != Way::Path)
             .then_some(NoseRegister { radius_mm: done.register_mm, tip: c.setting.tip }),
         nose: &outline,
-        piece: &Workpiece::new(45.0, 32.0, 32.0),
+        piece: &Workpiece { direction, ..Workpiece::new(45.0, 32.0, 32.0) },
         settings,
         cutting: CuttingData { speed_m_per_min: 180.0, feed_mm_per_rev: 0.08 },
         about: "test",
@@ -183,4 +184,46 @@ fn blocks_that_a_control_would_stop_at_are_refused() {
     assert!(fault(" L2", "").contains("need D, the diameter, and L"));
     assert!(fault("D0.8", "D9.").contains("does not fit into the contour"));
     assert!(fault("G42.1 D0.8 L2", "G42").contains("not understood"));
+}
+
+#[test]
+fn a_left_hand_tool_is_driven_towards_the_tailstock() {
+    let tool = ToolGeometry {
+        tip: TipDirection { x: -1, z: 1 },
+        feed: Feed::TowardsTailstock,
+        ..super::parts::geometry()
+    };
+    let values: Vec<Support> = (-93..=27)
+        .map(|k| f64::from(k).to_radians())
+        .map(|a| Support { a_rad: a, h_mm: papers_support(-a), u_mm: 5e-5 })
+        .collect();
+    let nose = NoseProfile::new(&values, None, 0.0).unwrap();
+    // cylinder, a cone of 24° that falls towards the tailstock, cylinder, a fillet up to a collar
+    let run = 2.0 / 24f64.to_radians().tan();
+    let corners = [
+        corner(20.0, 30.0, 0.0),
+        corner(28.0, 30.0, 0.0),
+        corner(28.0 + run, 26.0, 0.0),
+        corner(40.0, 26.0, 1.5),
+        corner(40.0, 32.0, 0.0),
+        corner(45.0, 32.0, 0.0),
+    ];
+    let part = Outline::from_corners(&corners, Side::External).unwrap();
+    let setting = Setting::new(&nose, &tool, &Stated::default()).unwrap();
+    let c = Compensator {
+        outline: &part,
+        setting,
+        register_mm: 0.4,
+        register_range_mm: (0.001, 9.999),
+        increment_mm: 1e-4,
+    };
+    c.check(&tool).unwrap();
+    for way in Way::ALL {
+        let done = c.carry_out(way).unwrap();
+        let written = written(&c, &done, Dialect::Linuxcnc, &machine()).unwrap();
+        assert_eq!(written.text.contains("G41.1 D"), way != Way::Path, "{}", written.text);
+        let away = difference_um(&c, &done, &written.moves);
+        println!("towards the tailstock, {}: {away:.4} µm", way.as_str());
+        assert!(away < 0.1, "{}: {away}\n{}", way.as_str(), written.text);
+    }
 }
