@@ -5,7 +5,8 @@
 
 use glam::DVec2;
 
-use super::interpreter::{Interpreter, Motion, Point, Words};
+use super::event::Point;
+use super::interpreter::{Interpreter, Motion, Words};
 use super::nose::Compensation;
 use crate::nc::dialect::Dialect;
 use crate::nose::{Numbering, TipDirection};

@@ -3,7 +3,7 @@
 //! The nose is a disc that travels with the programmed point; its distance from the commanded
 //! surface is that of its centre less its radius.
 
-use super::interpreter::Point;
+use super::event::Point;
 
 /// A sharper inner corner than this keeps the nose out of it, as the cosine of the turn: 30°.
 const SHARP_COS: f64 = 0.866;

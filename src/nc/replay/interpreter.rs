@@ -7,6 +7,7 @@
 //! a code without an implementation here cannot be shown to be safe. Positions are those of the
 //! programmed point of the nose, with the wear offset in force (X a diameter).
 
+use super::event::{Deed, Event, Fault, Point};
 use super::expression::{Reader, Variables};
 use super::flow::{Program, leading, o_word};
 use super::nose::Nose;
@@ -17,60 +18,6 @@ use crate::nc::settings::NcSettings;
 
 /// Most blocks of a run; a longer one is refused as an endless loop.
 const MOST_BLOCKS: usize = 1_000_000;
-
-/// Position of the programmed point: X mm of diameter, Z mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Point {
-    /// X, mm of diameter.
-    pub x: f64,
-    /// Z, mm.
-    pub z: f64,
-}
-
-/// An action of a block.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Deed {
-    /// A straight move.
-    Move {
-        /// Where it begins.
-        from: Point,
-        /// Where it ends.
-        to: Point,
-        /// In rapid, not in feed.
-        rapid: bool,
-    },
-    /// Tool or offset are changed here.
-    ToolChange(Point),
-    /// The part is measured.
-    Measure(Point),
-    /// The probe goes down and touches, or finds nothing.
-    Probe {
-        /// Where it begins.
-        from: Point,
-        /// Where it ends.
-        to: Point,
-        /// Where it would have ended without a touch.
-        target: Point,
-        /// Angle at which the spindle is held, degrees.
-        angle_deg: Option<f64>,
-    },
-    /// The program stops with an alarm.
-    Alarm(String),
-}
-
-/// An action and the line that performs it, from 1.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Event {
-    /// Line, from 1.
-    pub block: usize,
-    /// The action.
-    pub deed: Deed,
-    /// Whether the probe, not the turning tool, is in the carrier.
-    pub with_probe: bool,
-}
-
-/// Where a program is refused: line from 1, and why.
-pub(crate) type Fault = (usize, String);
 
 /// State of the control before the program starts.
 pub(crate) struct Control<'a> {

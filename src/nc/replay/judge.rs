@@ -1,8 +1,9 @@
 //! Checks the events of a program against the list in [`super`].
 
 use super::convex::Convex;
+use super::event::{Deed, Event, Point};
 use super::finished::FinishedSolid;
-use super::interpreter::{Control, Deed, Event, Point};
+use super::interpreter::Control;
 use super::run::run;
 use super::surface::Surface;
 use crate::nc::dialect::Dialect;

@@ -29,10 +29,11 @@ mod surface;
 mod touch;
 
 pub(crate) use convex::Convex;
-pub(crate) use finished::FinishedSolid;
 #[cfg(test)]
-pub(crate) use interpreter::{Control, Event};
-pub(crate) use interpreter::{Deed, Point};
+pub(crate) use event::Event;
+pub(crate) use event::{Deed, Point};
+pub(crate) use finished::FinishedSolid;
+pub(crate) use interpreter::Control;
 pub(crate) use judge::{CommandedCut, Solid, WorkingSpace, check, check_once, must_alarm};
 pub(crate) use run::run;
 #[cfg(test)]

@@ -3,8 +3,9 @@
 #[cfg(test)]
 use std::collections::HashMap;
 
+use super::event::{Event, Fault};
 use super::flow::Program;
-use super::interpreter::{Control, Event, Fault, Interpreter};
+use super::interpreter::{Control, Interpreter};
 
 /// Runs a program from one start position and lists its events.
 ///

@@ -7,7 +7,8 @@
 //! written only in a block after `STOPRE`: blocks are prepared ahead of the motion, so that without
 //! it the mark of a finished pass would be set before the pass is cut.
 
-use super::interpreter::{Deed, Interpreter, Motion, Next, Point, Words};
+use super::event::{Deed, Point};
+use super::interpreter::{Interpreter, Motion, Next, Words};
 use crate::nc::sinumerik::{RAN_LAST, RAN_LAST_R};
 
 /// A comparison and its sign.

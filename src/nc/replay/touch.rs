@@ -1,6 +1,7 @@
 //! Probing moves of a replay: where the probe touches, and the position that the control stores.
 
-use super::interpreter::{Deed, Interpreter, Next, Point, Words};
+use super::event::{Deed, Point};
+use super::interpreter::{Interpreter, Next, Words};
 use crate::nc::dialect::Dialect;
 
 impl Interpreter<'_> {
