@@ -1,5 +1,5 @@
-//! A lens is chosen: `study head` names the head with the smaller U, and rendered frames measured by
-//! the program agree with it.
+//! A lens is chosen: `study head` names the head with the smaller U, and rendered frames measured
+//! by the program agree with it.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/program.rs"]
@@ -104,7 +104,8 @@ fn the_better_of_two_lenses_gets_the_smaller_u() {
     assert_eq!(study["verdict"]["best"], "fine", "{}", study["verdict"]);
     let u = |k: usize| number(&study, &format!("/heads/{k}/in_use/expanded_u_um"));
     assert!(u(0) < 0.8 * u(1), "{} {}", u(0), u(1));
-    // What the study predicts of a column is what its frames, and those of `render` and `measure`, scatter by.
+    // What the study predicts of a column is what its frames, and those of `render` and `measure`,
+    // scatter by.
     for (k, config) in heads.iter().enumerate() {
         let at = |key: &str| number(&study, &format!("/heads/{k}/{key}"));
         let (predicted, ratio) = (at("repeatability/column_um"), at("frames/column_ratio"));
@@ -120,7 +121,8 @@ fn the_better_of_two_lenses_gets_the_smaller_u() {
 #[test]
 fn the_better_lens_loses_where_its_edges_run_out_too_fast() {
     let bench = Bench::new();
-    // A path of 5 µm at 6000 rev/min and of 33 µm at 40 000: 19 pixels of the fine head, 10 of the other.
+    // A path of 5 µm at 6000 rev/min and of 33 µm at 40 000: 19 pixels of the fine head, 10 of the
+    // other.
     let eccentric = ["--eccentricity-mm", "0.08", "--rpm"];
     let slow = compared(&bench.heads(), &[&eccentric[..], &["6000"]].concat());
     assert_eq!(slow["verdict"]["best"], "fine", "{}", slow["verdict"]);

@@ -14,7 +14,8 @@ pub(crate) enum Topology {
 }
 
 impl Topology {
-    /// The kinematic chain from the work w over the base b to the tool t; a prime: carries the work.
+    /// The kinematic chain from the work w over the base b to the tool t; a prime: carries the
+    /// work.
     pub(crate) fn notation(self) -> &'static str {
         match self {
             Self::TShaped => "w-C'-Z'-b-X-t",

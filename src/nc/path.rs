@@ -56,8 +56,8 @@ impl Path {
         }
     }
 
-    /// Along the contour of a stepped shaft: shoulders, tapers and fillets with the offsets of their
-    /// sections. The path holds all of them, the wear register nothing.
+    /// Along the contour of a stepped shaft: shoulders, tapers and fillets with the offsets of
+    /// their sections. The path holds all of them, the wear register nothing.
     fn along(
         contour: &Contour,
         plan: &PassPlan,

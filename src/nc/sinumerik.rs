@@ -1,7 +1,8 @@
 //! The words of SINUMERIK programs: not the control's ISO mode but its own language.
 //!
 //! - Numbers after X and Z are `X=25.5`, `Z=10`: no decimal point is due, because none is taken in
-//!   increments. `DIAMON`, `G710`, `G95`, `G54`: diameters, mm, feed per revolution, the part's zero.
+//!   increments. `DIAMON`, `G710`, `G95`, `G54`: diameters, mm, feed per revolution, the part's
+//!   zero.
 //! - The change position is fixed point 1 of the machine axes (`G75 FP=1 X1=0`, MD30600), which no
 //!   offset moves.
 //! - Variables are R parameters, kept at power-off; `STOPRE` stands before one is read or written,

@@ -382,8 +382,8 @@ impl TurningProcess {
             .collect()
     }
 
-    /// The command at every node of a stepped shaft, mm: the contour less the offsets, which step at
-    /// a shoulder, as a program cuts it; none for a plain one.
+    /// The command at every node of a stepped shaft, mm: the contour less the offsets, which step
+    /// at a shoulder, as a program cuts it; none for a plain one.
     fn stepped_path(&self, plan: &PassPlan) -> Option<Vec<f64>> {
         let contour = plan.form.contour()?;
         let offsets = contour.offset_knots(&plan.station_z_mm, &plan.offset.o_mm);

@@ -175,7 +175,8 @@ fn state_text(state: &OffsetState) -> Result<String, Failure> {
 pub(super) struct OffsetResult(Decided);
 
 impl OffsetResult {
-    /// Exit 1 unless new offsets, a trial cut or a reset came of it, and where the part is not in tolerance.
+    /// Exit 1 unless new offsets, a trial cut or a reset came of it, and where the part is not in
+    /// tolerance.
     pub(super) fn ended(&self) -> Ended {
         let decided = &self.0;
         let is_good = decided.verdict.as_ref().is_none_or(|v| v.part() == PartConformity::Conforms);

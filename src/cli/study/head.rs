@@ -44,8 +44,8 @@ pub(crate) struct StudyHeadArgs {
     /// Share of their amplitude that an exposure may lose.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
     amplitude_loss: f64,
-    /// Blur by run-out that an exposure may have, as a share of the standard uncertainty: 0.3 of it,
-    /// added, makes it larger by 4 %.
+    /// Blur by run-out that an exposure may have, as a share of the standard uncertainty: 0.3 of
+    /// it, added, makes it larger by 4 %.
     #[arg(long, value_name = "SHARE", default_value_t = 0.3, value_parser = above_zero)]
     blur_share: f64,
     /// By how much a diameter may move in the depth of field, µm; a quarter of U without it.

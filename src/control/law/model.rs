@@ -9,15 +9,14 @@
 //! ```
 //!
 //! z from the chuck, ξ ∈ [−1, 1] along the stations, j the passes since the first. w: beam clamped
-//! in a yielding chuck, held by a yielding tailstock; of a stepped shaft, or one in steady rests, by
-//! the force method ([`super::stepped_beam`]). The scale s, both
-//! stiffnesses, the stock's mean diameter, a constant and a taper of the machine and their growth
-//! per pass are estimated from all measured passes by penalised least squares (a Gaussian prior
-//! from the settings' uncertainties, Gauss-Newton), together with n, the part that is common to all
-//! stations of one pass and not repeated in the next. The remainder at a station is modelled by its
-//! own level and trend c: a Kalman filter of two states, because a model of eight parameters never
-//! explains a machine completely. The plant gain g = 1/(1 + s·w·F′) follows from the same
-//! parameters.
+//! in a yielding chuck, held by a yielding tailstock; of a stepped shaft, or one in steady rests,
+//! by the force method ([`super::stepped_beam`]). The scale s, both stiffnesses, the stock's mean
+//! diameter, a constant and a taper of the machine and their growth per pass are estimated from all
+//! measured passes by penalised least squares (a Gaussian prior from the settings' uncertainties,
+//! Gauss-Newton), together with n, the part that is common to all stations of one pass and not
+//! repeated in the next. The remainder at a station is modelled by its own level and trend c: a
+//! Kalman filter of two states, because a model of eight parameters never explains a machine
+//! completely. The plant gain g = 1/(1 + s·w·F′) follows from the same parameters.
 //!
 //! Valid while F is steep enough to be observable and the depth is above the minimum chip. The
 //! half-cut shaft is approximated by one diameter and by Euler-Bernoulli theory; s and c absorb

@@ -13,8 +13,8 @@
 //! `estimation` (levels, noise, blur, the fit of every column) → `rejection` (edges that are not
 //! those of the part), `refusals` (frames refused, in words) → `locate` → `wire`, `side` → `rings`,
 //! `rounded_frame`, `frame_survey` → `frame_windows`, `frame_lines`, `acceptance` → `stream` →
-//! `narrow` (line cameras) → `edge_stream` (either camera) → `parallel` (frames shared out); `room`:
-//! what an edge needs, before a frame is taken.
+//! `narrow` (line cameras) → `edge_stream` (either camera) → `parallel` (frames shared out);
+//! `room`: what an edge needs, before a frame is taken.
 //!
 //! One more step of a frame is a file in the room to which it belongs and one call in the stage to
 //! which it belongs; it is a function of values. Imports run in the order above.

@@ -3,9 +3,9 @@
 //!
 //! Everything here is a pure function over points or readings; units are those of the input (mm or
 //! px), and a result in mm follows from points in mm. Reference features follow ISO 12181
-//! (roundness), ISO 12780 (straightness), ISO 12781 (flatness) and ISO 12180 (cylindricity); each minimax feature comes
-//! with a [`Certificate`] that is computed from the points and the answer alone, not by the solver.
-//! Sizes of a section by the same features (ISO 14405-1) are in `size`.
+//! (roundness), ISO 12780 (straightness), ISO 12781 (flatness) and ISO 12180 (cylindricity); each
+//! minimax feature comes with a [`Certificate`] that is computed from the points and the answer
+//! alone, not by the solver. Sizes of a section by the same features (ISO 14405-1) are in `size`.
 //!
 //! One more feature is one more file: the fit, its certificate, and a test that spoils the answer
 //! and must be caught.

@@ -1,6 +1,6 @@
 //! Replays a finished program among the solids of the machine, before it is returned.
 //!
-//! The text is read again by an interpreter (`interpreter`, `arcs`) that shares nothing with the
+//! The text is read again by an interpreter (`interpreter`, `event`, `arcs`) that shares nothing with the
 //! emitter, from every start position of a lattice and of the solids' corners that is clear; each
 //! move sweeps the nose's outline (and the holder's box, where it is stated) through the plane of
 //! the tool. A program passes where
@@ -17,6 +17,7 @@
 
 mod arcs;
 mod convex;
+mod event;
 mod expression;
 mod finished;
 mod flow;
@@ -33,6 +34,7 @@ pub(crate) use convex::Convex;
 pub(crate) use event::Event;
 pub(crate) use event::{Deed, Point};
 pub(crate) use finished::FinishedSolid;
+#[cfg(test)]
 pub(crate) use interpreter::Control;
 pub(crate) use judge::{CommandedCut, Solid, WorkingSpace, check, check_once, must_alarm};
 pub(crate) use run::run;

@@ -10,17 +10,17 @@
 //! ```
 //!
 //! g electrons a count; pattern is what the pixels' gain and offset differ by (PRNU, DSNU), which
-//! scatters over columns and is the same in every frame. Where θ is given, the variance of x is g² =
-//! 1/a. The columns of a frame have a place each and share θ: elimination of the places gives θ the
-//! information Σ(C − b·bᵀ/a), and the mean place of n columns the variance f²/n,
+//! scatters over columns and is the same in every frame. Where θ is given, the variance of x is g²
+//! = 1/a. The columns of a frame have a place each and share θ: elimination of the places gives θ
+//! the information Σ(C − b·bᵀ/a), and the mean place of n columns the variance f²/n,
 //!
 //! ```text
 //! f² = ⟨1/a⟩ + ⟨b/a⟩ᵀ ⟨C − b·bᵀ/a⟩⁻¹ ⟨b/a⟩
 //! ```
 //!
 //! with means over the places of an edge within a pixel, which an inclined part or a turn brings.
-//! Blur moves an edge one way at one place and the other way at another, so that ⟨b/a⟩ has little of
-//! it.
+//! Blur moves an edge one way at one place and the other way at another, so that ⟨b/a⟩ has little
+//! of it.
 //!
 //! Check: a Gaussian edge of σ with noise of one variance has 1/a = 2·√π·σ_n²·b/A², A the contrast,
 //! b² = σ² + 1/12.

@@ -2,10 +2,10 @@
 //!
 //! Out of focus the diameter changes by 2·δ(y) + D·t·y: δ the displacement of the edge that is
 //! fitted as one in focus, t the telecentricity error of the lens (by `optics.telecentricity_mrad`,
-//! otherwise the limit of a good telecentric lens that a calibration assumes). The first distance at
-//! which that reaches the limit is the depth; a limit of a quarter of U widens it by √(1 + 1/16), 3
-//! %, where it is added as a standard uncertainty at the same k. Beside it the distance at which
-//! the 10-90 % width of the edge has doubled.
+//! otherwise the limit of a good telecentric lens that a calibration assumes). The first distance
+//! at which that reaches the limit is the depth; a limit of a quarter of U widens it by √(1 +
+//! 1/16), 3 %, where it is added as a standard uncertainty at the same k. Beside it the distance at
+//! which the 10-90 % width of the edge has doubled.
 
 use serde::Serialize;
 

@@ -4,7 +4,8 @@
 //! |---|---|---|
 //! | run-out, eccentricity e | e·ω·T at most | its rms as a box, e·ω·T/√12, at most a share of u |
 //! | feed along z | v_f·T | a pixel: what is finer is lost along z |
-//! | lobes, n a revolution | n·ω·T of their phase | amplitude loss 1 − sin(x)/x at most given, x = n·ω·T/2 |
+//! | lobes, n a revolution | n·ω·T of their phase | amplitude loss 1 − sin(x)/x at most given, x =
+//! n·ω·T/2 |
 //!
 //! The first is strict: both edges of one exposure run out alike, so that the diameter itself keeps
 //! its value and only sharpness is lost. `motion` computes what that does to the diameter at the

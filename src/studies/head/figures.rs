@@ -37,7 +37,8 @@ pub(crate) struct HeadFigures {
     pub repeatability: Repeatability,
     /// Repeatability with the part in use, predicted.
     pub repeatability_in_use: Repeatability,
-    /// Frames of the part in use, rendered and measured; none where the gauge measures nothing then.
+    /// Frames of the part in use, rendered and measured; none where the gauge measures nothing
+    /// then.
     pub frames: Option<FrameCheck>,
     /// Depth of field.
     pub depth: DepthOfField,

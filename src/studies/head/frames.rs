@@ -51,8 +51,8 @@ pub(crate) struct FrameCheck {
     pub own: ModelErrors,
     /// By the plain Gaussian; none where that is its own.
     pub gaussian: Option<ModelErrors>,
-    /// Scatter of columns about their frame's mean over the bound: what all columns of a frame share
-    /// is not in either.
+    /// Scatter of columns about their frame's mean over the bound: what all columns of a frame
+    /// share is not in either.
     pub column_ratio: Option<f64>,
     /// Its standard uncertainty by the number of columns, 1/√(2n) of it.
     pub u_column_ratio: Option<f64>,
@@ -64,8 +64,8 @@ pub(crate) struct FrameCheck {
 
 impl FrameCheck {
     /// Why no frame could be measured by the edge of the head's own optics, where none could: the
-    /// gauge tests every column's residual against its noise, which is stricter than the residual of
-    /// a smeared edge alone.
+    /// gauge tests every column's residual against its noise, which is stricter than the residual
+    /// of a smeared edge alone.
     pub(super) fn refused(&self) -> Option<String> {
         let why = self.own.why.as_deref().unwrap_or("no column has both edges");
         (self.own.frames == 0).then(|| format!("rendered frames are refused: {why}"))

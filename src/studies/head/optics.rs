@@ -14,7 +14,8 @@ pub(crate) struct OpticsFigures {
     pub magnification: f64,
     /// A pixel on the part, µm.
     pub um_per_px: f64,
-    /// Numerical aperture on the side of the part; none for light without a lens or a measured edge.
+    /// Numerical aperture on the side of the part; none for light without a lens or a measured
+    /// edge.
     pub numerical_aperture: Option<f64>,
     /// Wavelength, nm.
     pub wavelength_nm: Option<f64>,

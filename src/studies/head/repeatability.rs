@@ -2,9 +2,9 @@
 //!
 //! A diameter is two edges: σ_D = √2·σ_edge. With g the bound of a column where levels and blur are
 //! given and f that of columns that find them (`bound`), the mean of m columns of a frame whose n
-//! columns find them together has the variance g²/m + (f² − g²)/n. Over a turn the sensor's temporal
-//! noise averages over the angles, the pixels' own pattern does not, since a part that turns stays
-//! on the same pixels.
+//! columns find them together has the variance g²/m + (f² − g²)/n. Over a turn the sensor's
+//! temporal noise averages over the angles, the pixels' own pattern does not, since a part that
+//! turns stays on the same pixels.
 
 use serde::Serialize;
 

@@ -1,5 +1,5 @@
-//! The form of the part that a machine turns, and what a probe on it indicates of that: straightness
-//! of a generatrix, cylindricity, flatness of a face on a spiral.
+//! The form of the part that a machine turns, and what a probe on it indicates of that:
+//! straightness of a generatrix, cylindricity, flatness of a face on a spiral.
 //!
 //! The tool stands still while the part turns: the place at angle θ of the part passes it at the
 //! spindle angle −θ, and the other side of the axis at 180° − θ.

@@ -45,7 +45,8 @@ fn reversal_separates_every_order() {
 
 #[test]
 fn a_head_of_two_edges_separates_the_odd_form() {
-    // Both edges of the silhouette of small lobes: the upper at the angle, the lower half a turn on.
+    // Both edges of the silhouette of small lobes: the upper at the angle, the lower half a turn
+    // on.
     let (p, s) = (form(), motion());
     let midline = |p: &[f64]| -> Vec<f64> {
         let lower = begun(p, N / 2);

@@ -167,7 +167,8 @@ fn the_part_has_the_form_of_the_slide_and_of_the_spindle() {
     close(round.minimum_zone_um, 0.13 + 0.1, 1e-4, "parabola and three lobes");
     assert!(round.least_squares_um >= round.minimum_zone_um - 1e-9);
     close(round.probe_um, 0.0, 1e-5, "the tool's side");
-    // Half a turn on, three lobes come with the other sign: out of the sum, while the parabola doubles.
+    // Half a turn on, three lobes come with the other sign: out of the sum, while the parabola
+    // doubles.
     close(round.opposite_um.unwrap(), 0.26, 1e-4, "the opposite side");
 }
 

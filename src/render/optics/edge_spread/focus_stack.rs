@@ -2,8 +2,8 @@
 //! neighbours.
 //!
 //! On a bent shaft or with a wobbling axis the edge is out of focus by y(z, φ). The image of a thin
-//! screen depends on |y| only, that of a thick body on y ([`FocusStack::between`]); between tables F
-//! is linear in it, and their number is increased until the error of the blend is within the
+//! screen depends on |y| only, that of a thick body on y ([`FocusStack::between`]); between tables
+//! F is linear in it, and their number is increased until the error of the blend is within the
 //! tolerance in the middle of every interval.
 
 use rayon::prelude::*;
