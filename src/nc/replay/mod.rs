@@ -1,9 +1,9 @@
 //! Replays a finished program among the solids of the machine, before it is returned.
 //!
-//! The text is read again by an interpreter (`interpreter`, `event`, `arcs`) that shares nothing with the
-//! emitter, from every start position of a lattice and of the solids' corners that is clear; each
-//! move sweeps the nose's outline (and the holder's box, where it is stated) through the plane of
-//! the tool. A program passes where
+//! The text is read again by an interpreter (`interpreter`, `event`, `arcs`) that shares nothing
+//! with the emitter, from every start position of a lattice and of the solids' corners that is
+//! clear; each move sweeps the nose's outline (and the holder's box, where it is stated) through
+//! the plane of the tool. A program passes where
 //!
 //! - no move touches chuck, jaws, centre, quill, steady rest or parked gauge head, or leaves the
 //!   travel,
