@@ -364,11 +364,13 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     let bench = args.bench.map(|count| bench(args, instrument, &kept, count)).transpose()?;
     let series = stream.finish().map_err(failure)?;
     leaves.finish(&series)?;
-    frames.check_ended()?;
-    let profile = scan.map(|scan| scan.finish(1).0);
+    // What was measured is printed where the source ended too early, too; it decides nothing then.
+    let ended = frames.check_ended();
+    let profile = scan.filter(|_| ended.is_ok()).map(|scan| scan.finish(1).0);
     let decided = offsets.zip(profile).map(|(offsets, profile)| offsets.decide(profile)).transpose()?;
     let goes_on = decided.as_ref().is_none_or(|d| d.ended() == Outcome::Done);
     results.end(&series, Beside { bench, offsets: decided });
+    ended?;
     Ok(if series.all_good() && goes_on { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 

@@ -106,7 +106,7 @@ fn an_adapter_is_checked_against_the_twin() {
     }
     assert_eq!(output.status.code(), Some(0), "{words}");
     let check: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(check["cases"].as_array().unwrap().len(), 13);
+    assert_eq!(check["cases"].as_array().unwrap().len(), 14);
     assert!(check["cases"].as_array().unwrap().iter().all(|c| c["agrees"] == true), "{check}");
     assert!(check["times"][0]["adapter_ms"].as_f64().unwrap() > 0.0);
     let output = super::support::shadowgauge(["doctor", "--json"]);
