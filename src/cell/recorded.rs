@@ -4,7 +4,7 @@
 //! the machine has cut; no truth is stated. The same images are never taken for two scans: a second
 //! scan that is a copy of the first would confirm any step.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::turning_cell::{CellError, TurningCell};
 use crate::frame::FrameSource;
@@ -71,18 +71,18 @@ impl RecordedCell {
     }
 
     /// Frames of a pin; its folder is named where it is missing.
-    fn pin(&self, folder: PathBuf, why: &str) -> Result<Box<dyn FrameSource + '_>, CellError> {
+    fn pin(&self, folder: &Path, why: &str) -> Result<Box<dyn FrameSource + '_>, CellError> {
         if !folder.is_dir() {
             return Err(CellError::Refused(format!("{}: is not there; {why}", folder.display()).into()));
         }
-        Ok(Box::new(Recording::frames_in(&folder)?))
+        Ok(Box::new(Recording::frames_in(folder)?))
     }
 }
 
 /// Refuses a number of images that is not the plan's; a single file may be a stack of all frames.
 fn check_count(images: &[PathBuf], plan: &ScanPlan) -> Result<(), CellError> {
     let (found, planned) = (images.len(), plan.frames());
-    let folder = images.first().and_then(|image| image.parent()).unwrap_or(std::path::Path::new("."));
+    let folder = images.first().and_then(|image| image.parent()).unwrap_or(Path::new("."));
     if found == planned || found == 1 {
         return Ok(());
     }
@@ -122,11 +122,11 @@ impl TurningCell for RecordedCell {
                     "a recorded run is calibrated on frames of every pin of [[masters.pins]], or by calibration.json in {}",
                     self.recording.root().display()
                 );
-                self.pin(self.recording.pin_place(index + 1), &why)
+                self.pin(&self.recording.pin_place(index + 1), &why)
             }
             pass => {
                 let why = "masters.check_frames asks for frames of the first pin after every pass; take them, or set it to 0";
-                self.pin(self.recording.check_place(pass), why)
+                self.pin(&self.recording.check_place(pass), why)
             }
         }
     }

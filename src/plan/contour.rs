@@ -139,7 +139,7 @@ impl Contour {
             let own = || station_z_mm[range.clone()].iter().zip(&o_mm[range.clone()]).map(|(z, o)| (*z, *o));
             knots.extend(own().next().map(|first| (section.ends_mm.0, first.1)));
             knots.extend(own());
-            knots.extend(own().last().map(|last| (section.ends_mm.1, last.1)));
+            knots.extend(own().next_back().map(|last| (section.ends_mm.1, last.1)));
         }
         knots
     }

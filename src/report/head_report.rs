@@ -49,7 +49,7 @@ pub(crate) fn head_page(study: &HeadStudy) -> Result<String, ReportError> {
     Ok(page.finish())
 }
 
-fn drawn(chart: Chart) -> Result<String, ReportError> {
+fn drawn(chart: &Chart) -> Result<String, ReportError> {
     chart.to_svg().map_err(ReportError::Draw)
 }
 
@@ -59,7 +59,7 @@ fn dots(heads: &[HeadFigures]) -> Result<String, ReportError> {
     let in_use = heads.iter().enumerate();
     let in_use = in_use.filter_map(|(k, h)| Some((at(k), h.in_use.as_ref()?.expanded_u_um))).collect();
     let at_rest = heads.iter().enumerate().map(|(k, h)| (at(k), h.at_rest.expanded_u_um)).collect();
-    drawn(Chart {
+    drawn(&Chart {
         x_label: format!("head ({})", numbered(heads)),
         y_label: "U / µm".to_owned(),
         x_labels: Some(heads.len()),
@@ -84,13 +84,13 @@ fn numbered(heads: &[HeadFigures]) -> String {
 
 /// A series of lines, the second and further ones dashed in turn.
 fn line(k: usize, name: &str, points: Vec<(f64, f64)>) -> Series {
-    let mark = if k % 2 == 0 { Mark::Line } else { Mark::Dashed };
+    let mark = if k.is_multiple_of(2) { Mark::Line } else { Mark::Dashed };
     Series::new(name, mark, k, points)
 }
 
 fn depth_chart(heads: &[HeadFigures]) -> Result<String, ReportError> {
     let series = heads.iter().enumerate().map(|(k, h)| line(k, &h.name, h.depth.curve.clone()));
-    drawn(Chart {
+    drawn(&Chart {
         x_label: "distance from the plane of focus / mm".to_owned(),
         y_label: "change of the diameter / µm".to_owned(),
         series: series.collect(),
@@ -116,7 +116,7 @@ fn exposures(page: &mut Page, heads: &[HeadFigures]) -> Result<(), ReportError> 
         let points = h.exposures.iter().map(|e| (e.rpm.log10(), h.optics.exposure_us)).collect();
         series.push(Series::new(format!("{}, configured", h.name), Mark::Faint, k, points));
     }
-    let svg = drawn(Chart {
+    let svg = drawn(&Chart {
         x_label: "log10 of the speed in rev/min".to_owned(),
         y_label: "longest exposure / µs".to_owned(),
         series,

@@ -74,8 +74,8 @@ pub(crate) fn profile(points: &[ContourPoint], sagitta_mm: f64) -> Result<Vec<Pr
         }
     }
     let mut knots = Vec::new();
-    for i in 0..corners.len() {
-        corner((&points[i], sagitta_mm), &corners, &cuts, i, &mut knots);
+    for (i, point) in points.iter().enumerate() {
+        corner((point, sagitta_mm), &corners, &cuts, i, &mut knots);
     }
     Ok(knots.into_iter().map(|k: DVec2| ProfileKnot { z_mm: k.x, radius_mm: k.y }).collect())
 }

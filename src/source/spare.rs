@@ -102,7 +102,7 @@ mod tests {
         (0..5).for_each(|_| spare.take_buffer(Buffer::U16(vec![0; 10])));
         assert!(spare.shelves().words.there.is_empty());
         let lent: Vec<Vec<u16>> = (0..4).map(|_| spare.words(100)).collect();
-        let places: Vec<*const u16> = lent.iter().map(|words| words.as_ptr()).collect();
+        let places: Vec<*const u16> = lent.iter().map(Vec::as_ptr).collect();
         lent.into_iter().for_each(|words| spare.take_buffer(Buffer::U16(words)));
         assert_eq!(spare.shelves().words.there.len(), 2);
         let again = spare.words(50);

@@ -61,7 +61,7 @@ pub(super) const CASES: &[Case] = &[
     case(
         "limb",
         "limb of a thick part",
-        1.0,
+        2.0,
         0.6,
         "[optics.esf.cylinder]\nnumerical_aperture = 0.05\ncoherence_ratio = 0.3\n",
     ),

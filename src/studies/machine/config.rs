@@ -210,7 +210,7 @@ impl MachineStudyConfig {
             let is_new = self.heads[..k].iter().all(|before| before.name != head.name);
             require(is_new, &format!("heads[{k}].name"), &head.name, "another name than the heads before")?;
         }
-        let heads = self.heads.iter().enumerate();
-        heads.map(|(k, head)| head.validate(&format!("heads[{k}]"), radius)).collect()
+        let mut heads = self.heads.iter().enumerate();
+        heads.try_for_each(|(k, head)| head.validate(&format!("heads[{k}]"), radius))
     }
 }

@@ -73,7 +73,7 @@ fn steps_leave_the_multiples_of_their_number() {
         assert!(rms(&found.motion, &added(&s, &of_p, 1.0)) < 1e-12, "{steps} steps, motion");
         assert!(rms(&found.form, &added(&p, &of_s, 1.0)) < 1e-12, "{steps} steps, form");
     }
-    assert!(multi_step(&[p.clone()]).is_none(), "one row");
+    assert!(multi_step(std::slice::from_ref(&p)).is_none(), "one row");
     assert!(multi_step(&vec![p.clone(); 7]).is_none(), "360 readings are no seven equal parts");
     assert!(multi_step(&[p.clone(), p[1..].to_vec()]).is_none());
 }

@@ -15,7 +15,7 @@ fn stations_keep_clear_of_shoulders_and_tapers() {
     let z = order.station_z_mm();
     let ranges = contour.stations_of_sections(&z);
     assert_eq!(ranges.len(), 3);
-    assert_eq!(ranges.iter().map(|r| r.len()).sum::<usize>(), z.len());
+    assert_eq!(ranges.iter().map(ExactSizeIterator::len).sum::<usize>(), z.len());
     // Twenty pixels of 15.27 µm beside a chamfer of .5 mm, or a fillet of 1.2 mm.
     let edge = 20.0 * order.field.mm_per_px;
     for (range, (from, to)) in
@@ -96,9 +96,13 @@ fn a_contour_that_cannot_be_is_refused_with_its_place() {
             assert!(text.contains(word), "case {i}: {word:?} is missing in: {text}");
         }
     }
-    let undercut = said(&|j| {
-        j.process.pass.feed_direction = shadowgauge::plan::FeedDirection::TowardsTailstock;
-    });
+}
+
+#[test]
+fn a_shoulder_that_falls_along_the_feed_and_sections_without_a_contour_are_refused() {
+    let mut job = job();
+    job.process.pass.feed_direction = shadowgauge::plan::FeedDirection::TowardsTailstock;
+    let undercut = job.check_coverage().expect_err("refused").to_string();
     assert!(
         undercut.contains("shoulder from Ø28 to Ø22") && undercut.contains("feed_direction"),
         "{undercut}"

@@ -71,7 +71,8 @@ fn mirrored(nose: &NoseProfile, flip: impl Fn(f64) -> f64) -> NoseProfile {
 fn every_tip_direction_leaves_the_same_of_the_mirrored_part() {
     use std::f64::consts::PI;
     let nose = papers();
-    let flips: [(i8, i8, fn(f64) -> f64); 4] =
+    type Flip = fn(f64) -> f64;
+    let flips: [(i8, i8, Flip); 4] =
         [(-1, -1, |a| a), (1, -1, |a| PI - a), (-1, 1, |a| -a), (1, 1, |a| PI + a)];
     for (x, z, flip) in flips {
         let seen = mirrored(&nose, flip);

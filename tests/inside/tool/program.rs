@@ -118,10 +118,10 @@ fn canonical(printed: &str) -> Vec<(DVec2, DVec2)> {
             let whole = std::f64::consts::TAU;
             let mut turn = angle(end - centre) - angle(from);
             if numbers[4] > 0.0 && turn < 0.0 {
-                turn += whole
+                turn += whole;
             }
             if numbers[4] < 0.0 && turn > 0.0 {
-                turn -= whole
+                turn -= whole;
             }
             let radius = from.length();
             let point = |k: i32| {

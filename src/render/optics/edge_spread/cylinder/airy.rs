@@ -16,7 +16,7 @@ pub(crate) type C = Complex<f64>;
 const MEET: f64 = 7.0;
 
 /// Ai(0) and -Ai'(0) (DLMF 9.2.3, 9.2.4).
-const AI_0: f64 = 0.355_028_053_887_817_24;
+const AI_0: f64 = 0.355_028_053_887_817_2;
 const MINUS_AI_PRIME_0: f64 = 0.258_819_403_792_806_8;
 
 /// Most terms of the power series; 60 are needed at its limit.

@@ -43,6 +43,7 @@ const IRON: [Row; 10] = [
     (704.0, 2.86, 3.19),
 ];
 
+#[allow(clippy::approx_constant, reason = "an extinction coefficient that is near π by chance")]
 const CHROMIUM: [Row; 10] = [
     (431.0, 2.19, 3.04),
     (451.0, 2.33, 3.14),
