@@ -1,5 +1,6 @@
 #!/bin/sh
-# One report of each kind (measure with a refused frame and stations, a run, a calibration), then axe-core over them. BIN=PROGRAM takes
+# One report of each kind (measure with a refused frame and stations, runs of a plain and a stepped shaft, a calibration, heads side by
+# side, a machine), then axe-core over them. BIN=PROGRAM takes
 # another build; OUT=DIR another place.
 set -eu
 bin=${BIN:-target/release/shadowgauge}
@@ -14,4 +15,8 @@ mkdir -p "$out"
   --report "$out/measure.html" --csv "$out/diameters.csv" >"$out/measure.txt" || [ $? -eq 1 ]
 "$bin" run configs/small_shaft.toml --out "$out/run" --backend cpu >"$out/run.txt" || [ $? -eq 1 ]
 "$bin" calibrate configs/small_calibration.toml --out "$out/calibration.json" --backend cpu >"$out/calibrate.txt"
-sh scripts/axe_reports.sh "$out/measure.html" "$out/run/report.html" "$out/calibration.html"
+"$bin" run configs/stepped_shaft.toml --out "$out/stepped" --backend cpu >"$out/stepped.txt" || [ $? -eq 1 ]
+"$bin" study head configs/head_telecentric_25.toml --report "$out/heads.html" >"$out/heads.txt"
+"$bin" study machine configs/machine_001.toml --out "$out/machine" >"$out/machine.txt"
+sh scripts/axe_reports.sh "$out/measure.html" "$out/run/report.html" "$out/stepped/report.html" "$out/calibration.html" "$out/heads.html" \
+  "$out/machine/report.html"

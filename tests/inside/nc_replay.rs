@@ -526,7 +526,6 @@ fn loops_and_jumps_of_custom_macro_b_are_followed() {
         ("G00 X100", "no decimal point"),
         ("G00 X#9", "#9 is read before it is set"),
         ("G33 X1. Z1.", "G33 is not understood"),
-        ("G02 X1. Z1.", "an arc needs R"),
         ("G00 X1. X2.", "X stands twice"),
         ("GOTO 5", "there is no N5"),
         ("G00 X1. (OPEN", "not closed"),
