@@ -34,7 +34,7 @@ pub(crate) fn head_page(study: &HeadStudy) -> Result<String, ReportError> {
     let tone = if study.verdict.best.is_some() { Tone::Good } else { Tone::Bad };
     page.verdict(tone, &study.verdict.words);
     page.figure(&dots(heads)?, "Expanded uncertainty U of each head at rest and in use.");
-    let header: Vec<&str> = std::iter::once("").chain(names).collect();
+    let header: Vec<&str> = std::iter::once("quantity").chain(names).collect();
     for (section, explanation) in head_sections(heads).into_iter().zip(EXPLANATIONS) {
         page.heading(section.title).text(explanation).table(&header, &section.rows);
         if section.title == "Depth of field" {
