@@ -39,9 +39,10 @@ pub(crate) fn rechucked(midline: &[f64], turned: &[f64]) -> Option<Separation> {
     Some(Separation { form, motion })
 }
 
-/// Multi-step: row j is read with the artefact turned by j/N of a turn on the spindle, m_j(φ) = p(φ
-/// + j·2π/N) + s(φ). Means over the rows, along φ and along the artefact, separate all orders but
-/// the multiples of N, which stay in both. None unless N ≥ 2 rows of one length divide a turn.
+/// Multi-step: row j is read with the artefact turned by j/N of a turn on the spindle:
+/// m_j(φ) = p(φ + j·2π/N) + s(φ). Means over the rows, along φ and along the artefact, separate all
+/// orders but the multiples of N, which stay in both. None unless N ≥ 2 rows of one length divide a
+/// turn.
 pub(crate) fn multi_step(rows: &[Vec<f64>]) -> Option<Separation> {
     let (steps, count) = (rows.len(), rows.first()?.len());
     let whole = steps >= 2 && count > 0 && count.is_multiple_of(steps);
