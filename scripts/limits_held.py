@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Which unit test holds the case of a threshold of the gauge: each is put out of action, either way.
 
-    scripts/limits_held.py [--only PATTERN] [--factor F] [--seconds S] [--csv FILE]
+    scripts/limits_held.py [--only PATTERN] [--factor F] [--seconds S] [--both] [--csv FILE]
 
 Beside `shadowgauge study limits`, which prints what a threshold changes in rendered scenes when it is halved and
 doubled: one that changes nothing there is deleted unless a test holds its case, that is, fails when the threshold is
 divided or multiplied by so much (F, a million unless given) that what it decides is always decided alike. Each test
-runs alone once, noting the groups of thresholds that it reads; then each variant runs those tests, quickest first,
-until one fails, for at most S seconds (60) of a variant. Prints a row a variant: threshold, way, value, the test that
-fails (`-` where none does).
+runs alone once, noting the groups of thresholds that it reads; then each variant runs those tests, first those that
+read the fewest groups, until one fails, for at most S seconds (20) of a variant. A threshold is held by a test that
+fails either way: the second way is tried where the first fails none (`--both`: always). Prints a row a variant:
+threshold, way, value, the test that fails (`-` where none does). A `--csv` that is there already is gone on with.
 """
 import argparse
 import csv
@@ -68,7 +69,7 @@ def survey(binary):
             print(f"left out, fails as it is: {name}", file=sys.stderr)
         elif groups:
             tests.append((seconds, name, groups))
-    return sorted(tests)
+    return tests
 
 
 def holder(binary, tests, variant, seconds):
@@ -103,7 +104,8 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--only", default="", help="part of the thresholds' names, or names joined by commas")
     arguments.add_argument("--factor", type=float, default=1e6, help="2 for half and double")
-    arguments.add_argument("--seconds", type=float, default=60.0)
+    arguments.add_argument("--seconds", type=float, default=20.0)
+    arguments.add_argument("--both", action="store_true", help="the other way, too, of a threshold that is held")
     arguments.add_argument("--jobs", type=int, default=2)
     arguments.add_argument("--csv")
     arguments.add_argument("--binary")
@@ -116,21 +118,34 @@ def main():
         tests = survey(binary)
         if given.survey:
             json.dump([(s, n, sorted(g)) for s, n, g in tests], open(given.survey, "w"))
+    tests.sort(key=lambda t: (len(t[2]), t[0]))
     print(f"{len(tests)} tests read thresholds, {sum(t[0] for t in tests):.0f} s", file=sys.stderr)
     only = given.only.split(",")
     variants = [v for v in variants_of(binary, given.factor) if any(o in v[0] for o in only)]
 
-    def row(variant):
-        name, way, value = variant
-        group = name.split(".")[0]
-        test = holder(binary, [t for t in tests if group in t[2]], f"{name}={value}", given.seconds)
-        return name, way, value, test or "-"
-
+    by_name = {}
+    for name, way, value in variants:
+        by_name.setdefault(name, []).append((way, value))
     rows = []
+    if given.csv and os.path.exists(given.csv):
+        rows = [tuple(r) for r in list(csv.reader(open(given.csv, newline="")))[1:]]
+    known = {r[0] for r in rows}
+
+    def rows_of(name):
+        found, group = [], name.split(".")[0]
+        of_group = [t for t in tests if group in t[2]]
+        for way, value in by_name[name]:
+            test = holder(binary, of_group, f"{name}={value}", given.seconds)
+            found.append((name, way, value, test or "-"))
+            if test and not given.both:
+                break
+        return found
+
     with ThreadPoolExecutor(given.jobs) as pool:
-        for found in pool.map(row, variants):
-            rows.append(found)
-            print(*found, flush=True)
+        for found in pool.map(rows_of, [n for n in by_name if n not in known]):
+            rows += found
+            for row in found:
+                print(*row, flush=True)
             if given.csv:
                 with open(given.csv, "w", newline="") as file:
                     csv.writer(file).writerows([("threshold", "way", "value", "test"), *rows])

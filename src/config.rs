@@ -280,7 +280,7 @@ fn parse_error(text: &str, file: &str, error: &toml::de::Error, schema: Option<&
 /// That a key which is refused is not in the file, but left at its default; `found` is the value
 /// that is refused.
 fn kept_default(key: &str, found: Option<&str>) -> Option<String> {
-    let defaults = toml::Value::try_from(Job::default()).ok()?;
+    let defaults = toml::from_str::<toml::Value>(&resolved(&Job::default()).ok()?).ok()?;
     let mut value = &defaults;
     for part in key.split('.') {
         let (name, index) = part.split_once('[').map_or((part, None), |(name, rest)| (name, Some(rest)));

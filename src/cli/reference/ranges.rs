@@ -18,7 +18,7 @@ const PROBES: [i64; 2] = [-1_000_000, 0];
 pub(crate) fn of_job() -> BTreeMap<String, String> {
     let presets = PRESETS.iter().filter_map(|text| config::parse(text, "preset").ok());
     let mut ranges = BTreeMap::new();
-    for start in presets.filter_map(|job| Value::try_from(job).ok()) {
+    for start in presets.filter_map(|job| toml::from_str::<Value>(&config::resolved(&job).ok()?).ok()) {
         let mut places = Vec::new();
         numbers(&start, &[], &mut places);
         for place in places {
@@ -56,7 +56,9 @@ fn number<'a>(value: &'a mut Value, keys: &[String]) -> Option<&'a mut Value> {
 fn refusal(start: &Value, keys: &[String], probe: i64) -> Option<String> {
     let mut changed = start.clone();
     *number(&mut changed, keys)? = Value::Integer(probe);
-    let refused = changed.try_into::<Job>().ok()?.check().err()?;
+    // By its text, as a config comes: a second reader of every setting is half a minute to compile.
+    let text = toml::to_string(&changed).ok()?;
+    let refused = toml::from_str::<Job>(&text).ok()?.check().err()?;
     let range = refused.problem.strip_prefix("must be ")?;
     (without_indices(&refused.key) == keys.join(".")).then(|| range.to_owned())
 }
