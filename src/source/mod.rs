@@ -66,4 +66,5 @@ pub(crate) use read_error::ReadError;
 #[cfg(feature = "render")]
 pub(crate) use recording::{RecordedScan, Recording, check_places};
 pub(crate) use scale::SAME_SCALE;
+pub(crate) use spare::Spare;
 pub(crate) use stored::{Arrival, Taken};
