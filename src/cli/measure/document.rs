@@ -80,7 +80,7 @@ impl Lines {
 
 /// The line of a frame. Files and images on a pipe do not show whether frames were lost before
 /// them; a frame that is not whole is never measured: it counts as lost before the next one.
-fn line(mut frame: Value, arrival: &Arrival, sequence: u64) -> Value {
+pub(crate) fn line(mut frame: Value, arrival: &Arrival, sequence: u64) -> Value {
     if let Value::Object(keys) = &mut frame {
         keys.insert("sequence".to_owned(), sequence.into());
         keys.insert("device_t_ns".to_owned(), json!(arrival.device_t_ns));

@@ -140,6 +140,11 @@ impl StreamSource {
         Ok(stream)
     }
 
+    /// Whether its frames stand in a file and wait.
+    pub(crate) fn is_file(&self) -> bool {
+        matches!(self, Self::RawFile(..) | Self::Y4m(_))
+    }
+
     /// The frames, every one in its order.
     ///
     /// # Errors

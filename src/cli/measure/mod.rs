@@ -10,7 +10,7 @@
 
 mod choice;
 mod csv_file;
-mod document;
+pub(super) mod document;
 mod edges_file;
 pub(super) mod esf_argument;
 pub(super) mod frames;
@@ -38,7 +38,7 @@ use self::choice::ChoiceArgs;
 use self::document::{Lines, Whole};
 use self::edges_file::{EdgesFile, claim_output};
 use self::esf_argument::esf_model;
-use self::frames::{FrameArgs, Frames, ScaleArgument};
+use self::frames::{FrameArgs, FrameChecks, Frames, ScaleArgument};
 use self::input::{Input, InputArgs};
 use self::instrument_args::InstrumentArgs;
 use self::judge_args::JudgeArgs;
@@ -120,7 +120,8 @@ enum Shape {
     Ring,
 }
 
-fn positive_px(text: &str) -> Result<f64, String> {
+/// Parses a size in pixels.
+pub(super) fn positive_px(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("a diameter above 0 in pixels is needed, for instance 6".to_owned()),
@@ -128,7 +129,7 @@ fn positive_px(text: &str) -> Result<f64, String> {
 }
 
 /// What a frame or a setting gives no measurement for: exit 2 for settings, 3 for frames.
-fn failure(error: MeasureError) -> Failure {
+pub(super) fn failure(error: MeasureError) -> Failure {
     if error.is_of_settings() { Failure::refuse(error) } else { Failure::fail(error) }
 }
 
@@ -311,8 +312,8 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     }
     let opened = input.open(args.frames.channel(), decoding_threads(args))?;
     let stop = opened.stop.clone();
-    let mut frames =
-        Frames::new(opened.frames, &args.frames, instrument.calibration.as_ref(), args.instrument.scale());
+    let checks = FrameChecks::new(&args.frames, instrument.calibration.as_ref(), args.instrument.scale());
+    let mut frames = Frames::new(opened.frames, checks);
     let mut kept = Vec::new();
     while let Some((arrival, read)) = frames.next_frame() {
         let frame = measure_one(&mut stream, &arrival.stem, read);
@@ -407,7 +408,8 @@ fn rings(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandRe
     let calibration = instrument.calibration.as_ref();
     let json = args.json.then(|| if input.is_stream() { ring::Json::lines() } else { ring::Json::whole() });
     let opened = input.open(args.frames.channel(), decoding_threads(args))?;
-    let mut source = Frames::new(opened.frames, &args.frames, calibration, args.instrument.scale());
+    let checks = FrameChecks::new(&args.frames, calibration, args.instrument.scale());
+    let mut source = Frames::new(opened.frames, checks);
     let (mut first_error, mut readable) = (None, 0_usize);
     let frames = std::iter::from_fn(|| {
         while let Some((arrival, read)) = source.next_frame() {
