@@ -38,7 +38,7 @@ const ROOMS: [(&str, &str); 3] = [
     ("render", "error optics motion form silhouette kernel contamination sensor settings gpu scene renderer"),
     (
         "cli",
-        "failure process terminal input_output calibration_plan schema new completions man optics measure calibrate render doctor run demo \
+        "failure process terminal input_output calibration_plan schema new completions man optics measure watch calibrate render doctor run demo \
          nc tool optimize reproduce study reference",
     ),
 ];

@@ -35,6 +35,7 @@ mod run;
 mod schema;
 mod study;
 mod tool;
+mod watch;
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -88,6 +89,8 @@ commands! {
     Optics(optics::OpticsCommand) => optics::run,
     /// Measure edges and diameters of frames in files.
     Measure(Box<measure::MeasureArgs>) => measure::run,
+    /// Watch a source live: the diameter of now, one value a part, an alarm.
+    Watch(Box<watch::WatchArgs>) => watch::run,
     /// Print a commented start for a file of one's own.
     New(new::NewArgs) => new::run,
     /// Print the JSON Schema of a config file or of a table's row.

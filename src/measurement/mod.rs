@@ -11,7 +11,8 @@
 //! camera. From below: `settings`, `error`, `warning`, `flags`, `result` (a frame's) → `crests`,
 //! `stated`, `preparation`, `turn_frames` (what a revolution keeps of its frames) → `inspector`
 //! (millimetres, averages, judgement of a frame) → `turn`, `statistics`, `series` → `stream` →
-//! `one_frame`. One more figure of a frame is one more field of `result`, one more result of a
+//! `one_frame`; `watch` is apart from these: presence, trend, validity and alarm of frames that are
+//! watched. One more figure of a frame is one more field of `result`, one more result of a
 //! series one more field of `series`.
 
 pub(crate) mod by_key;
@@ -35,6 +36,8 @@ mod turn;
 mod turn_frames;
 mod turn_sizes;
 mod warning;
+#[cfg(feature = "cli")]
+pub(crate) mod watch;
 
 pub use self::conditions::known_conditions;
 pub use self::document::Document;

@@ -14,7 +14,7 @@ use super::natural_order::natural;
 use super::raster::Channel;
 use super::read_error::{LARGEST_FILE, ReadError};
 use super::spare::Spare;
-use super::stored::{Arrival, StoredFrame, Taken, Undecoded};
+use super::stored::{Arrival, Coded, StoredFrame, Taken, Undecoded};
 use crate::frame::{Frame, FrameMeta, FrameSource, SourceError};
 
 /// Rows of a table that a notice names one by one.
@@ -277,6 +277,7 @@ impl FileFrames {
         Ok(Undecoded {
             stem: arrival.stem.clone(),
             named: page_name(open),
+            coded: Coded::Image,
             content,
             wanted,
             meta,

@@ -24,6 +24,7 @@ mod gauge_stream;
 mod in_process;
 mod job_stations;
 mod linuxcnc;
+mod live;
 mod machine;
 mod nc_air_cut;
 mod nc_probing;
