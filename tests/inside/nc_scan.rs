@@ -52,7 +52,7 @@ fn settings(dialect: Dialect, speed_per_min: Option<f64>) -> NcSettings {
         geometry_offset: Some(GeometryOffset::ByTool),
         spindle: Some(Spindle::M03),
         spindle_orientation: Some(SpindleOrientation { angle_deg: 300.0, m_code: 19, release_m_code: None }),
-        chuck: Some(Chuck { diameter_mm: 50.0, jaws_to_z_mm: 0.0, jaws_diameter_mm: None }),
+        chuck: Some(Chuck { diameter_mm: 80.0, jaws_to_z_mm: 0.0, jaws_diameter_mm: None }),
         tailstock: Some(Tailstock::Absent),
         scan: Some(scan(dialect, speed_per_min)),
         ..NcSettings::default()
@@ -93,7 +93,9 @@ fn every_stop_is_triggered_once_at_its_place_and_angle() {
         for z in FIELDS {
             match speed {
                 // the angles of the scan from that of the orientation on
-                None => due.extend([300.0, 345.0, 30.0, 75.0].map(|a| (z - HEAD_Z_MM, SpindleState::Held(a)))),
+                None => {
+                    due.extend([300.0, 345.0, 30.0, 75.0].map(|a| (z - HEAD_Z_MM, SpindleState::Held(a))))
+                }
                 Some(speed) => due.push((z - HEAD_Z_MM, SpindleState::Turning(speed))),
             }
         }
@@ -109,8 +111,7 @@ fn every_stop_is_triggered_once_at_its_place_and_angle() {
     }
 }
 
-/// The order of issue: retract, coolant off, air blast, dwell, spindle, carriage, settle, trigger,
-/// shutter.
+/// Retract, coolant off, air blast, pause, shutter, carriage, settle, trigger, wait.
 #[test]
 fn the_order_is_that_of_a_dry_part() {
     let settings = settings(Dialect::Fanuc, Some(600.0));
@@ -225,9 +226,8 @@ fn data_that_cannot_be_are_refused_by_their_keys() {
     says("nc.spindle_orientation", &|m, _| m.spindle_orientation = None);
     // a head that does not pass over the part; chuck jaws in its way; a room that is not stated
     says("gauge head", &|_, s| s.head.opening_mm = 30.0);
-    says("no start position is clear", &|_, s| s.head.opening_mm = 30.0);
     says("gauge head touches the jaws", &|m, _| {
-        m.chuck = Some(Chuck { diameter_mm: 50.0, jaws_to_z_mm: 10.0, jaws_diameter_mm: Some(80.0) });
+        m.chuck = Some(Chuck { diameter_mm: 80.0, jaws_to_z_mm: 10.0, jaws_diameter_mm: None });
     });
     says("chuck not stated", &|m, s| {
         m.chuck = None;
@@ -236,7 +236,9 @@ fn data_that_cannot_be_are_refused_by_their_keys() {
     let none = NcSettings { scan: None, ..settings(Dialect::Fanuc, None) };
     let said = with(&none, |p| p.write(Dialect::Fanuc).expect_err("no table").to_string());
     assert!(said.contains("nc.scan"), "{said}");
-    assert!(refused(&|_, s| s.trigger = "M81".parse().unwrap(), Dialect::Linuxcnc).contains("nc.scan.trigger"));
+    assert!(
+        refused(&|_, s| s.trigger = "M81".parse().unwrap(), Dialect::Linuxcnc).contains("nc.scan.trigger")
+    );
 }
 
 #[test]
