@@ -70,9 +70,6 @@ fn one() -> u32 {
     1
 }
 
-/// A turn in ns at 1/min.
-const NS_A_MINUTE: f64 = 6e10;
-
 impl EncoderSettings {
     /// An encoder with these counts a turn and all defaults.
     pub fn new(counts_per_turn: u32) -> Self {
@@ -130,10 +127,5 @@ impl EncoderSettings {
     /// Spindle angle of a count since the index, degrees, 0 to below 360.
     pub(super) fn angle_deg(&self, counts: f64) -> f64 {
         (self.index_deg + 360.0 * counts / f64::from(self.counts_per_turn)).rem_euclid(360.0)
-    }
-
-    /// Speed in counts a ns, 1/min.
-    pub(super) fn speed_per_min(&self, counts_per_ns: f64) -> f64 {
-        counts_per_ns * NS_A_MINUTE / f64::from(self.counts_per_turn)
     }
 }

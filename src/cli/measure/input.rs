@@ -9,6 +9,7 @@ use std::time::Duration;
 use super::frames::paths;
 use crate::cli::failure::Failure;
 use crate::cli::process::interrupt;
+use crate::position::EncoderSettings;
 use crate::source::{Ahead, Channel, FileFrames, Follow, Piped};
 
 /// Memory of the reader of stdin, bytes: what a pipe holds.
@@ -100,16 +101,23 @@ impl Input {
         !matches!(self, Self::Files(_))
     }
 
-    /// Begins to read it and to decode on so many threads, of colour images this channel.
+    /// Begins to read it and to decode on so many threads, of colour images this channel, of files
+    /// with the angles of this encoder.
     ///
     /// # Errors
     /// A folder that cannot be listed; a system that refuses threads.
-    pub(crate) fn open(self, channel: Option<Channel>, threads: usize) -> Result<Opened, Failure> {
+    pub(crate) fn open(
+        self,
+        channel: Option<Channel>,
+        encoder: Option<EncoderSettings>,
+        threads: usize,
+    ) -> Result<Opened, Failure> {
         let stop = self.is_stream().then(interrupt::requested);
         let (ended, spare) = (stop.clone(), Ahead::spare(threads));
         let frames = match self {
             Self::Files(paths) => {
-                let files = FileFrames::new(paths).of_channel(channel).reusing(spare.clone());
+                let files = FileFrames::new(paths).of_channel(channel).by_encoder(encoder);
+                let files = files.reusing(spare.clone());
                 Ahead::new(files.undecoded(), threads, ended, spare)
             }
             Self::Folder(folder, idle) => {

@@ -12,6 +12,7 @@ mod choice;
 mod csv_file;
 mod document;
 mod edges_file;
+mod encoder_args;
 pub(super) mod esf_argument;
 mod frames;
 mod input;
@@ -37,6 +38,7 @@ use serde_json::Value;
 use self::choice::ChoiceArgs;
 use self::document::{Lines, Whole};
 use self::edges_file::{EdgesFile, claim_output};
+use self::encoder_args::EncoderArgs;
 use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, scale_argument, scale_of_files};
 use self::input::{Input, InputArgs};
@@ -86,6 +88,8 @@ pub(crate) struct MeasureArgs {
     /// Temperature of the part, °C, in place of the conditions' one.
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     part_temperature: Option<f64>,
+    #[command(flatten)]
+    encoder: EncoderArgs,
     #[command(flatten)]
     frames: FrameArgs,
     #[command(flatten)]
@@ -333,7 +337,8 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     if is_stream {
         report_uncalibrated(&stream);
     }
-    let opened = input.open(args.frames.channel(), decoding_threads(args))?;
+    let encoder = args.encoder.encoder(&input)?;
+    let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
     let stop = opened.stop.clone();
     let mut frames =
         Frames::new(opened.frames, &args.frames, instrument.calibration.as_ref(), args.um_per_px);
@@ -430,7 +435,8 @@ fn rings(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandRe
     settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
     let calibration = instrument.calibration.as_ref();
     let json = args.json.then(|| if input.is_stream() { ring::Json::lines() } else { ring::Json::whole() });
-    let opened = input.open(args.frames.channel(), decoding_threads(args))?;
+    let encoder = args.encoder.encoder(&input)?;
+    let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
     let mut source = Frames::new(opened.frames, &args.frames, calibration, args.um_per_px);
     let (mut first_error, mut readable) = (None, 0_usize);
     let frames = std::iter::from_fn(|| {
