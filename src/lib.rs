@@ -48,6 +48,7 @@ pub(crate) mod nose;
 mod numerics;
 pub(crate) mod outline;
 pub mod plan;
+pub mod position;
 pub mod profile;
 pub mod setting;
 pub mod shaft;

@@ -15,8 +15,8 @@ mod imports;
 
 /// Rooms by layer, bottom to top; a file imports its own room and earlier ones; the stages import
 /// only the vocabulary.
-const VOCABULARY: [&str; 9] =
-    ["numerics", "setting", "frame", "shaft", "profile", "plan", "outline", "nose", "conformity"];
+const VOCABULARY: [&str; 10] =
+    ["numerics", "setting", "frame", "shaft", "profile", "plan", "position", "outline", "nose", "conformity"];
 const STAGES: [&str; 9] =
     ["process", "render", "gauge", "probe", "control", "source", "nc", "tool", "machine"];
 const COMPOSITION: [&str; 7] =

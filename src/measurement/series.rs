@@ -93,6 +93,8 @@ fn turn_form(inspector: &mut Inspector) -> Result<(TurnForm, Vec<String>), Measu
     let of = |s: &SectionForm| SectionUncertainty { z_mm: s.z_mm, u_mm: common(s.z_mm) };
     let form = TurnForm {
         common: turn.form.sections.iter().map(of).collect(),
+        coverage: turn.angles.coverage(),
+        sweep_deg: turn.angles.sweep_deg,
         implausible: std::mem::take(&mut inspector.turn.jumps),
         axis: turn.axis,
         judged,

@@ -18,10 +18,12 @@ mod decode;
 mod depth;
 #[cfg(feature = "render")]
 mod digest;
+mod encoder_rows;
 mod error;
 mod extension;
 mod folder;
 mod follow;
+mod frame_info;
 mod frame_table;
 mod host_clock;
 mod ifd;

@@ -30,6 +30,7 @@ mod nc_air_cut;
 mod nc_probing;
 mod nc_programs;
 mod nc_replay;
+mod nc_scan;
 mod nc_sinumerik;
 mod optics_cylinder;
 mod optics_esf;

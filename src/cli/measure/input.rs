@@ -17,6 +17,7 @@ use crate::cell::{HeadPace, SimulatedHead};
 use crate::cli::failure::Failure;
 use crate::cli::process::interrupt;
 use crate::config;
+use crate::position::EncoderSettings;
 use crate::render::{BackendChoice, Renderer};
 use crate::source::live::{Live, LiveSettings, Policy, Producer, StoredProducer, taken};
 use crate::source::raw::{RawLayout, RawStream, begins_y4m};
@@ -254,13 +255,17 @@ impl Reading {
         self.ahead(follow.map_err(Failure::fail)?.reusing(self.spare.clone()))
     }
 
-    /// The frames of files.
+    /// The frames of files, their angles from the counts of this encoder where one is given.
     ///
     /// # Errors
     /// A system that refuses threads.
-    pub(crate) fn files(&self, paths: Vec<PathBuf>) -> Result<Ahead, Failure> {
-        let files = FileFrames::new(paths).of_channel(self.channel).reusing(self.spare.clone());
-        self.ahead(files.undecoded())
+    pub(crate) fn files(
+        &self,
+        paths: Vec<PathBuf>,
+        encoder: Option<EncoderSettings>,
+    ) -> Result<Ahead, Failure> {
+        let files = FileFrames::new(paths).of_channel(self.channel).by_encoder(encoder);
+        self.ahead(files.reusing(self.spare.clone()).undecoded())
     }
 }
 
@@ -327,14 +332,20 @@ impl Input {
         !matches!(self, Self::Files(_))
     }
 
-    /// Begins to read it and to decode on so many threads, of colour images this channel.
+    /// Begins to read it and to decode on so many threads, of colour images this channel, of files
+    /// with the angles of this encoder.
     ///
     /// # Errors
     /// A folder that cannot be listed, a file that cannot be opened; a system that refuses threads.
-    pub(crate) fn open(self, channel: Option<Channel>, threads: usize) -> Result<Opened, Failure> {
+    pub(crate) fn open(
+        self,
+        channel: Option<Channel>,
+        encoder: Option<EncoderSettings>,
+        threads: usize,
+    ) -> Result<Opened, Failure> {
         let read = Reading::new(channel, threads, self.is_stream());
         let frames = match self {
-            Self::Files(paths) => read.files(paths),
+            Self::Files(paths) => read.files(paths, encoder),
             Self::Folder(folder, idle) => read.followed(folder, idle),
             Self::Stream(stream) => stream.ahead(&read),
         };

@@ -12,6 +12,7 @@ mod choice;
 mod csv_file;
 pub(super) mod document;
 mod edges_file;
+mod encoder_args;
 pub(super) mod esf_argument;
 pub(super) mod frames;
 pub(super) mod input;
@@ -37,6 +38,7 @@ use serde_json::Value;
 use self::choice::ChoiceArgs;
 use self::document::{Lines, Whole};
 use self::edges_file::{EdgesFile, claim_output};
+use self::encoder_args::EncoderArgs;
 use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, FrameChecks, Frames, ScaleArgument};
 use self::input::{Input, InputArgs};
@@ -63,6 +65,8 @@ pub(crate) struct MeasureArgs {
     input: InputArgs,
     #[command(flatten)]
     instrument: InstrumentArgs,
+    #[command(flatten)]
+    encoder: EncoderArgs,
     #[command(flatten)]
     frames: FrameArgs,
     #[command(flatten)]
@@ -310,7 +314,8 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     if is_stream {
         report_uncalibrated(&stream);
     }
-    let opened = input.open(args.frames.channel(), decoding_threads(args))?;
+    let encoder = args.encoder.encoder(&input)?;
+    let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
     let stop = opened.stop.clone();
     let checks = FrameChecks::new(&args.frames, instrument.calibration.as_ref(), args.instrument.scale());
     let mut frames = Frames::new(opened.frames, checks);
@@ -407,7 +412,8 @@ fn rings(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandRe
     settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
     let calibration = instrument.calibration.as_ref();
     let json = args.json.then(|| if input.is_stream() { ring::Json::lines() } else { ring::Json::whole() });
-    let opened = input.open(args.frames.channel(), decoding_threads(args))?;
+    let encoder = args.encoder.encoder(&input)?;
+    let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
     let checks = FrameChecks::new(&args.frames, calibration, args.instrument.scale());
     let mut source = Frames::new(opened.frames, checks);
     let (mut first_error, mut readable) = (None, 0_usize);
