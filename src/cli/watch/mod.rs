@@ -172,7 +172,7 @@ fn opened_path(path: &Path, read: &Reading) -> Result<Watched, Failure> {
     let (frames, policy) = if path.is_dir() {
         (read.followed(path.to_owned(), None)?, Policy::DropOldest)
     } else {
-        (read.files(paths(&[path.to_owned()])?)?, Policy::Block)
+        (read.files(paths(&[path.to_owned()])?, None)?, Policy::Block)
     };
     Ok(Watched { producer: Box::new(StoredProducer::new(frames)), policy })
 }
