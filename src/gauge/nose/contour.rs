@@ -7,8 +7,8 @@ use imageproc::region_labelling::{Connectivity, connected_components};
 use super::error::NoseImageError;
 use super::limits::NoseLimits;
 use crate::frame::{FrameView, PixelFormat};
-use crate::gauge::ring::coarse::{Grey, threshold};
 use crate::gauge::ring::RingError;
+use crate::gauge::ring::coarse::{Grey, threshold};
 
 /// Half width of the mean over places of the contour: eight steps of whole pixels.
 const MEAN_HALF: usize = 4;
@@ -131,10 +131,7 @@ fn split(corners: &[(isize, isize)], mask: &Mask) -> Vec<Run> {
         return smoothed(&twice).into_iter().collect();
     };
     let turned: Vec<(isize, isize)> = (0..n).map(|k| corners[(first + k) % n]).collect();
-    turned
-        .split(touches)
-        .filter_map(|run| smoothed(&run.iter().map(place).collect::<Vec<_>>()))
-        .collect()
+    turned.split(touches).filter_map(|run| smoothed(&run.iter().map(place).collect::<Vec<_>>())).collect()
 }
 
 /// Means over neighbouring corners: the steps of the pixels are gone.

@@ -63,7 +63,8 @@ pub(super) fn find(
             if !(follows && (limits.least_angle_deg..=limits.most_angle_deg).contains(&angle)) {
                 continue;
             }
-            let fits = settings.expected.is_none_or(|e| (angle - e.epsilon_deg).abs() < 2.0 * limits.direction_deg);
+            let fits =
+                settings.expected.is_none_or(|e| (angle - e.epsilon_deg).abs() < 2.0 * limits.direction_deg);
             let score = (first.count.min(second.count) * if fits { 4 } else { 1 }) as f64;
             if best.is_none_or(|(most, ..)| score > most) {
                 best = Some((score, first, second));
@@ -133,7 +134,8 @@ fn longest(run: &Run, free: &[bool], number: usize) -> Option<Stretch> {
             let (from, to) = (run[left[k]], run[left[k + reach]]);
             let Some(along) = (to - from).try_normalize() else { continue };
             let (normal, thin) = (-along.perp(), (left.len() / 1500).max(1));
-            let on = left.iter().step_by(thin).filter(|j| normal.dot(run[**j] - from).abs() < limits.coarse_px);
+            let on =
+                left.iter().step_by(thin).filter(|j| normal.dot(run[**j] - from).abs() < limits.coarse_px);
             let count = on.count() * thin;
             if best.is_none_or(|b| count > b.0) {
                 best = Some((count, from, normal));

@@ -71,7 +71,8 @@ pub(super) fn fit(from: &EdgeLine, points: &[EdgePoint]) -> Option<LineFit> {
     let mut line = consensus(points, within)?;
     let mut result = None;
     for _ in 0..6 {
-        let on: Vec<&EdgePoint> = points.iter().filter(|p| (p.shift - line.at(p.along)).abs() <= within).collect();
+        let on: Vec<&EdgePoint> =
+            points.iter().filter(|p| (p.shift - line.at(p.along)).abs() <= within).collect();
         let next = weighted(&on)?;
         let residuals = on.iter().map(|p| (p.shift - next.at(p.along)).abs()).collect();
         let spread = (MEDIAN_TO_SD * median_of(residuals)).max(usual_u);
@@ -133,7 +134,8 @@ fn weighted(on: &[&EdgePoint]) -> Option<Straight> {
     let square: f64 = on.iter().map(|p| w(p) * (p.along - middle).powi(2)).sum();
     let slope = on.iter().map(|p| w(p) * (p.along - middle) * p.shift).sum::<f64>() / square;
     let mut line = Straight { middle, offset, slope, u_offset: 0.0, u_slope: 0.0 };
-    let chi2 = on.iter().map(|p| w(p) * (p.shift - line.at(p.along)).powi(2)).sum::<f64>() / (on.len() - 2) as f64;
+    let chi2 =
+        on.iter().map(|p| w(p) * (p.shift - line.at(p.along)).powi(2)).sum::<f64>() / (on.len() - 2) as f64;
     let wider = chi2.max(1.0).sqrt();
     (line.u_offset, line.u_slope) = (wider / sum.sqrt(), wider / square.sqrt());
     line.slope.is_finite().then_some(line)

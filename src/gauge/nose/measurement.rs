@@ -66,7 +66,8 @@ pub(super) fn coarse_path(corner: &Corner, settings: &NoseSettings) -> Result<Pa
     let round = gap / ((0.5 * corner.epsilon_rad).sin().recip() - 1.0);
     let nominal = settings.nominal_radius_px.unwrap_or(round);
     if !(nominal >= LEAST_RADIUS_PX) {
-        let why = format!("its nose has a radius of {nominal:.1} px, {LEAST_RADIUS_PX} px or more can be measured");
+        let why =
+            format!("its nose has a radius of {nominal:.1} px, {LEAST_RADIUS_PX} px or more can be measured");
         return Err(NoseImageError::Fit(why));
     }
     Ok(Path::nominal(lines, nominal))
@@ -370,9 +371,7 @@ fn flags(path: &Path, last: &Round, found: &FoundRadius) -> Vec<&'static str> {
     if mean.abs() > limits.worn_px {
         flags.push("worn");
     }
-    let beyond = |k: &usize| {
-        departures[*k] > limits.bump_px.max(limits.bump_u * last.sectors[*k].u_px)
-    };
+    let beyond = |k: &usize| departures[*k] > limits.bump_px.max(limits.bump_u * last.sectors[*k].u_px);
     match (0..departures.len()).filter(beyond).count() {
         0 => {}
         n if 2 * n < departures.len() => flags.push("built_up_edge"),

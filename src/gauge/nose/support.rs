@@ -34,7 +34,8 @@ pub(super) struct Support {
 /// The support about the path's centre.
 pub(super) fn support(path: &Path, sectors: &[NoseSector]) -> Option<Support> {
     let limits = NoseLimits::get();
-    let departures = DVector::from_iterator(sectors.len(), sectors.iter().map(|s| s.radius_px - path.nominal_px));
+    let departures =
+        DVector::from_iterator(sectors.len(), sectors.iter().map(|s| s.radius_px - path.nominal_px));
     let weights = DVector::from_iterator(sectors.len(), sectors.iter().map(|s| s.u_px.powi(-2)));
     let hat = smoother(&departures, &weights)?;
     let smooth = &hat * &departures;

@@ -426,8 +426,7 @@ impl<const P: usize> State<P> {
         let mut bins = vec![(0.0, 0.0, 0.0_f64); (2.0 * reach / limits.crossing_step_px) as usize + 1];
         for pixel in pixels {
             let p = &self.pooled;
-            let middle =
-                p[0] + 0.5 * p[3] + (p[1] + 0.5 * p[4]) * pixel.x + (p[2] + 0.5 * p[5]) * pixel.y;
+            let middle = p[0] + 0.5 * p[3] + (p[1] + 0.5 * p[4]) * pixel.x + (p[2] + 0.5 * p[5]) * pixel.y;
             let bin = &mut bins[((pixel.distance + reach) / limits.crossing_step_px) as usize];
             *bin = (bin.0 + pixel.distance, bin.1 + pixel.value - middle, bin.2 + 1.0);
         }
