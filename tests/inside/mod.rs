@@ -30,6 +30,7 @@ mod nc_probing;
 mod nc_programs;
 mod nc_replay;
 mod nc_sinumerik;
+mod nose;
 mod optics_cylinder;
 mod optics_esf;
 mod optics_lens;

@@ -4,6 +4,7 @@ use glam::DVec2;
 use nalgebra::{Matrix2, SymmetricEigen, Vector2};
 
 use super::limits::NoseLimits;
+use super::line::product;
 use super::path::Path;
 use super::result::{NoseSector, Reference};
 
@@ -14,13 +15,15 @@ const ISO_SHARE: f64 = 0.1;
 /// Share of the sectors that lie on the fitted circle of a new nose.
 const NEW_SHARE: f64 = 0.9;
 
-/// Covariance of the centre by the edges' uncertainty where they end: N⁻¹·diag(u²)·N⁻ᵀ.
+/// Covariance of the centre by that of the edges' offsets where they end: N⁻¹·C·N⁻ᵀ.
 pub(super) fn covariance(path: &Path) -> Matrix2<f64> {
     let [a, b] = &path.lines;
-    let u = [a, b].map(|line| line.u_at(path.centre + line.normal * path.nominal_px));
+    let [(ua, sa), (ub, sb)] = [a, b].map(|line| line.u_at(path.centre + line.normal * path.nominal_px));
+    let both = product(&sa, &sb);
+    let edges = Matrix2::new(ua * ua + product(&sa, &sa), both, both, ub * ub + product(&sb, &sb));
     let normals = Matrix2::new(a.normal.x, a.normal.y, b.normal.x, b.normal.y);
     let Some(inverse) = normals.try_inverse() else { return Matrix2::zeros() };
-    inverse * Matrix2::from_diagonal(&Vector2::new(u[0] * u[0], u[1] * u[1])) * inverse.transpose()
+    inverse * edges * inverse.transpose()
 }
 
 /// Standard uncertainty along the axis in which the centre is known least, px.

@@ -72,10 +72,13 @@ limits! {
     /// Share of the sectors that may reach beyond a baseline by more than `baseline_u`: a nose does
     /// not grow, but for a built-up edge.
     baseline_beyond: f64 = 0.2;
+    /// Share of the correction by curvature, beyond a circle's, that stays uncertain: at a corner the
+    /// curvature of seven sectors is half of what the blur sees.
+    u_bend: f64 = 0.5;
     /// The smoothing penalty over that of least cross-validation: what smoothing moves is then small
-    /// beside the noise, which the draws know, at a sixth more noise (the variance of a smooth of
+    /// beside the noise, which the draws know, at two and a half times the noise's variance (the variance of a smooth of
     /// second differences falls with the fourth root of the penalty).
-    penalty_share: f64 = 0.1;
+    penalty_share: f64 = 0.03;
     /// Draws of the Monte Carlo of the support: u is known to 5 %.
     draws: usize = 200;
     /// Largest distance of the support's directions, degrees; a nose profile takes 5.

@@ -12,8 +12,10 @@ use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::limits::NoseLimits;
+use super::line::product;
 use super::path::Path;
 use super::result::{NoseSector, SupportValue};
+use crate::gauge::ring::fit::SHARED;
 
 /// Weights of the penalty that are tried, from none to a circle: powers of 4.
 const PENALTIES: usize = 12;
@@ -22,6 +24,15 @@ const PENALTIES: usize = 12;
 const FINE: usize = 8;
 /// Seed of the draws: the same frame gives the same bytes.
 const SEED: u64 = 0x6e6f_7365;
+
+/// Noise of a sector's radius, px: its own, and what all calipers share.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SectorNoise {
+    /// Its own standard uncertainty.
+    pub(super) own: f64,
+    /// What it shares.
+    pub(super) shared: [f64; SHARED],
+}
 
 /// Support values and their covariance, px and px².
 pub(super) struct Support {
@@ -32,7 +43,7 @@ pub(super) struct Support {
 }
 
 /// The support about the path's centre.
-pub(super) fn support(path: &Path, sectors: &[NoseSector]) -> Option<Support> {
+pub(super) fn support(path: &Path, sectors: &[NoseSector], noise: &[SectorNoise]) -> Option<Support> {
     let limits = NoseLimits::get();
     let departures =
         DVector::from_iterator(sectors.len(), sectors.iter().map(|s| s.radius_px - path.nominal_px));
@@ -45,14 +56,11 @@ pub(super) fn support(path: &Path, sectors: &[NoseSector]) -> Option<Support> {
     let (m, draws) = (plain.len(), limits.draws);
     let (mut sum, mut products) = (DVector::zeros(m), DMatrix::zeros(m, m));
     for _ in 0..draws {
-        let noise: DVector<f64> = DVector::from_iterator(
-            sectors.len(),
-            sectors.iter().map(|s| {
-                let z: f64 = StandardNormal.sample(&mut random);
-                s.u_px * z
-            }),
-        );
-        let off = hull.values(&(&hat * (&smooth + noise))) - &plain;
+        let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
+        let common: [f64; SHARED] = std::array::from_fn(|_| draw());
+        let drawn = noise.iter().map(|n| n.own * draw() + product(&n.shared, &common));
+        let drawn = DVector::from_iterator(noise.len(), drawn.collect::<Vec<f64>>());
+        let off = hull.values(&(&hat * (&smooth + drawn))) - &plain;
         products += &off * off.transpose();
         sum += off;
     }
@@ -86,7 +94,7 @@ pub(super) fn below_hull(path: &Path, departures: &DVector<f64>) -> Vec<f64> {
 fn add_edges(path: &Path, hull: &Hull<'_>, covariance: &mut DMatrix<f64>) {
     let last = hull.count - 1;
     for (i, line) in [(0, &path.lines[0]), (last, &path.lines[1])] {
-        covariance[(i, i)] += line.u_at(path.centre + line.normal * path.nominal_px).powi(2);
+        covariance[(i, i)] += line.u_at(path.centre + line.normal * path.nominal_px).0.powi(2);
     }
 }
 
