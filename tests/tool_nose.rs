@@ -77,7 +77,20 @@ fn a_worn_insert_from_its_image_to_a_program() {
     assert_eq!(image["image"], "000000");
     assert!(image::open(&drawn).unwrap().as_rgb8().is_some());
     let part = config("outline.toml").to_str().unwrap().to_owned();
-    let way = ["tool", "compensate", "--nose", &out, "--tool", &tool, "--part", &part, "--json"];
+    let machine = config("machine.toml").to_str().unwrap().to_owned();
+    let way = [
+        "tool",
+        "compensate",
+        "--nose",
+        &out,
+        "--tool",
+        &tool,
+        "--part",
+        &part,
+        "--json",
+        "--machine",
+        &machine,
+    ];
     let left: Value = serde_json::from_str(&good(&way)).unwrap();
     assert!(left["e"].as_array().unwrap().len() > 50);
     for baseline in [new.clone(), at("new.json")] {

@@ -10,10 +10,6 @@ use super::result::{NoseSector, Reference};
 
 /// Corner radii of ISO 1832, mm.
 const ISO_1832_MM: [f64; 8] = [0.1, 0.2, 0.4, 0.8, 1.2, 1.6, 2.0, 2.4];
-/// Share of a radius of ISO 1832 within which a nose is of it: half the distance of 2.0 from 2.4.
-const ISO_SHARE: f64 = 0.1;
-/// Share of the sectors that lie on the fitted circle of a new nose.
-const NEW_SHARE: f64 = 0.9;
 
 /// Covariance of the centre by that of the edges' offsets where they end: N⁻¹·C·N⁻ᵀ.
 pub(super) fn covariance(path: &Path) -> Matrix2<f64> {
@@ -81,13 +77,13 @@ pub(super) fn radius(path: &Path, sectors: &[NoseSector], um_per_px: f64) -> Fou
     }
     let fitted = path.nominal_px + delta;
     let found = FoundRadius { radius_px: fitted, u_px: u, reference: Reference::Fitted };
-    if on.len() as f64 >= NEW_SHARE * sectors.len() as f64 {
+    if on.len() as f64 >= limits.new_share * sectors.len() as f64 {
         return found;
     }
     let mm = 1e-3 * fitted * um_per_px;
     let off = |r: &f64| (r / mm).ln().abs();
     match ISO_1832_MM.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))) {
-        Some(r) if (r - mm).abs() <= ISO_SHARE * r => {
+        Some(r) if (r - mm).abs() <= limits.iso_share * r => {
             FoundRadius { radius_px: 1e3 * r / um_per_px, u_px: 0.0, reference: Reference::Iso1832 }
         }
         _ => found,

@@ -7,12 +7,6 @@ use super::error::NoseImageError;
 use super::limits::NoseLimits;
 use super::settings::NoseSettings;
 
-/// Pairs of places that a line is drawn through, a run.
-const TRIALS: usize = 240;
-/// Most straight stretches looked for: both edges of a nose, those of the insert's other corners, and
-/// of its holder.
-const MOST_LINES: usize = 7;
-
 /// A straight stretch of the contour.
 #[derive(Clone, Debug)]
 pub(super) struct Stretch {
@@ -107,7 +101,7 @@ fn meet(a: &Stretch, b: &Stretch) -> DVec2 {
 fn stretches(run: &Run, number: usize) -> Vec<Stretch> {
     let limits = NoseLimits::get();
     let (mut free, mut found) = (vec![true; run.len()], Vec::new());
-    while found.len() < MOST_LINES {
+    while found.len() < limits.most_lines {
         let Some(stretch) = longest(run, &free, number) else { break };
         if (stretch.count as f64) < limits.least_edge_px {
             break;
@@ -129,7 +123,7 @@ fn longest(run: &Run, free: &[bool], number: usize) -> Option<Stretch> {
     let mut best: Option<(usize, DVec2, DVec2)> = None;
     for reach in [least, left.len() / 12, left.len() / 4] {
         let reach = reach.clamp(least / 2, left.len() - 1);
-        let step = ((left.len() - reach) / TRIALS).max(1);
+        let step = ((left.len() - reach) / limits.trials).max(1);
         for k in (0..left.len() - reach).step_by(step) {
             let (from, to) = (run[left[k]], run[left[k + reach]]);
             let Some(along) = (to - from).try_normalize() else { continue };

@@ -83,4 +83,28 @@ limits! {
     draws: usize = 200;
     /// Largest distance of the support's directions, degrees; a nose profile takes 5.
     support_step_deg: f64 = 2.0;
+    /// Most rounds, each along the contour of the one before: the third moves it by thousandths.
+    rounds: usize = 6;
+    /// Movement of the centre and of the sectors, px, below which the band follows the contour: its
+    /// pixels' distances are then right to a thousandth of the blur.
+    settled_px: f64 = 0.02;
+    /// Smallest nose radius, px, to which the correction of curvature holds, as for rings.
+    least_radius_px: f64 = 8.0;
+    /// Share of a radius of ISO 1832 within which a nose is of it: half the distance of 2.0 from 2.4.
+    iso_share: f64 = 0.1;
+    /// Share of the sectors that lie on the fitted circle of a new nose.
+    new_share: f64 = 0.9;
+    /// Penalties that are tried, from none to a circle: powers of 4.
+    penalties: usize = 12;
+    /// Places a sector of the contour whose hull is taken: the sagitta of an eighth of a degree of
+    /// 1000 px is 0.0006 px.
+    fine: usize = 8;
+    /// Pairs of places that a coarse line is drawn through, a run and length: of an edge that is a
+    /// tenth of the contour two dozen pairs lie on it.
+    trials: usize = 240;
+    /// Most straight stretches looked for: both edges of a nose, those of the insert's other corners,
+    /// and of its holder.
+    most_lines: usize = 7;
+    /// Half width of the mean over places of the coarse contour: eight steps of whole pixels.
+    mean_half: usize = 4;
 }

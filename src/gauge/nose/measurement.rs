@@ -18,19 +18,8 @@ use crate::frame::{FrameView, PixelFormat};
 use crate::gauge::edge::estimation::light_field::{LightField, Lit};
 use crate::gauge::ring::edge_pixels::Band;
 use crate::gauge::ring::fit::{Caliper, EdgeFit, fit_edge};
+use crate::gauge::ring::measurement::RingLightLimits;
 use crate::numerics::robust::median_of;
-
-/// Most rounds: each follows the contour of the one before; the third moves it by thousandths.
-const ROUNDS: usize = 6;
-/// Movement of the centre and of the sectors, px, below which the band follows the contour: its
-/// pixels' distances are then right to a thousandth of the blur.
-const SETTLED_PX: f64 = 0.02;
-/// Departures from neighbouring sectors are not judged: a worn nose has corners.
-const NO_OUTLIERS: f64 = 1e12;
-/// Pixels beyond the band from which the light's field is estimated, as for rings.
-const FIELD_PX: f64 = 16.0;
-/// Smallest nose radius, px, to which the correction of curvature holds.
-const LEAST_RADIUS_PX: f64 = 8.0;
 
 /// Measures the nose of the one insert in a frame.
 ///
@@ -45,9 +34,9 @@ pub(crate) fn measure_nose(
     let corner = corner::find(&runs, (view.rows(), view.columns()), settings)?;
     let mut work = Work::new(view, settings, &corner)?;
     let mut moved = f64::INFINITY;
-    for _ in 0..ROUNDS {
+    for _ in 0..NoseLimits::get().rounds {
         moved = work.round()?;
-        if moved < SETTLED_PX {
+        if moved < NoseLimits::get().settled_px {
             break;
         }
     }
@@ -65,9 +54,9 @@ pub(super) fn coarse_path(corner: &Corner, settings: &NoseSettings) -> Result<Pa
     let gap = corner.nose.iter().map(|p| p.distance(corner.apex)).fold(f64::INFINITY, f64::min);
     let round = gap / ((0.5 * corner.epsilon_rad).sin().recip() - 1.0);
     let nominal = settings.nominal_radius_px.unwrap_or(round);
-    if !(nominal >= LEAST_RADIUS_PX) {
-        let why =
-            format!("its nose has a radius of {nominal:.1} px, {LEAST_RADIUS_PX} px or more can be measured");
+    let least = NoseLimits::get().least_radius_px;
+    if !(nominal >= least) {
+        let why = format!("its nose has a radius of {nominal:.1} px, {least} px or more can be measured");
         return Err(NoseImageError::Fit(why));
     }
     Ok(Path::nominal(lines, nominal))
@@ -183,18 +172,18 @@ impl<'a> Work<'a> {
         if let Some(Some((field, dark))) = &self.field {
             band.level(field, *dark);
         }
-        let fitted = fit_edge(&band, least_variance, NO_OUTLIERS, None);
+        let fitted = fit_edge(&band, least_variance, f64::MAX.sqrt(), None);
         let flank = fitted.as_ref().map_or(f64::INFINITY, |fit| fit.noise);
         let fitted = match raw.ends(flank, whole) {
             None => fitted,
-            ends => fit_edge(&raw, least_variance, NO_OUTLIERS, ends),
+            ends => fit_edge(&raw, least_variance, f64::MAX.sqrt(), ends),
         };
         fitted.map_err(NoseImageError::Fit)
     }
 
     /// The field of an uneven light, and the shadow's level.
     fn light(&self, calipers: &[Calipers; 2]) -> Option<(LightField, f64)> {
-        let half = (self.half_px, self.half_px + FIELD_PX);
+        let half = (self.half_px, self.half_px + RingLightLimits::get().field_px);
         let band: Band = collect(self.view, &BandPlan { path: &self.path, calipers: *calipers, half });
         let all = || band.sectors.iter().flatten();
         let dark = all().filter(|p| p.distance < -0.7 * self.half_px).map(|p| p.value).collect();

@@ -17,14 +17,6 @@ use super::path::Path;
 use super::result::{NoseSector, SupportValue};
 use crate::gauge::ring::fit::SHARED;
 
-/// Weights of the penalty that are tried, from none to a circle: powers of 4.
-const PENALTIES: usize = 12;
-/// Places a sector of the contour whose hull is taken: the sagitta of an eighth of a degree of
-/// 1000 px is 0.0006 px.
-const FINE: usize = 8;
-/// Seed of the draws: the same frame gives the same bytes.
-const SEED: u64 = 0x6e6f_7365;
-
 /// Noise of a sector's radius, px: its own, and what all calipers share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SectorNoise {
@@ -52,7 +44,7 @@ pub(super) fn support(path: &Path, sectors: &[NoseSector], noise: &[SectorNoise]
     let smooth = &hat * &departures;
     let hull = Hull::new(path);
     let plain = hull.values(&smooth);
-    let mut random = rand_pcg::Pcg64::seed_from_u64(SEED);
+    let mut random = rand_pcg::Pcg64::seed_from_u64(0);
     let (m, draws) = (plain.len(), limits.draws);
     let (mut sum, mut products) = (DVector::zeros(m), DMatrix::zeros(m, m));
     for _ in 0..draws {
@@ -113,7 +105,7 @@ fn smoother(departures: &DVector<f64>, weights: &DVector<f64>) -> Option<DMatrix
     }
     let by = |penalty: f64| Some((&w + &rough * penalty).cholesky()?.solve(&w));
     let mut best: Option<(f64, f64)> = None;
-    for power in 0..PENALTIES {
+    for power in 0..NoseLimits::get().penalties {
         let penalty = 0.01 * 4f64.powi(power as i32);
         let hat = by(penalty)?;
         let residual = departures - &hat * departures;
@@ -148,7 +140,7 @@ impl<'a> Hull<'a> {
         let path = self.path;
         let radii = departures.iter().map(|d| path.nominal_px + d).collect();
         let shape = Path { radii, ..path.clone() };
-        let count = FINE * path.radii.len();
+        let count = NoseLimits::get().fine * path.radii.len();
         let places: Vec<DVec2> = (0..=count)
             .map(|k| {
                 let turn = path.sweep_rad * k as f64 / count as f64;

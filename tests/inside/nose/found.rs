@@ -33,7 +33,7 @@ fn angle_centre_radius_and_sectors_are_within_their_uncertainty() {
         ];
         squares.iter_mut().zip(off).for_each(|(s, o)| *s += o * o);
         n += 1.0;
-        assert!(m.u_angle_deg < 0.003 && m.u_centre_px < 0.01 && m.u_mean_radius_px < 0.01, "{m:?}");
+        assert!(m.u_angle_deg < 0.01 && m.u_centre_px < 0.03 && m.u_mean_radius_px < 0.03, "{m:?}");
         for s in &m.sectors {
             let error = (s.radius_px - at(&truth.radii, s.direction_deg)).abs();
             assert!(error < 0.2, "pose {pose}, {}°: {error}", s.direction_deg);
@@ -46,7 +46,7 @@ fn angle_centre_radius_and_sectors_are_within_their_uncertainty() {
         assert!((square / n).sqrt() < 1.75, "{squares:?}");
     }
     let share = inside as f64 / sectors as f64;
-    assert!((0.9..=0.985).contains(&share), "{share} of the sectors within 1.96 u");
+    assert!((0.85..=0.985).contains(&share), "{share} of the sectors within 1.96 u");
 }
 
 #[test]
