@@ -35,7 +35,10 @@ const ROOMS: [(&str, &str); 3] = [
         "gauge",
         "limit form sensor settings edges edge width calibration diameter uncertainty ring nose thresholds instrument",
     ),
-    ("render", "error optics motion form silhouette kernel contamination sensor settings gpu scene renderer insert"),
+    (
+        "render",
+        "error optics motion form silhouette kernel contamination sensor settings gpu scene renderer insert",
+    ),
     (
         "cli",
         "failure process terminal input_output calibration_plan schema new completions man optics measure watch calibrate render doctor run demo \

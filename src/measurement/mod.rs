@@ -5,7 +5,7 @@
 //! the part, [`MeasureSettings`] and frames of any source. Out: a [`Measurement`] a frame, whose
 //! JSON is an element of `frames` of the command's document, and a `Series` over all of them
 //! (statistics, turn, warnings); [`Document`] is the whole. A part seen end-on is measured by
-//! `ring`.
+//! `ring`; `nose` is the document of `tool nose`.
 //!
 //! [`Gauge::measure`](crate::gauge::Gauge::measure) is one frame by itself, [`Stream`] many of one
 //! camera. From below: `settings`, `error`, `warning`, `flags`, `result` (a frame's) → `crests`,
@@ -23,6 +23,7 @@ mod error;
 mod flags;
 mod inspector;
 mod judged;
+pub(crate) mod nose;
 mod one_frame;
 mod preparation;
 mod result;

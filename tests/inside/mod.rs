@@ -32,6 +32,7 @@ mod nc_programs;
 mod nc_replay;
 mod nc_scan;
 mod nc_sinumerik;
+mod nose;
 mod optics_cylinder;
 mod optics_esf;
 mod optics_lens;

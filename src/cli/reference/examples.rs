@@ -87,7 +87,22 @@ const EXAMPLES: &[Examples] = &[
     ("reproduce 003", &["shadowgauge reproduce 003 --json", "shadowgauge reproduce 003 --out out/003"]),
     (
         "tool",
-        &["shadowgauge tool compensate --nose nose.json --tool tool.toml --part outline.toml --out out/nose"],
+        &[
+            "shadowgauge tool nose worn.png --um-per-px 2.415 --tool tool.toml --out nose.json",
+            "shadowgauge tool compensate --nose nose.json --tool tool.toml --part outline.toml --out out/nose",
+        ],
+    ),
+    (
+        "tool nose",
+        &[
+            "shadowgauge tool nose worn.png --um-per-px 2.415",
+            "shadowgauge tool nose worn.png --um-per-px 2.415 --tool tool.toml --baseline new.png --out nose.json --overlay nose.png",
+            "shadowgauge tool nose images --calibration calibration.json --json",
+        ],
+    ),
+    (
+        "tool render",
+        &["shadowgauge tool render configs/tool/insert.toml --out out/insert --frames 4 --seed 7"],
     ),
     (
         "tool compensate",

@@ -4,23 +4,22 @@ use glam::DVec2;
 use nalgebra::{Matrix2, SymmetricEigen, Vector2};
 
 use super::limits::NoseLimits;
+use super::line::product;
 use super::path::Path;
 use super::result::{NoseSector, Reference};
 
 /// Corner radii of ISO 1832, mm.
 const ISO_1832_MM: [f64; 8] = [0.1, 0.2, 0.4, 0.8, 1.2, 1.6, 2.0, 2.4];
-/// Share of a radius of ISO 1832 within which a nose is of it: half the distance of 2.0 from 2.4.
-const ISO_SHARE: f64 = 0.1;
-/// Share of the sectors that lie on the fitted circle of a new nose.
-const NEW_SHARE: f64 = 0.9;
 
-/// Covariance of the centre by the edges' uncertainty where they end: N⁻¹·diag(u²)·N⁻ᵀ.
+/// Covariance of the centre by that of the edges' offsets where they end: N⁻¹·C·N⁻ᵀ.
 pub(super) fn covariance(path: &Path) -> Matrix2<f64> {
     let [a, b] = &path.lines;
-    let u = [a, b].map(|line| line.u_at(path.centre + line.normal * path.nominal_px));
+    let [(ua, sa), (ub, sb)] = [a, b].map(|line| line.u_at(path.centre + line.normal * path.nominal_px));
+    let both = product(&sa, &sb);
+    let edges = Matrix2::new(ua * ua + product(&sa, &sa), both, both, ub * ub + product(&sb, &sb));
     let normals = Matrix2::new(a.normal.x, a.normal.y, b.normal.x, b.normal.y);
     let Some(inverse) = normals.try_inverse() else { return Matrix2::zeros() };
-    inverse * Matrix2::from_diagonal(&Vector2::new(u[0] * u[0], u[1] * u[1])) * inverse.transpose()
+    inverse * edges * inverse.transpose()
 }
 
 /// Standard uncertainty along the axis in which the centre is known least, px.
@@ -78,13 +77,13 @@ pub(super) fn radius(path: &Path, sectors: &[NoseSector], um_per_px: f64) -> Fou
     }
     let fitted = path.nominal_px + delta;
     let found = FoundRadius { radius_px: fitted, u_px: u, reference: Reference::Fitted };
-    if on.len() as f64 >= NEW_SHARE * sectors.len() as f64 {
+    if on.len() as f64 >= limits.new_share * sectors.len() as f64 {
         return found;
     }
     let mm = 1e-3 * fitted * um_per_px;
     let off = |r: &f64| (r / mm).ln().abs();
     match ISO_1832_MM.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))) {
-        Some(r) if (r - mm).abs() <= ISO_SHARE * r => {
+        Some(r) if (r - mm).abs() <= limits.iso_share * r => {
             FoundRadius { radius_px: 1e3 * r / um_per_px, u_px: 0.0, reference: Reference::Iso1832 }
         }
         _ => found,

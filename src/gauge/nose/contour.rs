@@ -7,11 +7,8 @@ use imageproc::region_labelling::{Connectivity, connected_components};
 use super::error::NoseImageError;
 use super::limits::NoseLimits;
 use crate::frame::{FrameView, PixelFormat};
-use crate::gauge::ring::coarse::{Grey, threshold};
 use crate::gauge::ring::RingError;
-
-/// Half width of the mean over places of the contour: eight steps of whole pixels.
-const MEAN_HALF: usize = 4;
+use crate::gauge::ring::coarse::{Grey, threshold};
 
 /// Places of a contour that does not touch the frame's border, the shadow on its left.
 pub(super) type Run = Vec<DVec2>;
@@ -85,12 +82,11 @@ fn largest(labels: &[u32], columns: usize) -> Result<u32, NoseImageError> {
     Ok(order[0] as u32)
 }
 
-/// Steps of a contour along the pixels' borders: right, up, left, down as (row, column).
-const STEPS: [(isize, isize); 4] = [(0, 1), (-1, 0), (0, -1), (1, 0)];
-
 /// Corners (row, column) of the closed contour, the shadow on its left: pixel (r, c) has the corners
 /// (r, c) to (r + 1, c + 1).
 fn trace(mask: &Mask) -> Vec<(isize, isize)> {
+    // right, up, left, down
+    let steps: [(isize, isize); 4] = [(0, 1), (-1, 0), (0, -1), (1, 0)];
     let Some(start) = mask.labels.iter().position(|l| *l == mask.own) else { return Vec::new() };
     let first = ((start / mask.columns) as isize, (start % mask.columns) as isize);
     // from the upper right corner of the first pixel of its row leftwards, the pixel below on the left
@@ -99,7 +95,7 @@ fn trace(mask: &Mask) -> Vec<(isize, isize)> {
     let mut corners = Vec::new();
     loop {
         corners.push(at);
-        at = (at.0 + STEPS[heading].0, at.1 + STEPS[heading].1);
+        at = (at.0 + steps[heading].0, at.1 + steps[heading].1);
         // pixels ahead on the left and on the right
         let (left, right) = match heading {
             0 => ((at.0 - 1, at.1), (at.0, at.1)),
@@ -131,15 +127,12 @@ fn split(corners: &[(isize, isize)], mask: &Mask) -> Vec<Run> {
         return smoothed(&twice).into_iter().collect();
     };
     let turned: Vec<(isize, isize)> = (0..n).map(|k| corners[(first + k) % n]).collect();
-    turned
-        .split(touches)
-        .filter_map(|run| smoothed(&run.iter().map(place).collect::<Vec<_>>()))
-        .collect()
+    turned.split(touches).filter_map(|run| smoothed(&run.iter().map(place).collect::<Vec<_>>())).collect()
 }
 
 /// Means over neighbouring corners: the steps of the pixels are gone.
 fn smoothed(corners: &[DVec2]) -> Option<Run> {
-    let windows = corners.windows(2 * MEAN_HALF + 1);
+    let windows = corners.windows(2 * NoseLimits::get().mean_half + 1);
     let run: Run = windows.map(|w| w.iter().sum::<DVec2>() / w.len() as f64).collect();
     (run.len() > 1).then_some(run)
 }

@@ -7,12 +7,6 @@ use super::error::NoseImageError;
 use super::limits::NoseLimits;
 use super::settings::NoseSettings;
 
-/// Pairs of places that a line is drawn through, a run.
-const TRIALS: usize = 240;
-/// Most straight stretches looked for: both edges of a nose, those of the insert's other corners, and
-/// of its holder.
-const MOST_LINES: usize = 7;
-
 /// A straight stretch of the contour.
 #[derive(Clone, Debug)]
 pub(super) struct Stretch {
@@ -63,7 +57,8 @@ pub(super) fn find(
             if !(follows && (limits.least_angle_deg..=limits.most_angle_deg).contains(&angle)) {
                 continue;
             }
-            let fits = settings.expected.is_none_or(|e| (angle - e.epsilon_deg).abs() < 2.0 * limits.direction_deg);
+            let fits =
+                settings.expected.is_none_or(|e| (angle - e.epsilon_deg).abs() < 2.0 * limits.direction_deg);
             let score = (first.count.min(second.count) * if fits { 4 } else { 1 }) as f64;
             if best.is_none_or(|(most, ..)| score > most) {
                 best = Some((score, first, second));
@@ -106,7 +101,7 @@ fn meet(a: &Stretch, b: &Stretch) -> DVec2 {
 fn stretches(run: &Run, number: usize) -> Vec<Stretch> {
     let limits = NoseLimits::get();
     let (mut free, mut found) = (vec![true; run.len()], Vec::new());
-    while found.len() < MOST_LINES {
+    while found.len() < limits.most_lines {
         let Some(stretch) = longest(run, &free, number) else { break };
         if (stretch.count as f64) < limits.least_edge_px {
             break;
@@ -128,12 +123,13 @@ fn longest(run: &Run, free: &[bool], number: usize) -> Option<Stretch> {
     let mut best: Option<(usize, DVec2, DVec2)> = None;
     for reach in [least, left.len() / 12, left.len() / 4] {
         let reach = reach.clamp(least / 2, left.len() - 1);
-        let step = ((left.len() - reach) / TRIALS).max(1);
+        let step = ((left.len() - reach) / limits.trials).max(1);
         for k in (0..left.len() - reach).step_by(step) {
             let (from, to) = (run[left[k]], run[left[k + reach]]);
             let Some(along) = (to - from).try_normalize() else { continue };
             let (normal, thin) = (-along.perp(), (left.len() / 1500).max(1));
-            let on = left.iter().step_by(thin).filter(|j| normal.dot(run[**j] - from).abs() < limits.coarse_px);
+            let on =
+                left.iter().step_by(thin).filter(|j| normal.dot(run[**j] - from).abs() < limits.coarse_px);
             let count = on.count() * thin;
             if best.is_none_or(|b| count > b.0) {
                 best = Some((count, from, normal));

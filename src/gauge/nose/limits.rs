@@ -72,12 +72,39 @@ limits! {
     /// Share of the sectors that may reach beyond a baseline by more than `baseline_u`: a nose does
     /// not grow, but for a built-up edge.
     baseline_beyond: f64 = 0.2;
+    /// Share of the correction by curvature, beyond a circle's, that stays uncertain: at a corner the
+    /// curvature of seven sectors is half of what the blur sees.
+    u_bend: f64 = 0.5;
     /// The smoothing penalty over that of least cross-validation: what smoothing moves is then small
-    /// beside the noise, which the draws know, at a sixth more noise (the variance of a smooth of
+    /// beside the noise, which the draws know, at two and a half times the noise's variance (the variance of a smooth of
     /// second differences falls with the fourth root of the penalty).
-    penalty_share: f64 = 0.1;
+    penalty_share: f64 = 0.03;
     /// Draws of the Monte Carlo of the support: u is known to 5 %.
     draws: usize = 200;
     /// Largest distance of the support's directions, degrees; a nose profile takes 5.
     support_step_deg: f64 = 2.0;
+    /// Most rounds, each along the contour of the one before: the third moves it by thousandths.
+    rounds: usize = 6;
+    /// Movement of the centre and of the sectors, px, below which the band follows the contour: its
+    /// pixels' distances are then right to a thousandth of the blur.
+    settled_px: f64 = 0.02;
+    /// Smallest nose radius, px, to which the correction of curvature holds, as for rings.
+    least_radius_px: f64 = 8.0;
+    /// Share of a radius of ISO 1832 within which a nose is of it: half the distance of 2.0 from 2.4.
+    iso_share: f64 = 0.1;
+    /// Share of the sectors that lie on the fitted circle of a new nose.
+    new_share: f64 = 0.9;
+    /// Penalties that are tried, from none to a circle: powers of 4.
+    penalties: usize = 12;
+    /// Places a sector of the contour whose hull is taken: the sagitta of an eighth of a degree of
+    /// 1000 px is 0.0006 px.
+    fine: usize = 8;
+    /// Pairs of places that a coarse line is drawn through, a run and length: of an edge that is a
+    /// tenth of the contour two dozen pairs lie on it.
+    trials: usize = 240;
+    /// Most straight stretches looked for: both edges of a nose, those of the insert's other corners,
+    /// and of its holder.
+    most_lines: usize = 7;
+    /// Half width of the mean over places of the coarse contour: eight steps of whole pixels.
+    mean_half: usize = 4;
 }

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::limits::NoseLimits;
+use crate::gauge::ring::fit::SHARED;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 
 /// A straight edge.
@@ -16,6 +17,10 @@ pub(super) struct EdgeLine {
     pub(super) u_offset_px: f64,
     /// Standard uncertainty of the direction, rad.
     pub(super) u_angle_rad: f64,
+    /// The part of the offset's uncertainty that all calipers of the frame share, px.
+    pub(super) shared_offset: [f64; SHARED],
+    /// The same of the direction, rad.
+    pub(super) shared_angle: [f64; SHARED],
 }
 
 /// A caliper of an edge.
@@ -25,8 +30,10 @@ pub(super) struct EdgePoint {
     pub(super) along: f64,
     /// Distance of the edge from that line towards the light, px.
     pub(super) shift: f64,
-    /// Its standard uncertainty, px.
+    /// Its own standard uncertainty, px.
     pub(super) u: f64,
+    /// What it shares with the other calipers, px.
+    pub(super) shared: [f64; SHARED],
 }
 
 /// A line through calipers.
@@ -43,7 +50,8 @@ pub(super) struct LineFit {
 impl EdgeLine {
     /// A line that nothing is known of yet.
     pub(super) fn coarse(normal: DVec2, at: DVec2) -> Self {
-        Self { normal, at, u_offset_px: 0.0, u_angle_rad: 0.0 }
+        let none = [0.0; SHARED];
+        Self { normal, at, u_offset_px: 0.0, u_angle_rad: 0.0, shared_offset: none, shared_angle: none }
     }
 
     /// Direction in which the contour goes on.
@@ -56,10 +64,22 @@ impl EdgeLine {
         self.normal.dot(p - self.at)
     }
 
-    /// Standard uncertainty of the offset at a place along it, px.
-    pub(super) fn u_at(&self, p: DVec2) -> f64 {
-        self.u_offset_px.hypot(self.u_angle_rad * self.along().dot(p - self.at))
+    /// Uncertainty of the offset at a place along it, px: its own, and what all calipers share.
+    pub(super) fn u_at(&self, p: DVec2) -> (f64, [f64; SHARED]) {
+        let place = self.along().dot(p - self.at);
+        let shared = std::array::from_fn(|k| self.shared_offset[k] + place * self.shared_angle[k]);
+        (self.u_offset_px.hypot(self.u_angle_rad * place), shared)
     }
+
+    /// Standard uncertainty of the direction, rad.
+    pub(super) fn u_direction_rad(&self) -> f64 {
+        (self.u_angle_rad.powi(2) + product(&self.shared_angle, &self.shared_angle)).sqrt()
+    }
+}
+
+/// Covariance of two quantities by what they share.
+pub(super) fn product(a: &[f64; SHARED], b: &[f64; SHARED]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The line through calipers that were measured from `from`; of several stretches the one that most
@@ -71,7 +91,8 @@ pub(super) fn fit(from: &EdgeLine, points: &[EdgePoint]) -> Option<LineFit> {
     let mut line = consensus(points, within)?;
     let mut result = None;
     for _ in 0..6 {
-        let on: Vec<&EdgePoint> = points.iter().filter(|p| (p.shift - line.at(p.along)).abs() <= within).collect();
+        let on: Vec<&EdgePoint> =
+            points.iter().filter(|p| (p.shift - line.at(p.along)).abs() <= within).collect();
         let next = weighted(&on)?;
         let residuals = on.iter().map(|p| (p.shift - next.at(p.along)).abs()).collect();
         let spread = (MEDIAN_TO_SD * median_of(residuals)).max(usual_u);
@@ -84,7 +105,14 @@ pub(super) fn fit(from: &EdgeLine, points: &[EdgePoint]) -> Option<LineFit> {
     let along = from.along();
     let normal = (from.normal - along * line.slope).normalize();
     let at = from.at + along * line.middle + from.normal * line.offset;
-    let line = EdgeLine { normal, at, u_offset_px: line.u_offset, u_angle_rad: line.u_slope };
+    let line = EdgeLine {
+        normal,
+        at,
+        u_offset_px: line.u_offset,
+        u_angle_rad: line.u_slope,
+        shared_offset: line.shared_offset,
+        shared_angle: line.shared_slope,
+    };
     Some(LineFit { line, on_line: result?, off })
 }
 
@@ -96,6 +124,8 @@ struct Straight {
     slope: f64,
     u_offset: f64,
     u_slope: f64,
+    shared_offset: [f64; SHARED],
+    shared_slope: [f64; SHARED],
 }
 
 impl Straight {
@@ -132,9 +162,15 @@ fn weighted(on: &[&EdgePoint]) -> Option<Straight> {
     let offset = on.iter().map(|p| w(p) * p.shift).sum::<f64>() / sum;
     let square: f64 = on.iter().map(|p| w(p) * (p.along - middle).powi(2)).sum();
     let slope = on.iter().map(|p| w(p) * (p.along - middle) * p.shift).sum::<f64>() / square;
-    let mut line = Straight { middle, offset, slope, u_offset: 0.0, u_slope: 0.0 };
-    let chi2 = on.iter().map(|p| w(p) * (p.shift - line.at(p.along)).powi(2)).sum::<f64>() / (on.len() - 2) as f64;
+    let mut line = Straight { middle, offset, slope, ..Straight::default() };
+    let chi2 =
+        on.iter().map(|p| w(p) * (p.shift - line.at(p.along)).powi(2)).sum::<f64>() / (on.len() - 2) as f64;
     let wider = chi2.max(1.0).sqrt();
+    for k in 0..SHARED {
+        line.shared_offset[k] = on.iter().map(|p| w(p) * p.shared[k]).sum::<f64>() / sum;
+        let lever = on.iter().map(|p| w(p) * (p.along - middle) * p.shared[k]);
+        line.shared_slope[k] = lever.sum::<f64>() / square;
+    }
     (line.u_offset, line.u_slope) = (wider / sum.sqrt(), wider / square.sqrt());
     line.slope.is_finite().then_some(line)
 }
@@ -156,7 +192,12 @@ mod tests {
                 let along = 8.0 * k as f64;
                 let worn = if k < 40 { -3.0 } else { 0.0 };
                 let dirt = if (70..74).contains(&k) { 4.0 } else { 0.0 };
-                EdgePoint { along, shift: 0.3 + 1e-3 * along + worn + dirt + 0.02 * noise(k), u: 0.02 }
+                EdgePoint {
+                    along,
+                    shift: 0.3 + 1e-3 * along + worn + dirt + 0.02 * noise(k),
+                    u: 0.02,
+                    shared: [0.0; SHARED],
+                }
             })
             .collect();
         let found = fit(&from, &points).unwrap();
@@ -164,7 +205,7 @@ mod tests {
         let turn = from.normal.angle_to(found.line.normal);
         assert!((turn - 1e-3f64.atan()).abs() < 4.0 * found.line.u_angle_rad, "{turn}");
         let right = from.at + from.along() * 500.0 + from.normal * 0.8;
-        assert!(found.line.distance(right).abs() < 4.0 * found.line.u_at(right));
+        assert!(found.line.distance(right).abs() < 4.0 * found.line.u_at(right).0);
         // Σ(along − mean)² of 76 places 8 px apart, the closed form of even steps for u of the slope
         assert!((found.line.u_offset_px / (0.02 / 76f64.sqrt()) - 1.0).abs() < 0.1);
     }

@@ -9,28 +9,17 @@ use super::contour;
 use super::corner::{self, Corner};
 use super::error::NoseImageError;
 use super::limits::NoseLimits;
-use super::line::{self, EdgeLine, EdgePoint, LineFit};
+use super::line::{self, EdgeLine, EdgePoint, LineFit, product};
 use super::path::{Path, at_radius};
 use super::result::{NoseMeasurement, NoseSector, Reference};
 use super::settings::{ExpectedNose, NoseSettings};
-use super::support::{below_hull, support};
+use super::support::{SectorNoise, below_hull, support};
 use crate::frame::{FrameView, PixelFormat};
 use crate::gauge::edge::estimation::light_field::{LightField, Lit};
 use crate::gauge::ring::edge_pixels::Band;
-use crate::gauge::ring::fit::{EdgeFit, fit_edge};
+use crate::gauge::ring::fit::{Caliper, EdgeFit, fit_edge};
+use crate::gauge::ring::measurement::RingLightLimits;
 use crate::numerics::robust::median_of;
-
-/// Most rounds: each follows the contour of the one before; the third moves it by thousandths.
-const ROUNDS: usize = 6;
-/// Movement of the centre and of the sectors, px, below which the band follows the contour: its
-/// pixels' distances are then right to a thousandth of the blur.
-const SETTLED_PX: f64 = 0.02;
-/// Departures from neighbouring sectors are not judged: a worn nose has corners.
-const NO_OUTLIERS: f64 = 1e12;
-/// Pixels beyond the band from which the light's field is estimated, as for rings.
-const FIELD_PX: f64 = 16.0;
-/// Smallest nose radius, px, to which the correction of curvature holds.
-const LEAST_RADIUS_PX: f64 = 8.0;
 
 /// Measures the nose of the one insert in a frame.
 ///
@@ -45,9 +34,9 @@ pub(crate) fn measure_nose(
     let corner = corner::find(&runs, (view.rows(), view.columns()), settings)?;
     let mut work = Work::new(view, settings, &corner)?;
     let mut moved = f64::INFINITY;
-    for _ in 0..ROUNDS {
+    for _ in 0..NoseLimits::get().rounds {
         moved = work.round()?;
-        if moved < SETTLED_PX {
+        if moved < NoseLimits::get().settled_px {
             break;
         }
     }
@@ -65,8 +54,9 @@ pub(super) fn coarse_path(corner: &Corner, settings: &NoseSettings) -> Result<Pa
     let gap = corner.nose.iter().map(|p| p.distance(corner.apex)).fold(f64::INFINITY, f64::min);
     let round = gap / ((0.5 * corner.epsilon_rad).sin().recip() - 1.0);
     let nominal = settings.nominal_radius_px.unwrap_or(round);
-    if !(nominal >= LEAST_RADIUS_PX) {
-        let why = format!("its nose has a radius of {nominal:.1} px, {LEAST_RADIUS_PX} px or more can be measured");
+    let least = NoseLimits::get().least_radius_px;
+    if !(nominal >= least) {
+        let why = format!("its nose has a radius of {nominal:.1} px, {least} px or more can be measured");
         return Err(NoseImageError::Fit(why));
     }
     Ok(Path::nominal(lines, nominal))
@@ -89,6 +79,18 @@ struct Round {
     lines: [LineFit; 2],
     calipers: [usize; 2],
     sectors: Vec<NoseSector>,
+}
+
+impl Round {
+    /// Noise of the sectors: by the fit, or as stated of those that no edge fits.
+    fn noise(&self) -> Vec<SectorNoise> {
+        let calipers = &self.fit.calipers[self.calipers[0]..];
+        let of = |(s, c): (&NoseSector, &Caliper)| match s.fitted {
+            true => SectorNoise { own: c.u_own * s.u_px / c.u_shift, shared: c.shared },
+            false => SectorNoise { own: s.u_px, shared: c.shared.map(|_| 0.0) },
+        };
+        self.sectors.iter().zip(calipers).map(of).collect()
+    }
 }
 
 impl<'a> Work<'a> {
@@ -170,18 +172,18 @@ impl<'a> Work<'a> {
         if let Some(Some((field, dark))) = &self.field {
             band.level(field, *dark);
         }
-        let fitted = fit_edge(&band, least_variance, NO_OUTLIERS, None);
+        let fitted = fit_edge(&band, least_variance, f64::MAX.sqrt(), None);
         let flank = fitted.as_ref().map_or(f64::INFINITY, |fit| fit.noise);
         let fitted = match raw.ends(flank, whole) {
             None => fitted,
-            ends => fit_edge(&raw, least_variance, NO_OUTLIERS, ends),
+            ends => fit_edge(&raw, least_variance, f64::MAX.sqrt(), ends),
         };
         fitted.map_err(NoseImageError::Fit)
     }
 
     /// The field of an uneven light, and the shadow's level.
     fn light(&self, calipers: &[Calipers; 2]) -> Option<(LightField, f64)> {
-        let half = (self.half_px, self.half_px + FIELD_PX);
+        let half = (self.half_px, self.half_px + RingLightLimits::get().field_px);
         let band: Band = collect(self.view, &BandPlan { path: &self.path, calipers: *calipers, half });
         let all = || band.sectors.iter().flatten();
         let dark = all().filter(|p| p.distance < -0.7 * self.half_px).map(|p| p.value).collect();
@@ -200,7 +202,7 @@ impl<'a> Work<'a> {
         let points: Vec<EdgePoint> = (0..own.count)
             .map(|i| (own.middle(i), fit.calipers[first + i]))
             .filter(|(_, c)| c.good)
-            .map(|(along, c)| EdgePoint { along, shift: c.shift, u: c.u_shift })
+            .map(|(along, c)| EdgePoint { along, shift: c.shift, u: c.u_own, shared: c.shared })
             .collect();
         let from = &self.path.lines[k];
         let found = line::fit(from, &points);
@@ -226,7 +228,9 @@ impl<'a> Work<'a> {
                 let (radius, slope) = path.radius((k as f64 + 0.5) * path.step_rad());
                 let lean = (slope / radius).atan().cos();
                 // a blurred edge stands towards the inside of its curve
-                let curvature = 0.5 * blur * path.curvature(k) / lean;
+                let bend = path.curvature(k);
+                let curvature = 0.5 * blur * bend / lean;
+                let u_bend = limits.u_bend * 0.5 * blur * (bend - path.nominal_px.recip()).abs();
                 let (shift, u_px) = match (c.good, c.crossing) {
                     (true, _) => (c.shift, c.u_shift / lean),
                     (false, Some(crossing)) => (crossing, limits.u_crossing_px),
@@ -235,7 +239,7 @@ impl<'a> Work<'a> {
                 NoseSector {
                     direction_deg: path.direction_rad(k).to_degrees(),
                     radius_px: radius + shift / lean + curvature,
-                    u_px,
+                    u_px: u_px.hypot(u_bend),
                     fitted: c.good,
                 }
             })
@@ -284,15 +288,20 @@ impl<'a> Work<'a> {
         let by_radius = self.found.u_px / (0.5 * path.sweep_rad).cos();
         let b = nalgebra::Vector2::new(towards.x, towards.y);
         covariance += b * b.transpose() * (by_radius * by_radius);
-        let Some(support) = support(path, &last.sectors) else {
+        let Some(support) = support(path, &last.sectors, &last.noise()) else {
             return Err(NoseImageError::Fit("its sectors have no smooth contour".to_owned()));
         };
         let m = last.sectors.len() as f64;
-        let own: f64 = last.sectors.iter().map(|s| s.u_px * s.u_px).sum::<f64>() / (m * m);
-        let u_normals = path.lines.map(|l| l.u_angle_rad.to_degrees());
+        let noise = last.noise();
+        let own = noise.iter().map(|n| n.own * n.own).sum::<f64>() / (m * m);
+        let shared = std::array::from_fn(|k| noise.iter().map(|n| n.shared[k]).sum::<f64>() / m);
+        let [a, b] = &path.lines;
+        let turn = std::array::from_fn(|k| a.shared_angle[k] - b.shared_angle[k]);
+        let u_angle = (a.u_angle_rad.powi(2) + b.u_angle_rad.powi(2) + product(&turn, &turn)).sqrt();
+        let u_normals = path.lines.map(|l| l.u_direction_rad().to_degrees());
         Ok(NoseMeasurement {
             angle_deg: 180.0 - path.sweep_rad.to_degrees(),
-            u_angle_deg: u_normals[0].hypot(u_normals[1]),
+            u_angle_deg: u_angle.to_degrees(),
             centre: path.centre,
             u_centre_px: centre::u_largest(&covariance),
             normals_deg: path.lines.map(|l| turned(l.normal.to_angle().to_degrees())),
@@ -300,7 +309,8 @@ impl<'a> Work<'a> {
             nominal_radius_px: path.nominal_px,
             reference: self.found.reference,
             mean_radius_px: last.sectors.iter().map(|s| s.radius_px).sum::<f64>() / m,
-            u_mean_radius_px: (own + centre::variance_of_mean(path, &covariance)).sqrt(),
+            u_mean_radius_px: (own + product(&shared, &shared) + centre::variance_of_mean(path, &covariance))
+                .sqrt(),
             sectors: last.sectors.iter().map(|s| with_centre(s, &covariance)).collect(),
             support: support.values,
             support_covariance: support.covariance,
@@ -370,9 +380,7 @@ fn flags(path: &Path, last: &Round, found: &FoundRadius) -> Vec<&'static str> {
     if mean.abs() > limits.worn_px {
         flags.push("worn");
     }
-    let beyond = |k: &usize| {
-        departures[*k] > limits.bump_px.max(limits.bump_u * last.sectors[*k].u_px)
-    };
+    let beyond = |k: &usize| departures[*k] > limits.bump_px.max(limits.bump_u * last.sectors[*k].u_px);
     match (0..departures.len()).filter(beyond).count() {
         0 => {}
         n if 2 * n < departures.len() => flags.push("built_up_edge"),

@@ -6,8 +6,7 @@
 //! noise pooled, the contour free in every sector. The edges' calipers give two lines with their
 //! covariance (`line`), these the centre at the nominal radius from both (`centre`), the nose's
 //! sectors its radii, and a penalised smooth of them the support of the convex hull with its
-//! covariance (`support`). `wear` compares with the same insert new, `paper` measures as paper 004
-//! does.
+//! covariance (`support`). `wear` compares with the same insert new.
 //!
 //! Places are (column, −row), px: as seen, directions count from the right counter-clockwise.
 //!
@@ -19,8 +18,8 @@ mod centre;
 mod contour;
 mod corner;
 mod error;
-mod line;
 pub(crate) mod limits;
+mod line;
 mod measurement;
 mod path;
 mod result;
@@ -28,8 +27,9 @@ mod settings;
 mod support;
 mod wear;
 
+#[cfg(test)]
 pub(crate) use error::NoseImageError;
 pub(crate) use measurement::measure_nose;
-pub(crate) use result::{NoseMeasurement, NoseSector, Reference, SupportValue};
+pub(crate) use result::{NoseMeasurement, NoseSector, Reference};
 pub(crate) use settings::{ExpectedNose, NoseSettings};
 pub(crate) use wear::{BaselineNose, Wear, wear};

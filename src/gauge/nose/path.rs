@@ -48,11 +48,15 @@ impl Path {
     }
 
     /// Curvature of the contour in sector k, 1/px: (r² + 2r'² − r·r″)/(r² + r'²)^{3/2} by the
-    /// differences of its neighbours.
+    /// parabola of least squares through seven sectors (A. Savitzky, M. J. E. Golay, Anal. Chem. 36
+    /// (1964) 1627): a narrower one would add its noise to the sector's own.
     pub(super) fn curvature(&self, k: usize) -> f64 {
         let (step, middle) = (self.step_rad(), (k as f64 + 0.5) * self.step_rad());
-        let [a, r, b] = [-1.0, 0.0, 1.0].map(|i| self.radius(middle + i * step).0);
-        let (slope, second) = ((b - a) / (2.0 * step), (a - 2.0 * r + b) / (step * step));
+        let r: [f64; 7] = std::array::from_fn(|i| self.radius(middle + (i as f64 - 3.0) * step).0);
+        let sum = |by: [f64; 7]| by.iter().zip(&r).map(|(b, r)| b * r).sum::<f64>();
+        let slope = sum([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0]) / (28.0 * step);
+        let second = sum([5.0, 0.0, -3.0, -4.0, -3.0, 0.0, 5.0]) / (42.0 * step * step);
+        let r = r[3];
         let square = r * r + slope * slope;
         (square + slope * slope - r * second) / (square * square.sqrt())
     }

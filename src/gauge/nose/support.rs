@@ -12,16 +12,19 @@ use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::limits::NoseLimits;
+use super::line::product;
 use super::path::Path;
 use super::result::{NoseSector, SupportValue};
+use crate::gauge::ring::fit::SHARED;
 
-/// Weights of the penalty that are tried, from none to a circle: powers of 4.
-const PENALTIES: usize = 12;
-/// Places a sector of the contour whose hull is taken: the sagitta of an eighth of a degree of
-/// 1000 px is 0.0006 px.
-const FINE: usize = 8;
-/// Seed of the draws: the same frame gives the same bytes.
-const SEED: u64 = 0x6e6f_7365;
+/// Noise of a sector's radius, px: its own, and what all calipers share.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SectorNoise {
+    /// Its own standard uncertainty.
+    pub(super) own: f64,
+    /// What it shares.
+    pub(super) shared: [f64; SHARED],
+}
 
 /// Support values and their covariance, px and px².
 pub(super) struct Support {
@@ -32,26 +35,24 @@ pub(super) struct Support {
 }
 
 /// The support about the path's centre.
-pub(super) fn support(path: &Path, sectors: &[NoseSector]) -> Option<Support> {
+pub(super) fn support(path: &Path, sectors: &[NoseSector], noise: &[SectorNoise]) -> Option<Support> {
     let limits = NoseLimits::get();
-    let departures = DVector::from_iterator(sectors.len(), sectors.iter().map(|s| s.radius_px - path.nominal_px));
+    let departures =
+        DVector::from_iterator(sectors.len(), sectors.iter().map(|s| s.radius_px - path.nominal_px));
     let weights = DVector::from_iterator(sectors.len(), sectors.iter().map(|s| s.u_px.powi(-2)));
     let hat = smoother(&departures, &weights)?;
     let smooth = &hat * &departures;
     let hull = Hull::new(path);
     let plain = hull.values(&smooth);
-    let mut random = rand_pcg::Pcg64::seed_from_u64(SEED);
+    let mut random = rand_pcg::Pcg64::seed_from_u64(0);
     let (m, draws) = (plain.len(), limits.draws);
     let (mut sum, mut products) = (DVector::zeros(m), DMatrix::zeros(m, m));
     for _ in 0..draws {
-        let noise: DVector<f64> = DVector::from_iterator(
-            sectors.len(),
-            sectors.iter().map(|s| {
-                let z: f64 = StandardNormal.sample(&mut random);
-                s.u_px * z
-            }),
-        );
-        let off = hull.values(&(&hat * (&smooth + noise))) - &plain;
+        let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
+        let common: [f64; SHARED] = std::array::from_fn(|_| draw());
+        let drawn = noise.iter().map(|n| n.own * draw() + product(&n.shared, &common));
+        let drawn = DVector::from_iterator(noise.len(), drawn.collect::<Vec<f64>>());
+        let off = hull.values(&(&hat * (&smooth + drawn))) - &plain;
         products += &off * off.transpose();
         sum += off;
     }
@@ -85,7 +86,7 @@ pub(super) fn below_hull(path: &Path, departures: &DVector<f64>) -> Vec<f64> {
 fn add_edges(path: &Path, hull: &Hull<'_>, covariance: &mut DMatrix<f64>) {
     let last = hull.count - 1;
     for (i, line) in [(0, &path.lines[0]), (last, &path.lines[1])] {
-        covariance[(i, i)] += line.u_at(path.centre + line.normal * path.nominal_px).powi(2);
+        covariance[(i, i)] += line.u_at(path.centre + line.normal * path.nominal_px).0.powi(2);
     }
 }
 
@@ -104,7 +105,7 @@ fn smoother(departures: &DVector<f64>, weights: &DVector<f64>) -> Option<DMatrix
     }
     let by = |penalty: f64| Some((&w + &rough * penalty).cholesky()?.solve(&w));
     let mut best: Option<(f64, f64)> = None;
-    for power in 0..PENALTIES {
+    for power in 0..NoseLimits::get().penalties {
         let penalty = 0.01 * 4f64.powi(power as i32);
         let hat = by(penalty)?;
         let residual = departures - &hat * departures;
@@ -139,7 +140,7 @@ impl<'a> Hull<'a> {
         let path = self.path;
         let radii = departures.iter().map(|d| path.nominal_px + d).collect();
         let shape = Path { radii, ..path.clone() };
-        let count = FINE * path.radii.len();
+        let count = NoseLimits::get().fine * path.radii.len();
         let places: Vec<DVec2> = (0..=count)
             .map(|k| {
                 let turn = path.sweep_rad * k as f64 / count as f64;

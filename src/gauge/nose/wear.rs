@@ -53,11 +53,8 @@ impl From<&NoseMeasurement> for BaselineNose {
 /// sectors: not the same insert.
 pub(crate) fn wear(found: &NoseMeasurement, baseline: &BaselineNose) -> Result<Wear, NoseImageError> {
     let limits = NoseLimits::get();
-    let expected = ExpectedNose {
-        epsilon_deg: baseline.angle_deg,
-        normals_deg: baseline.normals_deg,
-        by: "baseline",
-    };
+    let expected =
+        ExpectedNose { epsilon_deg: baseline.angle_deg, normals_deg: baseline.normals_deg, by: "baseline" };
     let off = (found.angle_deg - baseline.angle_deg).abs();
     let most = (limits.baseline_u * found.u_angle_deg.hypot(baseline.u_angle_deg)).max(limits.baseline_deg);
     if off > most {
@@ -78,10 +75,14 @@ pub(crate) fn wear(found: &NoseMeasurement, baseline: &BaselineNose) -> Result<W
             (radius - s.radius_px, u.hypot(s.u_px))
         })
         .collect();
-    let beyond = sectors.iter().filter(|(gap, u)| *gap < -(limits.baseline_u * u).max(limits.on_line_px)).count();
+    let beyond =
+        sectors.iter().filter(|(gap, u)| *gap < -(limits.baseline_u * u).max(limits.on_line_px)).count();
     if beyond as f64 > limits.baseline_beyond * sectors.len() as f64 {
         return Err(NoseImageError::Baseline {
-            why: format!("this nose reaches beyond it in {beyond} of {} sectors, and wear only takes away", sectors.len()),
+            why: format!(
+                "this nose reaches beyond it in {beyond} of {} sectors, and wear only takes away",
+                sectors.len()
+            ),
         });
     }
     let (mut largest_px, mut largest_deg) = (f64::NEG_INFINITY, 0.0);

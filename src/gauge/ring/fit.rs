@@ -57,6 +57,8 @@ const POOLED: usize = 7;
 /// The same and the amplitudes of the shape terms.
 const SHAPED: usize = POOLED + TERMS;
 const SIGMA: usize = 6;
+/// Most parameters that calipers share.
+pub(in crate::gauge) const SHARED: usize = SHAPED;
 type Vector<const P: usize> = SVector<f64, P>;
 type Matrix<const P: usize> = SMatrix<f64, P, P>;
 
@@ -67,6 +69,10 @@ pub(in crate::gauge) struct Caliper {
     pub(in crate::gauge) shift: f64,
     /// Its standard uncertainty from noise, levels and blur, px.
     pub(in crate::gauge) u_shift: f64,
+    /// The part of it that no other caliper shares, px.
+    pub(in crate::gauge) u_own: f64,
+    /// The part that all share, px: the covariance of two calipers is the product of their rows.
+    pub(in crate::gauge) shared: [f64; SHARED],
     /// Σ(residual/σ_n)² over its pixels − 1.
     pub(in crate::gauge) reduced_chi2: f64,
     /// Whether it is usable.
@@ -426,8 +432,7 @@ impl<const P: usize> State<P> {
         let mut bins = vec![(0.0, 0.0, 0.0_f64); (2.0 * reach / limits.crossing_step_px) as usize + 1];
         for pixel in pixels {
             let p = &self.pooled;
-            let middle =
-                p[0] + 0.5 * p[3] + (p[1] + 0.5 * p[4]) * pixel.x + (p[2] + 0.5 * p[5]) * pixel.y;
+            let middle = p[0] + 0.5 * p[3] + (p[1] + 0.5 * p[4]) * pixel.x + (p[2] + 0.5 * p[5]) * pixel.y;
             let bin = &mut bins[((pixel.distance + reach) / limits.crossing_step_px) as usize];
             *bin = (bin.0 + pixel.distance, bin.1 + pixel.value - middle, bin.2 + 1.0);
         }
@@ -526,14 +531,18 @@ fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
     }
     state.add_priors(&mut normal, &mut Vector::<P>::zeros());
     let covariance: Matrix<P> = normal.try_inverse()?;
+    let root = covariance.cholesky()?.l();
     let calipers = sums
         .iter()
         .zip(&state.sectors)
         .zip(&band.sectors)
         .map(|((s, at), pixels)| {
             let pooled = s.cross / s.own.max(f64::MIN_POSITIVE);
+            let row = root.transpose() * pooled;
             Caliper {
                 shift: at.shift,
+                u_own: s.own.recip().sqrt(),
+                shared: std::array::from_fn(|k| if k < P { row[k] } else { 0.0 }),
                 u_shift: (s.own.recip() + pooled.dot(&(covariance * pooled))).sqrt(),
                 reduced_chi2: s.chi2 / (s.pixels - 1.0).max(1.0),
                 good: at.good,

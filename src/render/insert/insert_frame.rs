@@ -89,9 +89,7 @@ impl<'a> Scene<'a> {
         let specks: Vec<(DVec2, f64)> = settings
             .dirt
             .iter()
-            .map(|d| {
-                (DVec2::new(d.centre_px[0], -d.centre_px[1]), d.radius_um / settings.camera.um_per_px)
-            })
+            .map(|d| (DVec2::new(d.centre_px[0], -d.centre_px[1]), d.radius_um / settings.camera.um_per_px))
             .collect();
         let mut contours = vec![shape.contour(1.0 / PLACES_PER_PX, beyond)];
         for (at, radius) in &specks {
@@ -165,7 +163,8 @@ mod tests {
         let (sigma2, h) = (1.44, 0.05);
         for turn in [40.0_f64, 55.0, 60.0, 66.0, 100.0] {
             let a = scene.shape.from_rad + turn.to_radians();
-            let at = scene.shape.centre + DVec2::from_angle(a) * (scene.shape.radius(turn.to_radians()) + 0.3);
+            let at =
+                scene.shape.centre + DVec2::from_angle(a) * (scene.shape.radius(turn.to_radians()) + 0.3);
             let (column, row) = (at.x.round(), -at.y.round());
             let (mut lit, mut all) = (0.0, 0.0);
             for i in -140..140 {

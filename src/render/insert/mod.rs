@@ -9,9 +9,12 @@
 
 mod area_blur;
 mod insert_frame;
-mod settings;
+pub(crate) mod settings;
 mod shape;
 
 pub(crate) use insert_frame::render_insert;
-pub(crate) use settings::{Dirt, InsertCamera, InsertNose, InsertSettings, Wear};
+pub(crate) use settings::InsertSettings;
+#[cfg(test)]
+pub(crate) use settings::{Dirt, Wear};
+#[cfg(test)]
 pub(crate) use shape::Truth;
