@@ -4,6 +4,8 @@
 
 #[path = "support/gige_client.rs"]
 mod gige_client;
+#[path = "support/program.rs"]
+mod program;
 
 use std::io::{BufRead as _, BufReader};
 use std::net::{Ipv4Addr, SocketAddrV4};
@@ -62,13 +64,9 @@ fn client(head: &Published) -> Client {
 }
 
 fn refusal(config: &Path, address: &str) -> (i32, String) {
-    let output = Command::new(PROGRAM)
-        .arg("publish")
-        .arg(config)
-        .args(["--backend", "cpu", "--listen", address])
-        .output()
-        .unwrap();
-    (output.status.code().unwrap(), String::from_utf8_lossy(&output.stderr).into_owned())
+    let config = config.to_string_lossy();
+    let output = program::shadowgauge(["publish", &config, "--backend", "cpu", "--listen", address]);
+    (output.status.code().unwrap(), program::said(&output))
 }
 
 /// A frame of the head is the frame that `render` writes: same scene, same noise.
@@ -118,7 +116,7 @@ fn exposure_gain_diameter_and_passes_change_the_frames() {
     client.set("TriggerMode", 1);
     client.set("PixelFormat", 0x0108_0001);
     client.set("AcquisitionStart", 1);
-    let mut frame = |client: &mut Client| {
+    let frame = |client: &mut Client| {
         client.set("TriggerSoftware", 1);
         client.frame(LONG).expect("a frame").payload
     };
@@ -211,7 +209,8 @@ fn aravis_reads_features_and_receives_frames() {
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let count = |name: &str| {
         let line = text.lines().find(|line| line.trim_start().starts_with(name));
-        let line = line.unwrap_or_else(|| panic!("{name}: {text} {}", String::from_utf8_lossy(&output.stderr)));
+        let line =
+            line.unwrap_or_else(|| panic!("{name}: {text} {}", String::from_utf8_lossy(&output.stderr)));
         line.rsplit('=').next().unwrap().trim().parse::<u32>().unwrap()
     };
     println!("{text}");
@@ -230,8 +229,7 @@ fn emvas_genapi_accepts_the_xml_and_reads_the_chunks() {
     let head = published(6);
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/support/emva_genapi.py");
     let output = Command::new(&python).arg(script).arg(head.address.to_string()).output().unwrap();
-    let (stdout, stderr) =
-        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success() && stdout.starts_with("OK"), "{stdout} {stderr}");
     println!("{stdout}");
 }

@@ -10,6 +10,9 @@ use crate::publish::genicam::{DataSheet, RegisterMap, address as at, features, x
 use crate::publish::gvcp::{self, Answer, Command, Refusal, Request, Resend, Status};
 use crate::publish::head::{FrameOrder, Object, PassOrder, SceneOrder};
 
+/// Bytes a second of a link of 1 Gbit/s.
+const GIGABIT_BYTES_PER_S: u64 = 125_000_000;
+
 /// What an answer comes with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Action {
@@ -244,8 +247,8 @@ impl Camera {
             self.memory.set(at::PASS_STATE, 1);
             return Some(Task::Cut(order));
         }
-        let stream = stream(&self.memory)?;
         let period_ns = self.period_ns();
+        let stream = self.paced(stream(&self.memory)?, period_ns);
         let acquisition = self.acquisition.as_mut()?;
         let (number, scene_ns, due_ns) = acquisition.next(now_ns, period_ns)?;
         let started_ns = now_ns - acquisition.elapsed_ns(now_ns);
@@ -264,6 +267,18 @@ impl Camera {
         }
         let (acquisition, channel) = (self.starts, self.channel);
         Some(Task::Frame(Box::new(FrameTask { order, stream, due_ns, acquisition, channel })))
+    }
+
+    /// A free run takes no more of the link than it needs: a frame is spread over half its period,
+    /// at 1 Gbit/s or faster, so that it does not overrun a receiver's buffer in one burst.
+    fn paced(&self, stream: StreamSettings, period_ns: u64) -> StreamSettings {
+        if self.memory.get(at::TRIGGER_MODE) != 0 {
+            return stream;
+        }
+        let frame_bytes = payload_bytes(&self.memory) as u64;
+        let needed = frame_bytes.saturating_mul(2_000_000_000) / period_ns.max(1);
+        let bytes_per_s = stream.bytes_per_s.min(needed.max(GIGABIT_BYTES_PER_S));
+        StreamSettings { bytes_per_s, ..stream }
     }
 
     /// How frames are sent now; `None` where no stream is open.

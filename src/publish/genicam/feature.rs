@@ -1,41 +1,46 @@
 //! A feature: its name, what it is for, its register and what may be written into it.
 
-/// Category of the SFNC in which a client lists a feature.
+/// Category of the SFNC in which a client lists a feature; there its name ends in Control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Category {
     /// What the device is.
-    DeviceControl,
+    Device,
     /// Size and format.
-    ImageFormatControl,
+    ImageFormat,
     /// When frames are taken.
-    AcquisitionControl,
+    Acquisition,
     /// Gain and black level.
-    AnalogControl,
+    Analog,
     /// Angle and carriage.
-    EncoderControl,
+    Encoder,
     /// Values behind the pixels.
-    ChunkDataControl,
+    ChunkData,
     /// The wire.
-    TransportLayerControl,
+    TransportLayer,
     /// Shaft, spindle, contamination, passes: the head's own.
-    HeadControl,
+    Head,
     /// Faults on demand: the head's own.
-    FaultControl,
+    Fault,
 }
 
 impl Category {
     /// All, in the order of the XML.
     pub(crate) const ALL: [Self; 9] = [
-        Self::DeviceControl,
-        Self::ImageFormatControl,
-        Self::AcquisitionControl,
-        Self::AnalogControl,
-        Self::EncoderControl,
-        Self::ChunkDataControl,
-        Self::TransportLayerControl,
-        Self::HeadControl,
-        Self::FaultControl,
+        Self::Device,
+        Self::ImageFormat,
+        Self::Acquisition,
+        Self::Analog,
+        Self::Encoder,
+        Self::ChunkData,
+        Self::TransportLayer,
+        Self::Head,
+        Self::Fault,
     ];
+
+    /// Its name in the SFNC.
+    pub(crate) fn name(self) -> String {
+        format!("{self:?}Control")
+    }
 }
 
 /// Who may do what with a register.

@@ -2,11 +2,7 @@
 
 use super::address as at;
 use super::data_sheet::DataSheet;
-use super::feature::Category::{
-    AcquisitionControl, AnalogControl, ChunkDataControl, DeviceControl, EncoderControl, FaultControl,
-    HeadControl, ImageFormatControl, TransportLayerControl,
-};
-use super::feature::{Feature, Kind, Limit};
+use super::feature::{Category, Feature, Kind, Limit};
 use crate::publish::gvsp::{Chunk, MIN_PACKET_BYTES, StreamFormat};
 
 /// All features of a head.
@@ -29,7 +25,7 @@ fn integer(least: u32, largest: u32) -> Kind {
 }
 
 fn device() -> Vec<Feature> {
-    let text = |name, address, bytes| Feature::new(name, DeviceControl, address, Kind::Text(bytes));
+    let text = |name, address, bytes| Feature::new(name, Category::Device, address, Kind::Text(bytes));
     vec![
         text("DeviceVendorName", at::VENDOR, 32).about("Maker."),
         text("DeviceModelName", at::MODEL, 32).about("Model."),
@@ -37,16 +33,16 @@ fn device() -> Vec<Feature> {
         text("DeviceVersion", at::DEVICE_VERSION, 32).about("Version of the program."),
         text("DeviceSerialNumber", at::SERIAL, 16).about("Serial number."),
         text("DeviceUserID", at::USER_NAME, 16).written().about("Name that the user gives."),
-        Feature::new("TimestampLatch", DeviceControl, at::TIMESTAMP_CONTROL, Kind::Command(2))
+        Feature::new("TimestampLatch", Category::Device, at::TIMESTAMP_CONTROL, Kind::Command(2))
             .written()
             .about("Latches the clock into TimestampLatchValue."),
-        Feature::new("TimestampLatchValue", DeviceControl, at::TIMESTAMP, Kind::Long)
+        Feature::new("TimestampLatchValue", Category::Device, at::TIMESTAMP, Kind::Long)
             .about("The latched clock, ns."),
     ]
 }
 
 fn image_format(sheet: &DataSheet) -> Vec<Feature> {
-    let new = |name, address, kind| Feature::new(name, ImageFormatControl, address, kind);
+    let new = |name, address, kind| Feature::new(name, Category::ImageFormat, address, kind);
     let (columns, rows) = (sheet.columns, sheet.rows);
     let formats = StreamFormat::ALL.iter().map(|(format, name)| (*name, format.code())).collect();
     vec![
@@ -71,7 +67,7 @@ fn image_format(sheet: &DataSheet) -> Vec<Feature> {
 }
 
 fn acquisition(sheet: &DataSheet) -> Vec<Feature> {
-    let new = |name, address, kind| Feature::new(name, AcquisitionControl, address, kind);
+    let new = |name, address, kind| Feature::new(name, Category::Acquisition, address, kind);
     let choice = |entries: &[(&'static str, u32)]| Kind::Choice(entries.to_vec());
     vec![
         new(
@@ -112,10 +108,10 @@ fn acquisition(sheet: &DataSheet) -> Vec<Feature> {
 
 fn analog() -> Vec<Feature> {
     vec![
-        Feature::new("Gain", AnalogControl, at::GAIN, Kind::Float(0.0, 36.0, "dB"))
+        Feature::new("Gain", Category::Analog, at::GAIN, Kind::Float(0.0, 36.0, "dB"))
             .written()
             .about("Gain behind the sensor; electrons a count fall with it."),
-        Feature::new("BlackLevel", AnalogControl, at::BLACK_LEVEL, Kind::Float(0.0, 65535.0, "DN"))
+        Feature::new("BlackLevel", Category::Analog, at::BLACK_LEVEL, Kind::Float(0.0, 65535.0, "DN"))
             .about("Grey value without light, counts of the sensor's own format."),
     ]
 }
@@ -124,7 +120,7 @@ fn analog() -> Vec<Feature> {
 const CARRIAGE_BEYOND_MM: f64 = 1000.0;
 
 fn encoder(sheet: &DataSheet) -> Vec<Feature> {
-    let new = |name, address, kind| Feature::new(name, EncoderControl, address, kind);
+    let new = |name, address, kind| Feature::new(name, Category::Encoder, address, kind);
     let z = Kind::Float(-CARRIAGE_BEYOND_MM, sheet.length_mm + CARRIAGE_BEYOND_MM, "mm");
     let encoders = Kind::Choice(vec![("Encoder0", 0), ("Encoder1", 1)]);
     vec![
@@ -142,7 +138,7 @@ fn encoder(sheet: &DataSheet) -> Vec<Feature> {
 }
 
 fn chunks() -> Vec<Feature> {
-    let new = |name, address, kind| Feature::new(name, ChunkDataControl, address, kind);
+    let new = |name, address, kind| Feature::new(name, Category::ChunkData, address, kind);
     let mut entries = vec![("Image", 0)];
     entries.extend(Chunk::ALL.iter().zip(1..).map(|((_, name), k)| (*name, k)));
     let count = Chunk::ALL.len() as u32 + 1;
@@ -157,7 +153,7 @@ fn chunks() -> Vec<Feature> {
 }
 
 fn transport(sheet: &DataSheet) -> Vec<Feature> {
-    let new = |name, address, kind| Feature::new(name, TransportLayerControl, address, kind);
+    let new = |name, address, kind| Feature::new(name, Category::TransportLayer, address, kind);
     let ccp = Kind::Choice(vec![("OpenAccess", 0), ("ExclusiveAccess", 1), ("ControlAccess", 2)]);
     vec![
         new("PayloadSize", at::PAYLOAD_SIZE, integer(1, u32::MAX)).about("Bytes of a frame."),
@@ -206,7 +202,7 @@ fn transport(sheet: &DataSheet) -> Vec<Feature> {
 }
 
 fn head(sheet: &DataSheet) -> Vec<Feature> {
-    let new = |name, address, kind| Feature::new(name, HeadControl, address, kind);
+    let new = |name, address, kind| Feature::new(name, Category::Head, address, kind);
     let diameter = |feature: Feature| if sheet.diameter_is_drawn { feature } else { feature.written() };
     let objects = Kind::Choice(vec![("Drawn", 0), ("Part", 1), ("Master", 2)]);
     vec![
@@ -233,7 +229,7 @@ fn head(sheet: &DataSheet) -> Vec<Feature> {
 const LARGEST_OFFSET_MM: f64 = 10.0;
 
 fn passes(sheet: &DataSheet) -> Vec<Feature> {
-    let new = |name, address, kind| Feature::new(name, HeadControl, address, kind);
+    let new = |name, address, kind| Feature::new(name, Category::Head, address, kind);
     let states = Kind::Choice(vec![("Idle", 0), ("Cutting", 1), ("Cut", 2), ("Refused", 3)]);
     let (count, z) = (sheet.station_z_mm.len().max(1) as u32, sheet.length_mm);
     let stations = |feature: Feature| feature.selected("PassStation", 8, count);
@@ -261,9 +257,9 @@ fn passes(sheet: &DataSheet) -> Vec<Feature> {
 }
 
 fn faults() -> Vec<Feature> {
-    let new = |name, address, kind| Feature::new(name, FaultControl, address, kind);
+    let new = |name, address, kind| Feature::new(name, Category::Fault, address, kind);
     let every = |name, address, about| {
-        Feature::new(name, FaultControl, address, integer(0, 1_000_000)).written().about(about)
+        Feature::new(name, Category::Fault, address, integer(0, 1_000_000)).written().about(about)
     };
     vec![
         new("FaultPacketLoss", at::FAULT_PACKET_LOSS, integer(0, 1000))

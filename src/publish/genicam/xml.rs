@@ -47,18 +47,18 @@ pub(crate) fn xml(features: &[Feature]) -> String {
 fn categories(features: &[Feature], out: &mut String) {
     out.push_str("<Category Name=\"Root\">");
     for category in Category::ALL {
-        put(out, format_args!("<pFeature>{category:?}</pFeature>"));
+        put(out, format_args!("<pFeature>{}</pFeature>", category.name()));
     }
     out.push_str("</Category>\n");
     for category in Category::ALL {
-        put(out, format_args!("<Category Name=\"{category:?}\">"));
+        put(out, format_args!("<Category Name=\"{}\">", category.name()));
         for feature in features.iter().filter(|f| f.category == category) {
             put(out, format_args!("<pFeature>{}</pFeature>", feature.name));
         }
-        if category == Category::ChunkDataControl {
+        if category == Category::ChunkData {
             CHUNK_FEATURES.iter().for_each(|name| put(out, format_args!("<pFeature>{name}</pFeature>")));
         }
-        if category == Category::TransportLayerControl {
+        if category == Category::TransportLayer {
             out.push_str("<pFeature>TLParamsLocked</pFeature>");
         }
         out.push_str("</Category>\n");
@@ -100,7 +100,7 @@ fn node(feature: &Feature, all: &[Feature], out: &mut String) {
 
 fn name_space(feature: &Feature) -> &'static str {
     match feature.category {
-        Category::HeadControl | Category::FaultControl => "Custom",
+        Category::Head | Category::Fault => "Custom",
         _ => "Standard",
     }
 }
@@ -108,7 +108,7 @@ fn name_space(feature: &Feature) -> &'static str {
 fn head(feature: &Feature, out: &mut String) {
     put(out, format_args!("<ToolTip>{}</ToolTip><Visibility>", feature.about));
     out.push_str(match feature.category {
-        Category::TransportLayerControl | Category::FaultControl => "Expert</Visibility>",
+        Category::TransportLayer | Category::Fault => "Expert</Visibility>",
         _ => "Beginner</Visibility>",
     });
     if feature.access == Access::WriteAtRest {

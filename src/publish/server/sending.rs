@@ -8,7 +8,7 @@ use super::making::Made;
 use super::ring::Sent;
 use super::shared::{LOOK, Shared};
 use crate::frame::Frame;
-use crate::publish::camera::{Faults, FrameTask, StreamSettings};
+use crate::publish::camera::{Camera, Faults, FrameTask, StreamSettings};
 use crate::publish::gvcp::{Resend, Status};
 use crate::publish::gvsp::{
     Block, ChunkValues, Leader, UDP_IP_HEADER_BYTES, append_chunks, lone_packet, pack, packed_bytes,
@@ -16,6 +16,9 @@ use crate::publish::gvsp::{
 
 /// Packets may leave so much ahead of the pace, ns: a thread cannot sleep for less.
 const AHEAD_NS: u64 = 200_000;
+
+/// Packets that are late are sent at once for so long, ns.
+const BEHIND_NS: u64 = 1_000_000;
 
 /// Sends what was made until the end.
 pub(super) fn send(shared: &Shared<'_>, made: &Receiver<Made>, spent: &SyncSender<Frame>) {
@@ -60,7 +63,7 @@ fn wait_until_due(shared: &Shared<'_>, task: &FrameTask) -> bool {
 /// The frame in packets: pixels, chunks, leader.
 fn lay_out(shared: &Shared<'_>, task: &FrameTask, frame: &Frame, mut payload: Vec<u8>) -> Block {
     let FrameTask { order, stream, .. } = task;
-    let number = shared.with(|camera| camera.next_block());
+    let number = shared.with(Camera::next_block);
     let mut window = stream.window;
     payload.clear();
     if !pack(&frame.view(), stream.format, &mut payload) {
@@ -145,6 +148,8 @@ impl Pace {
             }
             std::thread::sleep(Duration::from_nanos(left).min(LOOK));
         }
+        // a thread that was held up does not catch up in one burst
+        self.next_ns = self.next_ns.max(shared.now_ns().saturating_sub(BEHIND_NS));
         let on_wire = (bytes + UDP_IP_HEADER_BYTES) as u64;
         self.next_ns += self.delay_ns.max(on_wire.saturating_mul(1_000_000_000) / self.bytes_per_s);
     }
