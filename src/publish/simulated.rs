@@ -54,7 +54,7 @@ impl<'a> SimulatedHead<'a> {
         let station_z_mm = loop_job.station_z_mm();
         if station_z_mm.len() > MOST_STATIONS {
             return Err(format!(
-                "part.station_mm: {} stations are more than the {MOST_STATIONS} that a pass plan holds; take longer ones",
+                "part.station_mm: {} stations are more than the {MOST_STATIONS} of a pass plan; take longer ones",
                 station_z_mm.len()
             ));
         }

@@ -17,9 +17,19 @@ pub(crate) const CHUNK_FEATURES: [&str; 8] = [
 ];
 
 /// The encoder is chosen in the client; its number is the index of the register.
-const SELECTOR: &str = r#"<Enumeration Name="ChunkEncoderSelector" NameSpace="Standard"><ToolTip>Encoder0: spindle angle, degrees; Encoder1: carriage z, mm.</ToolTip><Visibility>Beginner</Visibility><EnumEntry Name="Encoder0"><Value>0</Value></EnumEntry><EnumEntry Name="Encoder1"><Value>1</Value></EnumEntry><pValue>ChunkEncoderIndex</pValue><pSelected>ChunkEncoderValue</pSelected></Enumeration>
-<Integer Name="ChunkEncoderIndex" NameSpace="Custom"><Value>0</Value><Min>0</Min><Max>1</Max></Integer>
-"#;
+const SELECTOR: &str = concat!(
+    "<Enumeration Name=\"ChunkEncoderSelector\" NameSpace=\"Standard\">",
+    "<ToolTip>Encoder0: spindle angle, degrees; Encoder1: carriage z, mm.</ToolTip>",
+    "<Visibility>Beginner</Visibility>",
+    "<EnumEntry Name=\"Encoder0\"><Value>0</Value></EnumEntry>",
+    "<EnumEntry Name=\"Encoder1\"><Value>1</Value></EnumEntry>",
+    "<pValue>ChunkEncoderIndex</pValue><pSelected>ChunkEncoderValue</pSelected></Enumeration>\n",
+    "<Integer Name=\"ChunkEncoderIndex\" NameSpace=\"Custom\">",
+    "<Value>0</Value><Min>0</Min><Max>1</Max></Integer>\n",
+);
+
+/// What every chunk's register states.
+const READ_ONLY: &str = "<Length>8</Length><AccessMode>RO</AccessMode>";
 
 /// The nodes.
 pub(crate) fn chunk_nodes() -> String {
@@ -44,23 +54,30 @@ pub(crate) fn chunk_nodes() -> String {
 }
 
 fn whole(name: &str, port: &str, about: &str, out: &mut String) {
+    let _ = write!(
+        out,
+        "<Integer Name=\"{name}\" NameSpace=\"Standard\"><ToolTip>{about}</ToolTip>\
+         <Visibility>Beginner</Visibility><pValue>{name}_Reg</pValue></Integer>\n\
+         <IntReg Name=\"{name}_Reg\" NameSpace=\"Custom\"><Address>0</Address>"
+    );
     let _ = writeln!(
         out,
-        "<Integer Name=\"{name}\" NameSpace=\"Standard\"><ToolTip>{about}</ToolTip><Visibility>Beginner</Visibility>\
-         <pValue>{name}_Reg</pValue></Integer>\n<IntReg Name=\"{name}_Reg\" NameSpace=\"Custom\"><Address>0</Address>\
-         <Length>8</Length><AccessMode>RO</AccessMode><pPort>{port}ChunkPort</pPort><Cachable>NoCache</Cachable>\
-         <Sign>Signed</Sign><Endianess>BigEndian</Endianess></IntReg>"
+        "{READ_ONLY}<pPort>{port}ChunkPort</pPort><Cachable>NoCache</Cachable><Sign>Signed</Sign>\
+         <Endianess>BigEndian</Endianess></IntReg>"
     );
 }
 
 fn float(name: &str, port: &str, (index, address): (&str, u32), unit: &str, out: &mut String) {
     let unit = if unit.is_empty() { String::new() } else { format!("<Unit>{unit}</Unit>") };
-    let _ = writeln!(
+    let _ = write!(
         out,
         "<Float Name=\"{name}\" NameSpace=\"Custom\"><ToolTip>At the start of exposure.</ToolTip>\
          <Visibility>Beginner</Visibility><pValue>{name}_Reg</pValue>{unit}</Float>\n\
-         <FloatReg Name=\"{name}_Reg\" NameSpace=\"Custom\"><Address>{address}</Address>{index}<Length>8</Length>\
-         <AccessMode>RO</AccessMode><pPort>{port}ChunkPort</pPort><Cachable>NoCache</Cachable>\
+         <FloatReg Name=\"{name}_Reg\" NameSpace=\"Custom\"><Address>{address}</Address>{index}"
+    );
+    let _ = writeln!(
+        out,
+        "{READ_ONLY}<pPort>{port}ChunkPort</pPort><Cachable>NoCache</Cachable>\
          <Endianess>BigEndian</Endianess></FloatReg>"
     );
 }

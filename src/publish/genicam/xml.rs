@@ -9,15 +9,19 @@ use std::fmt::Write as _;
 use super::chunk_nodes::{CHUNK_FEATURES, chunk_nodes};
 use super::feature::{Access, Category, Feature, Kind, Limit};
 
-/// Nodes that compute limits, and the lock that clients set while they stream.
-const FORMULAS: &str = r#"
-<Integer Name="TLParamsLocked"><Visibility>Invisible</Visibility><Value>0</Value><Min>0</Min><Max>1</Max></Integer>
-<IntSwissKnife Name="WidthLimit"><pVariable Name="ALL">WidthMax_Reg</pVariable><pVariable Name="OFF">OffsetX_Reg</pVariable><Formula>ALL - OFF</Formula></IntSwissKnife>
-<IntSwissKnife Name="HeightLimit"><pVariable Name="ALL">HeightMax_Reg</pVariable><pVariable Name="OFF">OffsetY_Reg</pVariable><Formula>ALL - OFF</Formula></IntSwissKnife>
-<IntSwissKnife Name="OffsetXLimit"><pVariable Name="ALL">WidthMax_Reg</pVariable><pVariable Name="OWN">Width_Reg</pVariable><Formula>ALL - OWN</Formula></IntSwissKnife>
-<IntSwissKnife Name="OffsetYLimit"><pVariable Name="ALL">HeightMax_Reg</pVariable><pVariable Name="OWN">Height_Reg</pVariable><Formula>ALL - OWN</Formula></IntSwissKnife>
-<Port Name="Device"/>
-"#;
+/// The lock that clients set while they stream, and the port of the registers.
+const LOCK_AND_PORT: &str = concat!(
+    "<Integer Name=\"TLParamsLocked\"><Visibility>Invisible</Visibility>",
+    "<Value>0</Value><Min>0</Min><Max>1</Max></Integer>\n<Port Name=\"Device\"/>\n",
+);
+
+/// Limits that another register moves: node, the sensor's size, what is taken off it.
+const LIMITS: [(&str, &str, &str); 4] = [
+    ("WidthLimit", "WidthMax_Reg", "OffsetX_Reg"),
+    ("HeightLimit", "HeightMax_Reg", "OffsetY_Reg"),
+    ("OffsetXLimit", "WidthMax_Reg", "Width_Reg"),
+    ("OffsetYLimit", "HeightMax_Reg", "Height_Reg"),
+];
 
 /// The XML of these features.
 pub(crate) fn xml(features: &[Feature]) -> String {
@@ -35,13 +39,20 @@ pub(crate) fn xml(features: &[Feature]) -> String {
         "http://www.genicam.org/GenApi/GenApiSchema_Version_1_1.xsd\">\n",
     ));
     categories(features, &mut out);
-    out.push_str(FORMULAS);
+    out.push_str(LOCK_AND_PORT);
+    LIMITS.iter().for_each(|(name, all, off)| formula(name, all, off, &mut out));
     for feature in features {
         node(feature, features, &mut out);
     }
     out.push_str(&chunk_nodes());
     out.push_str("</RegisterDescription>\n");
     out
+}
+
+fn formula(name: &str, all: &str, off: &str, out: &mut String) {
+    put(out, format_args!("<IntSwissKnife Name=\"{name}\"><pVariable Name=\"ALL\">{all}</pVariable>"));
+    put(out, format_args!("<pVariable Name=\"OFF\">{off}</pVariable>"));
+    out.push_str("<Formula>ALL - OFF</Formula></IntSwissKnife>\n");
 }
 
 fn categories(features: &[Feature], out: &mut String) {

@@ -32,7 +32,7 @@ pub(super) fn answer(shared: &Shared<'_>) {
     }
 }
 
-/// A datagram of IPv4; errors of the socket are those of an earlier answer that found nobody.
+/// A datagram of IPv4; errors of the socket belong to earlier answers.
 fn take(socket: &UdpSocket, buffer: &mut [u8]) -> Option<(usize, SocketAddrV4)> {
     match socket.recv_from(buffer) {
         Ok((length, SocketAddr::V4(from))) => Some((length, from)),
