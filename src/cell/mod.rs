@@ -4,9 +4,10 @@
 //! In: plans of passes, scans and touches. Out: frames, touches, and, for comparison only, true
 //! values of the part. [`TurningCell`] and `FollowedCut` are the interface between the closed loop
 //! and a lathe; an adapter to a real lathe implements them. `simulated` holds the state of the
-//! simulated cell, `operations` its commands, `on_order` its single frames, `in_process` a pass with
-//! the gauge behind the tool, `true_probe` its touch probe; `recorded` is a cell of frames that were recorded. A new ability
-//! of a cell is a method of the trait with an error as its default.
+//! simulated cell, `operations` its commands, `on_order` its single frames, `in_process` a pass
+//! with the gauge behind the tool, `true_probe` its touch probe; `recorded` is a cell of frames
+//! that were recorded. A new ability of a cell is a method of the trait with an error as its
+//! default.
 
 #[cfg(feature = "render")]
 mod in_process;

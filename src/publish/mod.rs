@@ -3,8 +3,8 @@
 //!
 //! In: a checked job and an address. Out: datagrams, until it is ended. `gvcp`, `gvsp` and
 //! `genicam` are the protocol: commands, streams, features with their registers and XML; they hold
-//! no state and import nothing of ours but the vocabulary of frames. `head` is what a camera asks of
-//! the head behind it, `camera` its state without a network, `server` the threads and sockets,
+//! no state and import nothing of ours but the vocabulary of frames. `head` is what a camera asks
+//! of the head behind it, `camera` its state without a network, `server` the threads and sockets,
 //! `simulated` the head of a job, by process and renderer. One more head is an implementation of
 //! `FrameMaker`, one more feature a line in `genicam/features.rs`.
 

@@ -80,6 +80,7 @@ def main():
     nodes.CarriageZ.value = 17.5
     nodes.EncoderSelector.value = "Encoder1"
     assert nodes.EncoderValue.value == 17.5
+    nodes.PixelFormat.value = "Mono12"
     before = nodes.PayloadSize.value
     nodes.PixelFormat.value = "Mono8"
     assert nodes.PayloadSize.value * 2 == before, (before, nodes.PayloadSize.value)

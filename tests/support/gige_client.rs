@@ -225,8 +225,8 @@ impl Client {
         }
     }
 
-    /// The next frame, in order. Lost packets are asked for again where `resends` is set; without it
-    /// a frame ends with its trailer, or with a packet of a later one.
+    /// The next frame, in order. Lost packets are asked for again where `resends` is set; without
+    /// it a frame ends with its trailer, or with a packet of a later one.
     pub fn frame(&mut self, wait: Duration) -> Option<Received> {
         let until = Instant::now() + wait;
         let mut asked: Option<(u64, Instant)> = None;
@@ -253,7 +253,8 @@ impl Client {
         None
     }
 
-    /// Asks for the packets of a frame that are missing, the one behind the last that came included.
+    /// Asks for the packets of a frame that are missing, the one behind the last that came
+    /// included.
     fn ask(&mut self, block: u64) {
         let Some(packets) = self.frames.get(&block) else { return };
         let extended = packets.values().any(|p| p.extended);

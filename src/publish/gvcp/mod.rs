@@ -3,9 +3,10 @@
 //!
 //! In: a datagram. Out: a [`Request`], or a [`Refusal`] with the status that answers it; and from a
 //! status and a payload the datagram of an answer. Nothing is kept, nothing is executed, a datagram
-//! of any content is parsed or refused without a panic and with memory bounded by the 548 bytes that
-//! the protocol allows. `status` holds the status codes, `request` what a client sends, `answer` what
-//! a device answers. One more command is a variant of [`Command`] with its arm in `request`.
+//! of any content is parsed or refused without a panic and with memory bounded by the 548 bytes
+//! that the protocol allows. `status` holds the status codes, `request` what a client sends,
+//! `answer` what a device answers. One more command is a variant of [`Command`] with its arm in
+//! `request`.
 
 mod answer;
 mod request;
