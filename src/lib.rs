@@ -84,6 +84,8 @@ pub mod cli;
 pub(crate) mod config;
 #[cfg(feature = "report")]
 pub(crate) mod files;
+#[cfg(feature = "cli")]
+pub(crate) mod publish;
 #[cfg(feature = "report")]
 pub(crate) mod report;
 #[cfg(feature = "report")]

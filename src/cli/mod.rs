@@ -28,6 +28,7 @@ mod new;
 mod optics;
 mod optimize;
 mod process;
+mod publish;
 mod reference;
 mod render;
 mod reproduce;
@@ -80,6 +81,8 @@ commands! {
     Run(run::RunArgs) => run::run,
     /// Render shadowgraph frames of a config's shaft with their truth.
     Render(render::RenderArgs) => render::run,
+    /// Publish the head of a config as a GigE Vision camera.
+    Publish(publish::PublishArgs) => publish::run,
     /// Show adapters, drivers, what `auto` would choose and what is missing.
     Doctor(doctor::DoctorArgs) => doctor::run,
     /// Calibrate an optical setup: dark and flat fields, master pins, a check pin.

@@ -39,6 +39,7 @@ mod optics_lens;
 mod probe_run;
 mod process;
 mod process_studies;
+mod publish;
 mod render_frames;
 mod render_golden;
 mod render_light;

@@ -37,6 +37,13 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge render --gallery out/gallery",
         ],
     ),
+    (
+        "publish",
+        &[
+            "shadowgauge publish configs/small_shaft.toml",
+            "shadowgauge publish my.toml --listen 192.168.1.5/24 --mtu 9000",
+        ],
+    ),
     ("doctor", &["shadowgauge doctor", "shadowgauge doctor --json"]),
     (
         "calibrate",
