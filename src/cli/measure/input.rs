@@ -27,6 +27,9 @@ const PIPE: usize = 1 << 16;
 /// Frames of a live source that wait while one is measured: as many as are decoded ahead at least.
 const WAITING: usize = 4;
 
+/// Images to be decoded on other threads.
+type Images = Box<dyn Iterator<Item = Taken> + Send>;
+
 /// Arguments of the input.
 #[derive(Debug, clap::Args)]
 pub(crate) struct InputArgs {
@@ -171,12 +174,12 @@ impl StreamSource {
     }
 
     /// Images to be decoded.
-    fn images(self, read: &Reading) -> Result<Box<dyn Iterator<Item = Taken> + Send>, Failure> {
+    fn images(self, read: &Reading) -> Result<Images, Failure> {
         let (spare, channel) = (read.spare.clone(), read.channel);
         Ok(match self {
             Self::Stdin => {
                 let mut stdin = buffered(std::io::stdin());
-                let mut images: Option<Box<dyn Iterator<Item = Taken> + Send>> = None;
+                let mut images: Option<Images> = None;
                 // The first bytes decide; they are waited for on the reading thread.
                 Box::new(std::iter::from_fn(move || {
                     let images = images.get_or_insert_with(|| {

@@ -11,5 +11,5 @@ mod stream;
 mod unpack;
 mod y4m;
 
-pub(crate) use self::layout::{RawFormat, RawLayout};
+pub(crate) use self::layout::RawLayout;
 pub(crate) use self::stream::{RawStream, begins_y4m};
