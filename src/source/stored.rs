@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::decode::{Wanted, decode_into};
-use super::raw::RawLayout;
+use super::raw::layout::RawLayout;
 use super::read_error::ReadError;
 use super::scale::FileScale;
 use super::spare::Spare;

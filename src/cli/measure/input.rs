@@ -1,9 +1,9 @@
 //! Where the frames of a command come from: files, a folder that is followed, or a stream: stdin,
 //! raw pixels, Y4M, the simulated head.
 //!
-//! One more kind of source is a variant of [`Address`](crate::source) and an arm of [`StreamSource`]:
-//! images to be decoded are an iterator, a source with events of its own (a camera, a recording) is
-//! a [`Producer`](crate::source::live::Producer).
+//! One more kind of source is a variant of [`Address`](crate::source) and an arm of
+//! [`StreamSource`]: images to be decoded are an iterator, a source with events of its own (a
+//! camera, a recording) is a [`Producer`](crate::source::live::Producer).
 
 use std::fs::File;
 use std::io::{BufReader, IsTerminal as _, Read};

@@ -6,8 +6,8 @@
 //! `counters`, `metadata` (clocks and provenance), `sequence` (ids of 16, 32 and 64 bits to one
 //! number), `clock_map` (device to host), `pool` (bounded leases), `event` → `queue` (the policy
 //! between producer and consumer) → `producer`, `source` (the thread) → `stored` (images of files
-//! and pipes as a producer) and `taken` (a live source as frames to be decoded ahead). One more kind
-//! of source is a file that implements `Producer`; it passes `tests/inside/live`.
+//! and pipes as a producer) and `taken` (a live source as frames to be decoded ahead). One more
+//! kind of source is a file that implements `Producer`; it passes `tests/inside/live`.
 #![allow(
     dead_code,
     unused_imports,
