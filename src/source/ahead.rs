@@ -27,7 +27,7 @@ type Stored = Result<StoredFrame, ReadError>;
 /// What there is after a time.
 pub(super) enum Within {
     /// The next frame, or why it cannot be read.
-    Frame(Arrival, Stored),
+    Frame(Box<(Arrival, Stored)>),
     /// Nothing yet.
     Nothing,
     /// The end, with the error that ended the source.
@@ -92,7 +92,7 @@ impl Ahead {
         match self.places.recv_timeout(wait) {
             Ok(Ok((arrival, frame))) => {
                 let stored = whole(&arrival, &frame);
-                Within::Frame(arrival, stored)
+                Within::Frame(Box::new((arrival, stored)))
             }
             Ok(Err(error)) => Within::End(Some(error)),
             Err(RecvTimeoutError::Timeout) => Within::Nothing,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::decode::{Wanted, decode_into};
-use super::raw::RawLayout;
+use super::raw::layout::RawLayout;
 use super::read_error::ReadError;
 use super::scale::FileScale;
 use super::spare::Spare;
@@ -38,8 +38,11 @@ pub(crate) struct Arrival {
     pub notices: Vec<String>,
 }
 
+/// A frame that is to be decoded, or why it cannot be read.
+pub(super) type TakenFrame = (Arrival, Result<Undecoded, ReadError>);
+
 /// What a source gives: a frame, or why it cannot be read; the outer error ends the source.
-pub(crate) type Taken = Result<(Arrival, Result<Undecoded, ReadError>), ReadError>;
+pub(crate) type Taken = Result<TakenFrame, ReadError>;
 
 /// What the bytes of a frame are.
 #[derive(Clone, Debug, Default)]

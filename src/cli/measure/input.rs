@@ -1,9 +1,9 @@
 //! Where the frames of a command come from: files, a folder that is followed, or a stream: stdin,
 //! raw pixels, Y4M, the simulated head.
 //!
-//! One more kind of source is a variant of [`Address`](crate::source) and an arm of [`StreamSource`]:
-//! images to be decoded are an iterator, a source with events of its own (a camera, a recording) is
-//! a [`Producer`](crate::source::live::Producer).
+//! One more kind of source is a variant of [`Address`](crate::source) and an arm of
+//! [`StreamSource`]: images to be decoded are an iterator, a source with events of its own (a
+//! camera, a recording) is a [`Producer`](crate::source::live::Producer).
 
 use std::fs::File;
 use std::io::{BufReader, IsTerminal as _, Read};
@@ -27,6 +27,9 @@ use crate::source::{Address, Ahead, Channel, FileFrames, Follow, Piped, Spare, T
 const PIPE: usize = 1 << 16;
 /// Frames of a live source that wait while one is measured: as many as are decoded ahead at least.
 const WAITING: usize = 4;
+
+/// Images to be decoded on other threads.
+type Images = Box<dyn Iterator<Item = Taken> + Send>;
 
 /// Arguments of the input.
 #[derive(Debug, clap::Args)]
@@ -172,12 +175,12 @@ impl StreamSource {
     }
 
     /// Images to be decoded.
-    fn images(self, read: &Reading) -> Result<Box<dyn Iterator<Item = Taken> + Send>, Failure> {
+    fn images(self, read: &Reading) -> Result<Images, Failure> {
         let (spare, channel) = (read.spare.clone(), read.channel);
         Ok(match self {
             Self::Stdin => {
                 let mut stdin = buffered(std::io::stdin());
-                let mut images: Option<Box<dyn Iterator<Item = Taken> + Send>> = None;
+                let mut images: Option<Images> = None;
                 // The first bytes decide; they are waited for on the reading thread.
                 Box::new(std::iter::from_fn(move || {
                     let images = images.get_or_insert_with(|| {

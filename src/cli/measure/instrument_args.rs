@@ -91,7 +91,8 @@ impl InstrumentArgs {
         Ok(Some(calibration))
     }
 
-    /// The part's conditions: the file's, otherwise the calibration's; `--part-temperature` overrides.
+    /// The part's conditions: the file's, otherwise the calibration's; `--part-temperature`
+    /// overrides.
     ///
     /// # Errors
     /// Conditions out of range.

@@ -71,7 +71,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge measure part_7 --calibration bench.json --offsets job.toml --state state.toml --part 7",
             "shadowgauge measure washer.png --um-per-px 20 --shape ring",
             "shadowgauge measure shaft.y4m --um-per-px 17.4 --json",
-            "ffmpeg -i shaft.mkv -pix_fmt gray12le -f rawvideo - | shadowgauge measure raw:- --raw 2448x2048:mono12 --um-per-px 17.4",
+            "shadowgauge measure raw:- --raw 2448x2048:mono12 --um-per-px 17.4 --json",
             "shadowgauge measure sim:configs/small_shaft.toml --um-per-px 17.4",
         ],
     ),
@@ -80,7 +80,7 @@ const EXAMPLES: &[Examples] = &[
         &[
             "shadowgauge watch incoming --calibration bench.json --tolerance \"25 h6\"",
             "shadowgauge watch sim:configs/small_shaft.toml --um-per-px 17.4 --json",
-            "ffmpeg -f v4l2 -i /dev/video0 -pix_fmt gray -f yuv4mpegpipe - | shadowgauge watch - --um-per-px 17.4 --on-alarm \"beep\"",
+            "shadowgauge watch raw:- --raw 2448x2048:mono12p --um-per-px 17.4 --tolerance \"25 h6\" --on-alarm \"beep\"",
         ],
     ),
     ("schema", &["shadowgauge schema > job.schema.json", "shadowgauge schema machine > machine.schema.json"]),

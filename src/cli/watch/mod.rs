@@ -3,8 +3,8 @@
 //! In: a source of frames, a scale or calibration, a tolerance. Out: on a terminal one line of the
 //! present diameter that is written over again, on stdout a line a part, or with `--json` a line a
 //! frame and a line an event (`shown`); an alarm with its command (`on_alarm`); counts at the end.
-//! `session` takes the events of the source and measures; what is computed beside the measurement is
-//! in [`measurement::watch`](crate::measurement), where one more figure goes.
+//! `session` takes the events of the source and measures; what is computed beside the measurement
+//! is in [`measurement::watch`](crate::measurement), where one more figure goes.
 
 mod on_alarm;
 mod session;

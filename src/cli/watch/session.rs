@@ -133,7 +133,7 @@ impl<'a> Session<'a> {
             self.part(part);
         }
         self.on_alarm.finish();
-        self.shown.end(counters, self.presence.parts(), &self.pace);
+        self.shown.end(counters, [self.measured, self.presence.parts()], &self.pace);
         self.alarm.cause().is_some()
     }
 

@@ -113,21 +113,21 @@ impl Shown {
         }
     }
 
-    /// The counts at the end.
-    pub(super) fn end(&self, counters: &Counters, parts: u64, pace: &Pace) {
+    /// The counts at the end: of the source, of frames with a value and of parts.
+    pub(super) fn end(&self, counters: &Counters, [measured, parts]: [u64; 2], pace: &Pace) {
         self.now.finish_and_clear();
         let [p50, p99] = [0.5, 0.99].map(|share| pace.latency_ms(share));
         let c = counters;
         if self.json {
             return self.event(
                 "end",
-                json!({ "measured": c.delivered, "dropped": c.dropped, "incomplete": c.incomplete, "lost": c.lost,
+                json!({ "delivered": c.delivered, "measured": measured, "dropped": c.dropped, "incomplete": c.incomplete, "lost": c.lost,
                     "waiting": c.waiting, "repeated": c.repeated, "disappeared": c.disappeared, "parts": parts,
                     "latency_p50_ms": p50, "latency_p99_ms": p99 }),
             );
         }
         say_line!(
-            "{} frames: {} measured, {} left out, {} incomplete, {} lost, {} waiting; {parts} parts{}",
+            "{} frames: {} taken and {measured} measured, {} left out, {} incomplete, {} lost, {} waiting; {parts} parts{}",
             c.accounted(),
             c.delivered,
             c.dropped,

@@ -3,9 +3,9 @@
 //! A part is there from the first of two frames in a row that show one, and gone at the second of
 //! two in a row that show none; frames that are refused for another reason count for neither. The
 //! first and the last frame may show it moving and are left out where there are others. Its value
-//! is the frame in the middle of the sorted diameters, with the uncertainty of that frame: frames of
-//! one part share most of it, so that more of them do not reduce it. It is judged as its worst frame
-//! is.
+//! is the frame in the middle of the sorted diameters, with the uncertainty of that frame: frames
+//! of one part share most of it, so that more of them do not reduce it. It is judged as its worst
+//! frame is.
 
 use std::collections::VecDeque;
 

@@ -6,8 +6,13 @@
 //! `counters`, `metadata` (clocks and provenance), `sequence` (ids of 16, 32 and 64 bits to one
 //! number), `clock_map` (device to host), `pool` (bounded leases), `event` → `queue` (the policy
 //! between producer and consumer) → `producer`, `source` (the thread) → `stored` (images of files
-//! and pipes as a producer) and `taken` (a live source as frames to be decoded ahead). One more kind
-//! of source is a file that implements `Producer`; it passes `tests/inside/live`.
+//! and pipes as a producer) and `taken` (a live source as frames to be decoded ahead). One more
+//! kind of source is a file that implements `Producer`; it passes `tests/inside/live`.
+#![allow(
+    dead_code,
+    unused_imports,
+    reason = "clock map, ids and chunks are a camera's, and no client is built: tests alone use them"
+)]
 
 mod clock_map;
 mod counters;
@@ -27,7 +32,7 @@ pub(crate) use self::counters::Counters;
 pub(crate) use self::event::{Event, LiveFrame, Remarks};
 pub(crate) use self::gap::Gap;
 pub(crate) use self::metadata::{Clock, Known, LiveMeta, Provenance, Timestamp};
-pub(crate) use self::pool::{Lease, Pool};
+pub(crate) use self::pool::Lease;
 pub(crate) use self::producer::{NewFrame, Produced, Producer};
 pub(crate) use self::queue::Policy;
 pub(crate) use self::sequence::{IdWidth, Unwrapper};

@@ -1,8 +1,8 @@
 //! Leases on the memory of frames, bounded in number.
 //!
-//! A producer takes a [`Slot`], fills it with a frame, and the consumer holds the [`Lease`] until it
-//! drops it: then the memory is a spare of the next slot. No more slots and leases are out at once
-//! than the pool has places.
+//! A producer takes a [`Slot`], fills it with a frame, and the consumer holds the [`Lease`] until
+//! it drops it: then the memory is a spare of the next slot. No more slots and leases are out at
+//! once than the pool has places.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;

@@ -40,6 +40,8 @@ struct State {
     /// The end of the stream, with the reason of a failure.
     ended: Option<Option<String>>,
     is_stopped: bool,
+    /// Whether the source disappeared and no frame has come since.
+    is_away: bool,
 }
 
 impl State {
@@ -59,6 +61,7 @@ impl State {
         }
         self.lose_until(number);
         self.next = Some(number.saturating_add(1));
+        self.is_away = false;
         true
     }
 
@@ -209,9 +212,8 @@ impl Queue {
     /// The source disappeared. One that comes and goes without a frame in between is reported once.
     pub(super) fn lost(&self, why: String) {
         let mut state = self.state();
-        state.counters.disappeared += 1;
-        let since_frame = state.entries.iter().rev().take_while(|entry| !matches!(entry, Entry::Frame(_)));
-        if !since_frame.into_iter().any(|entry| matches!(entry, Entry::Lost(_))) {
+        if !std::mem::replace(&mut state.is_away, true) {
+            state.counters.disappeared += 1;
             state.entries.push_back(Entry::Lost(why));
         }
         self.wake(state);

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use super::counters::Counters;
 use super::event::{Event, LiveFrame};
+use super::pool::Slot;
 use super::producer::{NewFrame, Produced, Producer};
 use super::queue::{Place, Policy, Queue};
 
@@ -128,7 +129,7 @@ fn pump(producer: &mut dyn Producer, queue: &Queue) -> Option<String> {
             Place::Exhausted => None,
             Place::Wait => continue,
         };
-        let spare = slot.as_mut().and_then(|slot| slot.take_spare());
+        let spare = slot.as_mut().and_then(Slot::take_spare);
         match (producer.produce(spare, LOOK), slot) {
             (Produced::Frame(new), Some(slot)) => {
                 let NewFrame { frame, meta, remarks } = *new;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::event::Remarks;
-use super::metadata::{Clock, Known, LiveMeta, Provenance, Timestamp};
+use super::metadata::{Clock, Known, LiveMeta, Timestamp};
 use super::producer::{NewFrame, Produced, Producer};
 use crate::frame::{Frame, FrameMeta};
 use crate::source::ahead::{Ahead, Within};
@@ -13,10 +13,6 @@ use crate::source::stored::{Arrival, StoredFrame};
 pub(crate) struct StoredProducer {
     frames: Ahead,
     next: u64,
-    /// Clock of the frames' own times.
-    clock: Clock,
-    /// How their angles and places became known.
-    provenance: Provenance,
     /// The frame after the numbers that its source lost.
     held: Option<Box<NewFrame>>,
 }
@@ -24,13 +20,7 @@ pub(crate) struct StoredProducer {
 impl StoredProducer {
     /// Frames whose places and times stand in a table.
     pub(crate) fn new(frames: Ahead) -> Self {
-        Self { frames, next: 0, clock: Clock::Table, provenance: Provenance::Stated, held: None }
-    }
-
-    /// Frames of the simulator.
-    pub(crate) fn simulated(frames: Ahead) -> Self {
-        let (clock, provenance) = (Clock::Simulated, Provenance::Simulated);
-        Self { clock, provenance, ..Self::new(frames) }
+        Self { frames, next: 0, held: None }
     }
 
     fn new_frame(&mut self, arrival: Arrival, stored: StoredFrame) -> NewFrame {
@@ -41,12 +31,10 @@ impl StoredProducer {
 
     /// A table that leaves a column out has zeros there; without a time it has no row.
     fn meta(&self, arrival: &Arrival, of: &FrameMeta) -> LiveMeta {
-        let known = |value: f64| {
-            (arrival.device_t_ns.is_some()).then_some(Known { value, provenance: self.provenance })
-        };
+        let known = |value: f64| arrival.device_t_ns.map(|_| Known::stated(value));
         LiveMeta {
             sequence: self.next,
-            device_t: arrival.device_t_ns.map(|t_ns| Timestamp { t_ns, clock: self.clock }),
+            device_t: arrival.device_t_ns.map(|t_ns| Timestamp { t_ns, clock: Clock::Table }),
             host_t: arrival.host_t_ns.map(|t_ns| Timestamp { t_ns, clock: Clock::Host }),
             exposure_us: known(of.exposure_us).filter(|exposure| exposure.value > 0.0),
             gain_db: None,
@@ -67,7 +55,8 @@ impl Producer for StoredProducer {
         match self.frames.next_within(wait) {
             Within::Nothing => Produced::Nothing,
             Within::End(failure) => Produced::End(failure.map(|error| error.to_string())),
-            Within::Frame(arrival, stored) => {
+            Within::Frame(frame) => {
+                let (arrival, stored) = *frame;
                 let lost = arrival.lost;
                 self.next += lost;
                 let produced = match stored {

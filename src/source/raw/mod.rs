@@ -6,10 +6,10 @@
 //! names the one within which they end. One more pixel format is a variant of `RawFormat` with its
 //! size in `layout` and its bits in `unpack`.
 
-mod layout;
+pub(super) mod layout;
 mod stream;
 mod unpack;
 mod y4m;
 
-pub(crate) use self::layout::{RawFormat, RawLayout};
+pub(crate) use self::layout::RawLayout;
 pub(crate) use self::stream::{RawStream, begins_y4m};

@@ -11,7 +11,7 @@ use crate::source::error::DecodeError;
 use crate::source::host_clock::host_t_ns;
 use crate::source::read_error::ReadError;
 use crate::source::spare::Spare;
-use crate::source::stored::{Arrival, Coded, Taken, Undecoded};
+use crate::source::stored::{Arrival, Coded, Taken, TakenFrame, Undecoded};
 
 /// Longest line of a Y4M stream, bytes: some words; ffmpeg's have about a hundred.
 const LONGEST_LINE: u64 = 4096;
@@ -119,7 +119,7 @@ impl<R: BufRead> RawStream<R> {
     }
 
     /// The next frame; `None` at the end.
-    fn frame(&mut self) -> Result<Option<(Arrival, Result<Undecoded, ReadError>)>, ReadError> {
+    fn frame(&mut self) -> Result<Option<TakenFrame>, ReadError> {
         let layout = self.layout()?;
         if !self.begins()? {
             return Ok(None);

@@ -21,7 +21,7 @@ const GREY: [(&str, RawFormat); 4] = [
 pub(super) struct Header {
     /// Size and pixel format.
     pub(super) layout: RawLayout,
-    /// Whether the grey values are said to reach from 16 to 235 only.
+    /// Whether the grey values are stated to reach from 16 to 235 only.
     pub(super) is_limited: bool,
 }
 

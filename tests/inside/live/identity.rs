@@ -46,7 +46,7 @@ proptest! {
     ) {
         // The first frame that comes is the first that is counted.
         fates[0] = Fate::Whole;
-        let mut live = Live::new(Scripted::new(script(&fates, start), IdWidth::GigE16), settings(policy)).unwrap();
+        let mut live = Live::new(Scripted::boxed(script(&fates, start), IdWidth::GigE16), settings(policy)).unwrap();
         let begun = std::time::Instant::now();
         while slow && policy != Policy::Block && live.counters().accounted() < fates.len() as u64 {
             assert!(begun.elapsed() < SOON);

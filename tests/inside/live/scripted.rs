@@ -28,7 +28,7 @@ pub(super) struct Scripted {
 }
 
 impl Scripted {
-    pub(super) fn new(steps: impl IntoIterator<Item = Step>, width: IdWidth) -> Box<dyn Producer> {
+    pub(super) fn boxed(steps: impl IntoIterator<Item = Step>, width: IdWidth) -> Box<dyn Producer> {
         Box::new(Self { steps: steps.into_iter().collect(), ids: Unwrapper::new(width), rows: 4 })
     }
 
@@ -68,7 +68,7 @@ impl Producer for Scripted {
 
 #[test]
 fn the_scripted_source_conforms() {
-    let open = |frames: u64| Scripted::new((0..frames).map(|n| Step::Frame(n + 1)), IdWidth::GigE16);
+    let open = |frames: u64| Scripted::boxed((0..frames).map(|n| Step::Frame(n + 1)), IdWidth::GigE16);
     let is_frame = |frame: &Frame, number: u64| frame.view().get(3, 2) == Some(number as f32);
     Factory { open: &open, is_frame: &is_frame }.conforms();
 }

@@ -85,7 +85,7 @@ fn a_live_source_that_is_measured_frame_by_frame_states_what_was_lost() {
     use super::scripted::{Scripted, Step};
     use shadowgauge::source::live::IdWidth;
     let steps = vec![Step::Frame(0), Step::Frame(3), Step::Incomplete(4), Step::Away, Step::Frame(0)];
-    let live = Live::new(Scripted::new(steps, IdWidth::Bits16), settings(Policy::Block)).unwrap();
+    let live = Live::new(Scripted::boxed(steps, IdWidth::Bits16), settings(Policy::Block)).unwrap();
     let frames = taken(live, "a camera".to_owned(), std::sync::Arc::default());
     let mut ahead = Ahead::new(frames, 1, None, Ahead::spare(1)).unwrap();
     let mut lost = Vec::new();
