@@ -63,6 +63,9 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge measure frames --calibration bench.json --tolerance \"25 h6\" --json",
             "shadowgauge measure part_7 --calibration bench.json --offsets job.toml --state state.toml --part 7",
             "shadowgauge measure washer.png --um-per-px 20 --shape ring",
+            "shadowgauge measure turn --calibration bench.json --turn --counts-per-turn 4096 --latched-at exposure_end --frames-per-turn 64",
+            "shadowgauge measure --follow incoming --calibration bench.json --tolerance \"25 h6\" --settle-s 10",
+            "shadowgauge measure frames --calibration bench.json --temperatures temperatures.csv --json",
         ],
     ),
     ("schema", &["shadowgauge schema > job.schema.json", "shadowgauge schema machine > machine.schema.json"]),
@@ -91,6 +94,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge nc out/small --dialect linuxcnc --dry-run",
             "shadowgauge nc out/small --dialect fanuc --machine machine.toml --out O8001.nc",
             "shadowgauge nc job.toml --state state.toml --dialect sinumerik --machine machine.toml --air",
+            "shadowgauge nc out/small --dialect linuxcnc --machine machine.toml --scan --out scan.ngc",
         ],
     ),
     (
