@@ -245,7 +245,9 @@ mod tests {
         assert_eq!(short.push(0, 1.0), Settled::Waiting { seen_s: 0.0, readings: 1 });
         // a pause longer than the window leaves one reading
         let mut pause = Settling::new(10.0);
-        (0..20).for_each(|i| drop(pause.push(i * SECOND, 1.0)));
+        for i in 0..20 {
+            pause.push(i * SECOND, 1.0);
+        }
         assert_eq!(pause.push(100 * SECOND, 1.0), Settled::Waiting { seen_s: 0.0, readings: 1 });
         assert_eq!(pause.state().u_trend_mm(), None);
     }
