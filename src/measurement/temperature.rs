@@ -1,8 +1,8 @@
 //! Temperatures that age, and the drift of a gauge since it was set to zero.
 //!
 //! A thermometer's last value holds for `max_age_s` with its own limits. After that they grow by
-//! `growth_k_per_s`, because the part goes on cooling unseen, and beyond `refused_age_s` there is no
-//! value. A gauge drifts with time and with the temperature of its head from its zero on: a row of
+//! `growth_k_per_s`, because the part goes on cooling unseen, and beyond `refused_age_s` there is
+//! no value. A gauge drifts with time and with the temperature of its head from its zero on: a row of
 //! the budget that grows until the interval of re-zeroing is over; then nothing is good.
 
 use crate::setting::{SettingError, require};
