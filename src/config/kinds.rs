@@ -141,6 +141,9 @@ fn frames() -> Schema {
             ("exposure_us", "number", false, "Exposure, µs."),
             ("bit_depth", "integer", false, "Bits of a grey value."),
             ("um_per_px", "number", false, "Nominal scale, µm a pixel."),
+            ("encoder_count", "integer", false, "Count of the spindle's encoder, in place of angle_deg."),
+            ("index", "integer", false, "Count at the encoder's last index pulse."),
+            ("stop", "integer", false, "Number of the stop of a scan program, from 1."),
         ],
     )
 }

@@ -1,4 +1,4 @@
-//! What a scan program needs to know of the machine: the `[nc.machine.scan]` table.
+//! Data of the machine that a scan program needs: the `[nc.machine.scan]` table.
 //!
 //! Codes that switch something are M codes of the machine builder (`"M81"`) or, on LinuxCNC,
 //! digital outputs (`"M64 P0"` on, `"M65 P0"` off).

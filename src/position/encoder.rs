@@ -110,7 +110,7 @@ impl EncoderSettings {
     }
 
     /// Time from the latch to the middle of the exposure, ns.
-    pub(super) fn to_middle_ns(&self, exposure_us: f64) -> f64 {
+    pub(super) fn to_middle_ns(self, exposure_us: f64) -> f64 {
         let half = 0.5e3 * exposure_us;
         match self.latched_at {
             LatchedAt::ExposureStart => half,

@@ -1,8 +1,8 @@
 //! Where the part stood when a frame was exposed: spindle angle by an encoder, as values alone.
 //!
 //! `encoder` holds the settings of a job (`[scan.encoder]`) and how a count becomes an angle at
-//! mid-exposure; `binding` takes the counts of all frames of a scan to angles, or voids the turns in
-//! which a trigger was ignored or doubled or the index pulse contradicts the count;
+//! mid-exposure; `binding` takes the counts of all frames of a scan to angles, or voids the turns
+//! in which a trigger was ignored or doubled or the index pulse contradicts the count;
 //! `interpolation` gives a count between latched samples. `smear` is what the exposure takes from
 //! lobes of a turning part, `coverage` which angles a set of frames leaves out.
 //!

@@ -81,8 +81,8 @@ impl FrameTable {
         Ok(["frame", "z_mm", angle].into_iter().find(|name| !has(name)))
     }
 
-    /// Gives every row its angle by the encoder where one is stated; where none is, `angle_deg` must
-    /// stand beside the counts.
+    /// Gives every row its angle by the encoder where one is stated; where none is, `angle_deg`
+    /// must stand beside the counts.
     ///
     /// # Errors
     /// A table without counts, counts without an encoder, a row that cannot be.

@@ -94,7 +94,7 @@ fn every_stop_is_triggered_once_at_its_place_and_angle() {
             match speed {
                 // the angles of the scan from that of the orientation on
                 None => {
-                    due.extend([300.0, 345.0, 30.0, 75.0].map(|a| (z - HEAD_Z_MM, SpindleState::Held(a))))
+                    due.extend([300.0, 345.0, 30.0, 75.0].map(|a| (z - HEAD_Z_MM, SpindleState::Held(a))));
                 }
                 Some(speed) => due.push((z - HEAD_Z_MM, SpindleState::Turning(speed))),
             }

@@ -7,8 +7,8 @@ use crate::position::{EncoderDirection, EncoderSettings, LatchedAt};
 /// Arguments of the encoder.
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct EncoderArgs {
-    /// Takes the spindle angles from encoder_count (and index, the count at the last index pulse) in
-    /// frames.csv: counts of a turn, all edges counted.
+    /// Takes the spindle angles from encoder_count (and index, the count at the last index pulse)
+    /// in frames.csv: counts of a turn, all edges counted.
     #[arg(long, value_name = "N")]
     counts_per_turn: Option<u32>,
     /// When the count of a frame was latched: exposure_start (default), exposure_end, frame_start.

@@ -25,6 +25,7 @@ mod results;
 mod ring;
 mod statistics;
 mod table;
+mod temperature_args;
 mod timing;
 mod turn;
 mod warnings;
@@ -48,6 +49,7 @@ use self::leaves::{Inputs, Leaves, LeavesArgs, MeasuredBy};
 use self::legend::Legend;
 use self::offsets::{OffsetArgs, OffsetJob};
 use self::results::{Beside, Printed, Results, head};
+use self::temperature_args::{TemperatureArgs, take_temperature};
 use self::warnings::{report_uncalibrated, report_unlearnt};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::terminal::output;
@@ -56,7 +58,8 @@ use crate::frame::{Frame, FrameView};
 use crate::gauge::calibration::Conditions;
 use crate::gauge::ring::RingSettings;
 use crate::gauge::{Calibration, EsfModel, Gauge, GaugeSettings, Polarity};
-use crate::measurement::{MeasureError, MeasureSettings, Series, Stream, edge_model, prepared};
+use crate::measurement::{MeasureError, MeasureSettings, Series, Stream, Temperatures, edge_model, prepared};
+use crate::source::Arrival;
 
 /// Arguments of `shadowgauge measure`.
 #[derive(Debug, clap::Args)]
@@ -65,6 +68,8 @@ pub(crate) struct MeasureArgs {
     input: InputArgs,
     #[command(flatten)]
     instrument: InstrumentArgs,
+    #[command(flatten)]
+    temperatures: TemperatureArgs,
     #[command(flatten)]
     encoder: EncoderArgs,
     #[command(flatten)]
@@ -159,7 +164,7 @@ impl Instrument {
 impl MeasureArgs {
     /// Files read beside the frames.
     fn other_inputs(&self) -> Vec<PathBuf> {
-        let named = self.instrument.files();
+        let named = self.instrument.files().chain(self.temperatures.file());
         named.chain(self.esf.as_ref().map(PathBuf::from)).chain(self.offsets.inputs()).collect()
     }
 
@@ -265,9 +270,22 @@ fn decoding_threads(args: &MeasureArgs) -> usize {
     args.threads.map_or_else(all, usize::from)
 }
 
-/// Measures a frame, or counts why it cannot be read; gives the frame back.
-fn measure_one(stream: &mut Stream, stem: &str, read: Result<Frame, String>) -> Option<Frame> {
-    match read.and_then(|frame| stream.prepared(stem, frame).map_err(|error| error.to_string())) {
+/// Measures a frame, or counts why it cannot be read; gives the frame back. A frame of a stream
+/// without a time of its own has that of its arrival, to which seconds are as good.
+fn measure_one(
+    stream: &mut Stream,
+    arrival: &Arrival,
+    read: Result<Frame, String>,
+    temperatures: Option<&Temperatures>,
+) -> Option<Frame> {
+    let stem = arrival.stem.as_str();
+    let timed = read.and_then(|mut frame| {
+        if let (None, Some(host)) = (arrival.device_t_ns, arrival.host_t_ns) {
+            frame.meta.t_ns = host;
+        }
+        take_temperature(stream, temperatures, frame.meta.t_ns).map(|()| frame)
+    });
+    match timed.and_then(|frame| stream.prepared(stem, frame).map_err(|error| error.to_string())) {
         Ok(frame) => {
             // What a refused frame is refused for stands in its measurement.
             let _ = stream.push_prepared(stem, &frame.meta, &frame.view());
@@ -314,6 +332,7 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     if is_stream {
         report_uncalibrated(&stream);
     }
+    let temperatures = args.temperatures.read()?;
     let encoder = args.encoder.encoder(&input)?;
     let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
     let stop = opened.stop.clone();
@@ -321,7 +340,7 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     let mut frames = Frames::new(opened.frames, checks);
     let mut kept = Vec::new();
     while let Some((arrival, read)) = frames.next_frame() {
-        let frame = measure_one(&mut stream, &arrival.stem, read);
+        let frame = measure_one(&mut stream, &arrival, read, temperatures.as_ref());
         leaves.add(&mut stream, frame.as_ref())?;
         results.frame(&stream, &arrival)?;
         match (&mut scan, frame) {

@@ -73,6 +73,9 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge measure shaft.y4m --um-per-px 17.4 --json",
             "shadowgauge measure raw:- --raw 2448x2048:mono12 --um-per-px 17.4 --json",
             "shadowgauge measure sim:configs/small_shaft.toml --um-per-px 17.4",
+            "shadowgauge measure turn --calibration bench.json --turn --counts-per-turn 4096 --latched-at exposure_end --frames-per-turn 64",
+            "shadowgauge measure --follow incoming --calibration bench.json --tolerance \"25 h6\" --settle-s 10",
+            "shadowgauge measure frames --calibration bench.json --temperatures temperatures.csv --json",
         ],
     ),
     (
@@ -124,6 +127,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge nc out/small --dialect linuxcnc --dry-run",
             "shadowgauge nc out/small --dialect fanuc --machine machine.toml --out O8001.nc",
             "shadowgauge nc job.toml --state state.toml --dialect sinumerik --machine machine.toml --air",
+            "shadowgauge nc out/small --dialect linuxcnc --machine machine.toml --scan --out scan.ngc",
         ],
     ),
     (

@@ -11,7 +11,7 @@ use super::event::{Deed, Event, Fault, Point};
 use super::expression::{Reader, Variables};
 use super::flow::{Program, leading, o_word};
 use super::nose::Nose;
-use super::scan::ScanState;
+use super::scan_state::ScanState;
 use super::surface::Surface;
 use crate::nc::dialect::Dialect;
 use crate::nc::machine::{GeometryOffset, WearX};

@@ -1,11 +1,11 @@
 //! Checks the events of a program against the list in [`super`].
 
+use super::commanded_scan::CommandedScan;
 use super::convex::Convex;
 use super::event::{Deed, Event, Point};
 use super::finished::FinishedSolid;
 use super::interpreter::Control;
 use super::run::run;
-use super::scan::CommandedScan;
 use super::surface::Surface;
 use crate::nc::dialect::Dialect;
 use crate::nc::error::NcError;

@@ -1,7 +1,7 @@
 //! Blocks of SINUMERIK programs, as far as this crate emits them: G00 G01 G4 G18 G40 G54 G75 G90
-//! G94 G95 G96 G97 G710, DIAMON, `X=` and `Z=`, F, S, `LIMS=`, `SPOS=`, T with D, M02-M05 M30, one M
-//! code that measures and those of a scan, R parameters and their sums, MSG, STOPRE, M0, `IF … GOTOF`, GOTOB and labels. Everything else is
-//! refused.
+//! G94 G95 G96 G97 G710, DIAMON, `X=` and `Z=`, F, S, `LIMS=`, `SPOS=`, T with D, M02-M05 M30, one
+//! M code that measures and those of a scan, R parameters and their sums, MSG, STOPRE, M0, `IF …
+//! GOTOF`, GOTOB and labels. Everything else is refused.
 //!
 //! `M0` after a message is an alarm: the programs loop about it. An R parameter may be read or
 //! written only in a block after `STOPRE`: blocks are prepared ahead of the motion, so that without
