@@ -2,8 +2,8 @@
 //!
 //! A thermometer's last value holds for `max_age_s` with its own limits. After that they grow by
 //! `growth_k_per_s`, because the part goes on cooling unseen, and beyond `refused_age_s` there is
-//! no value. A gauge drifts with time and with the temperature of its head from its zero on: a row of
-//! the budget that grows until the interval of re-zeroing is over; then nothing is good.
+//! no value. A gauge drifts with time and with the temperature of its head from its zero on: a row
+//! of the budget that grows until the interval of re-zeroing is over; then nothing is good.
 
 use crate::setting::{SettingError, require};
 

@@ -65,8 +65,8 @@ pub(crate) struct NcArgs {
     #[arg(long)]
     air: bool,
     /// Takes the gauge head along the finished part: retract, coolant off, air blast, the spindle
-    /// at its measuring speed or held at every angle, a trigger a stop. Nothing is cut; the machine's
-    /// data need the table scan. With --dry-run: the stops as a table.
+    /// at its measuring speed or held at every angle, a trigger a stop. Nothing is cut; the
+    /// machine's data need the table scan. With --dry-run: the stops as a table.
     #[arg(long)]
     scan: bool,
     /// Number of the part: with the pass it makes the program run once only.
