@@ -188,7 +188,7 @@ impl Instrument {
         let Some(read) = frames(vec![path.to_owned()], channel).next() else {
             return Err(named(&"holds no image"));
         };
-        let settings = NoseSettings { nominal_radius_px: None, ..self.settings.clone() };
+        let settings = NoseSettings { nominal_radius_px: None, ..self.settings };
         let measured = measure_nose(&read?.1.view(), &settings).map_err(|e| named(&e))?;
         if measured.reference != Reference::Fitted {
             return Err(named(&"its nose is worn: a baseline is the insert when new"));

@@ -201,7 +201,7 @@ impl<'a> Session<'a> {
             self.trend.push(t_s, value.value);
         }
         if let Some(cause) = cause {
-            self.raise(cause);
+            self.raise(&cause);
         }
     }
 
@@ -223,7 +223,7 @@ impl<'a> Session<'a> {
     }
 
     fn lost(&mut self, why: String) {
-        self.raise(format!("{} is gone: {why}", self.settings.name));
+        self.raise(&format!("{} is gone: {why}", self.settings.name));
         self.validity.lost(why);
     }
 
@@ -231,14 +231,14 @@ impl<'a> Session<'a> {
         self.shown.part(&part);
         if part.severity > 0 {
             let word = if part.word.is_empty() { "not proven" } else { part.word };
-            self.raise(format!("part {}: {word}", part.number));
+            self.raise(&format!("part {}: {word}", part.number));
         }
     }
 
-    fn raise(&mut self, cause: String) {
-        if self.alarm.raise(|| cause.clone()) {
-            self.shown.alarm(&cause);
-            self.on_alarm.start(&cause);
+    fn raise(&mut self, cause: &str) {
+        if self.alarm.raise(|| cause.to_owned()) {
+            self.shown.alarm(cause);
+            self.on_alarm.start(cause);
         }
     }
 

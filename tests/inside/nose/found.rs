@@ -127,7 +127,8 @@ fn another_insert_is_no_baseline() {
 
 #[test]
 fn chips_and_adhering_material_are_flagged() {
-    let kinds: [(fn(f64) -> Wear, &str); 2] = [
+    type Kind = (fn(f64) -> Wear, &'static str);
+    let kinds: [Kind; 2] = [
         (|direction_deg| Wear::Chip { direction_deg, width_deg: 15.0, depth_um: 12.0 }, "chipped"),
         (
             |direction_deg| Wear::BuiltUpEdge { direction_deg, width_deg: 20.0, height_um: 12.0 },
