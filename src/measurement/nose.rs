@@ -1,5 +1,5 @@
-//! The document of measured noses: what `tool nose` prints, and what a baseline and `tool compensate`
-//! read of it.
+//! The document of measured noses: what `tool nose` prints, and what a baseline and `tool
+//! compensate` read of it.
 
 use serde::{Deserialize, Serialize};
 

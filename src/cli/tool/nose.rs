@@ -108,7 +108,7 @@ pub(crate) fn run(args: &NoseArgs) -> CommandResult {
     Err(Failure::fail(error))
 }
 
-/// What to say of images that were refused.
+/// The failure for images that were refused.
 fn end(refused: &[String], measured: usize) -> Option<String> {
     match refused {
         [] => None,

@@ -46,10 +46,10 @@ pub(super) struct FoundRadius {
     pub(super) reference: Reference,
 }
 
-/// The radius of the circle that touches both edges and fits the nose where it is not worn. A radius
-/// larger by δ moves the centre along the bisector and the contour by δ·(1 − cos(a − a_mid)/sin(ε/2)).
-/// Sectors inside of it are worn and left out, round by round. Where that leaves too few the nose is
-/// worn, and the radius is that of ISO 1832 next to the one found at its ends.
+/// The radius of the circle that touches both edges and fits the nose where it is not worn. A
+/// radius larger by δ moves the centre along the bisector and the contour by δ·(1 − cos(a −
+/// a_mid)/sin(ε/2)). Sectors inside of it are worn and left out, round by round. Where that leaves
+/// too few the nose is worn, and the radius is that of ISO 1832 next to the one found at its ends.
 pub(super) fn radius(path: &Path, sectors: &[NoseSector], um_per_px: f64) -> FoundRadius {
     let limits = NoseLimits::get();
     let middle = path.from_rad + 0.5 * path.sweep_rad;

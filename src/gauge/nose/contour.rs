@@ -57,7 +57,7 @@ pub(super) fn runs(view: &FrameView<'_>) -> Result<Vec<Run>, NoseImageError> {
     Ok(runs)
 }
 
-/// Label of the largest shadow, the only one that is no dirt.
+/// Label of the largest shadow, the only one that is no contamination.
 fn largest(labels: &[u32], columns: usize) -> Result<u32, NoseImageError> {
     let limits = NoseLimits::get();
     let count = labels.iter().max().map_or(0, |m| *m as usize);
@@ -82,14 +82,15 @@ fn largest(labels: &[u32], columns: usize) -> Result<u32, NoseImageError> {
     Ok(order[0] as u32)
 }
 
-/// Corners (row, column) of the closed contour, the shadow on its left: pixel (r, c) has the corners
-/// (r, c) to (r + 1, c + 1).
+/// Corners (row, column) of the closed contour, the shadow on its left: pixel (r, c) has the
+/// corners (r, c) to (r + 1, c + 1).
 fn trace(mask: &Mask) -> Vec<(isize, isize)> {
     // right, up, left, down
     let steps: [(isize, isize); 4] = [(0, 1), (-1, 0), (0, -1), (1, 0)];
     let Some(start) = mask.labels.iter().position(|l| *l == mask.own) else { return Vec::new() };
     let first = ((start / mask.columns) as isize, (start % mask.columns) as isize);
-    // from the upper right corner of the first pixel of its row leftwards, the pixel below on the left
+    // from the upper right corner of the first pixel of its row leftwards, the pixel below on the
+    // left
     let (mut at, mut heading) = ((first.0, first.1 + 1), 2_usize);
     let begin = (at, heading);
     let mut corners = Vec::new();

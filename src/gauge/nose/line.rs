@@ -9,7 +9,8 @@ use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 /// A straight edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EdgeLine {
-    /// Unit normal towards the light; the contour goes on along its perpendicular, counter-clockwise.
+    /// Unit normal towards the light; the contour goes on along its perpendicular,
+    /// counter-clockwise.
     pub(super) normal: DVec2,
     /// The place about which direction and offset are uncorrelated.
     pub(super) at: DVec2,
@@ -206,7 +207,8 @@ mod tests {
         assert!((turn - 1e-3f64.atan()).abs() < 4.0 * found.line.u_angle_rad, "{turn}");
         let right = from.at + from.along() * 500.0 + from.normal * 0.8;
         assert!(found.line.distance(right).abs() < 4.0 * found.line.u_at(right).0);
-        // Σ(along − mean)² of 76 places 8 px apart, the closed form of even steps for u of the slope
+        // Σ(along − mean)² of 76 places 8 px apart, the closed form of even steps for u of the
+        // slope
         assert!((found.line.u_offset_px / (0.02 / 76f64.sqrt()) - 1.0).abs() < 0.1);
     }
 }

@@ -24,8 +24,8 @@ use crate::numerics::robust::median_of;
 /// Measures the nose of the one insert in a frame.
 ///
 /// # Errors
-/// No insert, several, its nose not in the frame, out of focus, edges that are not straight, an angle
-/// or a direction that is not the tool's.
+/// No insert, several, its nose not in the frame, out of focus, edges that are not straight, an
+/// angle or a direction that is not the tool's.
 pub(crate) fn measure_nose(
     view: &FrameView<'_>,
     settings: &NoseSettings,

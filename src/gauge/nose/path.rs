@@ -61,8 +61,8 @@ impl Path {
         (square + slope * slope - r * second) / (square * square.sqrt())
     }
 
-    /// Radius and its derivative by the direction, `turn` rad after the first edge's normal: a cubic
-    /// through the sectors' middles, the lines beyond the ends.
+    /// Radius and its derivative by the direction, `turn` rad after the first edge's normal: a
+    /// cubic through the sectors' middles, the lines beyond the ends.
     pub(super) fn radius(&self, turn: f64) -> (f64, f64) {
         let (n, step) = (self.radii.len() as isize, self.step_rad());
         let value = |k: isize| {

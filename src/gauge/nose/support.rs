@@ -1,10 +1,10 @@
 //! The support of the nose's hull from its sectors, with its covariance.
 //!
 //! The sectors' departures from the nominal radius are smoothed by penalised least squares (second
-//! differences; E. T. Whittaker, Proc. Edinburgh Math. Soc. 41 (1923) 63), the weight of the penalty
-//! by generalised cross-validation (P. Craven, G. Wahba, Numer. Math. 31 (1979) 377). A hull over
-//! noise reaches too far: draws of the sectors' noise about the smooth contour give the bias, which is
-//! taken off, and the covariance.
+//! differences; E. T. Whittaker, Proc. Edinburgh Math. Soc. 41 (1923) 63), the weight of the
+//! penalty by generalised cross-validation (P. Craven, G. Wahba, Numer. Math. 31 (1979) 377). A
+//! hull over noise reaches too far: draws of the sectors' noise about the smooth contour give the
+//! bias, which is taken off, and the covariance.
 
 use glam::DVec2;
 use nalgebra::{DMatrix, DVector};

@@ -26,8 +26,8 @@ use glam::DVec2;
 
 use crate::render::optics::edge_spread::EdgeSpread;
 
-/// Knots of E over its reach: linear between them errs by (reach/4096)²/8 of its curvature, 1e-6 of a
-/// table of twenty blurs.
+/// Knots of E over its reach: linear between them errs by (reach/4096)²/8 of its curvature, 1e-6 of
+/// a table of twenty blurs.
 const KNOTS: usize = 4096;
 /// Steps of Abel's integral.
 const STEPS: usize = 3000;

@@ -16,8 +16,8 @@ use crate::render::optics::esf_table::knife_edge;
 /// contrast from a blur of 0.6 px on.
 const NODES: [(f64, f64); 3] =
     [(-0.387_298_334_620_741_7, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.387_298_334_620_741_7, 5.0 / 18.0)];
-/// Places of the contour a px: a third of the blur of 0.8 px, to which two nodes a piece integrate to
-/// (1/3)⁴/4320.
+/// Places of the contour a px: a third of the blur of 0.8 px, to which two nodes a piece integrate
+/// to (1/3)⁴/4320.
 const PLACES_PER_PX: f64 = 4.0;
 
 /// A frame of an insert and what is true of it. The same settings, seed and number give the same

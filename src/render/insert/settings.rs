@@ -60,8 +60,8 @@ pub(crate) struct InsertNose {
 }
 
 impl Default for InsertNose {
-    /// A corner of 60° at the middle of the default field, as a right-hand tool (κ_r 93°) whose +X is
-    /// up and +Z to the right points.
+    /// A corner of 60° at the middle of the default field, as a right-hand tool (κ_r 93°) whose +X
+    /// is up and +Z to the right points.
     fn default() -> Self {
         Self { radius_mm: 0.4, epsilon_deg: 60.0, direction_deg: 237.0, centre_px: [1100.0, 1400.0] }
     }

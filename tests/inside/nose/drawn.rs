@@ -82,7 +82,8 @@ fn every_family_draws_a_nose_between_shadow_and_light() {
 
 #[test]
 fn light_over_the_nose_of_a_circle_is_that_of_its_edge_but_for_its_curvature() {
-    // at the contour of a circle of R the blurred light is ½ + φ(0)·(σ² + 1/12)/(2Rσ'), σ' with the pixel
+    // at the contour of a circle of R the blurred light is ½ + φ(0)·(σ² + 1/12)/(2Rσ'), σ' with the
+    // pixel
     let mut s = insert(0);
     s.sensor.format = PixelFormat::F32;
     let (_, truth) = render_insert(&s, (1, 0), false).unwrap();

@@ -7,7 +7,8 @@ mod refused;
 use shadowgauge::gauge::nose::{NoseImageError, NoseMeasurement, NoseSettings, measure_nose};
 use shadowgauge::render::insert::{InsertSettings, Truth, render_insert};
 
-/// A small field about a corner of 60° whose nose of 0.2 mm points down and to the left, from a pose.
+/// A small field about a corner of 60° whose nose of 0.2 mm points down and to the left, from a
+/// pose.
 pub(super) fn insert(pose: usize) -> InsertSettings {
     let mut s = InsertSettings::default();
     (s.camera.columns, s.camera.rows) = (520, 420);
