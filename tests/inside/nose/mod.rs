@@ -13,7 +13,7 @@ pub(super) fn insert(pose: usize) -> InsertSettings {
     let mut s = InsertSettings::default();
     (s.camera.columns, s.camera.rows) = (520, 420);
     s.nose.radius_mm = 0.2;
-    s.nose.direction_deg = 237.0 + 67.3 * pose as f64;
+    s.nose.direction_deg = (237.0 + 67.3 * pose as f64).rem_euclid(360.0);
     let towards = s.nose.direction_deg.to_radians();
     let part = 0.618_034 * pose as f64;
     s.nose.centre_px =
