@@ -169,7 +169,7 @@ fn ctrl_c_ends_the_head_with_0_and_frees_its_address() {
     let mut head = published(4);
     let mut client = client(&head);
     client.take_control(2).unwrap();
-    client.open_stream(1500);
+    client.open_stream(9000);
     client.set("AcquisitionStart", 1);
     assert!(client.frame(LONG).is_some());
     let sent = Command::new("kill").args(["-INT", &head.program.id().to_string()]).status().unwrap();
