@@ -40,7 +40,7 @@ fn no_insert_and_a_covered_field() {
 #[test]
 fn two_inserts() {
     let mut s = insert(0);
-    s.dirt.push(Dirt { centre_px: [60.0, 80.0], radius_um: 400.0 });
+    s.dirt.push(Dirt { centre_px: [60.0, 80.0], radius_um: 150.0 });
     let two = said(&s, &NoseSettings::default());
     assert!(two.contains("two inserts") && two.contains("row") && two.contains("leave one"), "{two}");
 }
@@ -48,7 +48,7 @@ fn two_inserts() {
 #[test]
 fn a_nose_outside_of_the_field() {
     let mut s = insert(0);
-    s.nose.centre_px = [20.0, 440.0];
+    s.nose.centre_px = [260.0, 470.0];
     let outside = said(&s, &NoseSettings::default());
     assert!(outside.contains("outside of the field") && outside.contains("move the tool"), "{outside}");
 }
