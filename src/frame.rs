@@ -303,8 +303,11 @@ pub struct FrameMeta {
     pub t_ns: u64,
     /// Exposure time, µs.
     pub exposure_us: f64,
-    /// Spindle angle φ, degrees.
+    /// Spindle angle φ, degrees; at mid-exposure where it comes from an encoder.
     pub angle_deg: f64,
+    /// Angle that the spindle turned during the exposure, degrees; 0 where it stood or is not known
+    /// to have turned.
+    pub sweep_deg: f64,
     /// Machine z of the image's central column, mm.
     pub z_mm: f64,
     /// The window of the sensor this frame shows; `None` for a full frame.

@@ -48,6 +48,7 @@ pub(crate) mod nose;
 mod numerics;
 pub(crate) mod outline;
 pub mod plan;
+pub mod position;
 pub mod profile;
 pub mod setting;
 pub mod shaft;
@@ -83,6 +84,8 @@ pub mod cli;
 pub(crate) mod config;
 #[cfg(feature = "report")]
 pub(crate) mod files;
+#[cfg(feature = "cli")]
+pub(crate) mod publish;
 #[cfg(feature = "report")]
 pub(crate) mod report;
 #[cfg(feature = "report")]

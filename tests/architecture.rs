@@ -15,13 +15,13 @@ mod imports;
 
 /// Rooms by layer, bottom to top; a file imports its own room and earlier ones; the stages import
 /// only the vocabulary.
-const VOCABULARY: [&str; 9] =
-    ["numerics", "setting", "frame", "shaft", "profile", "plan", "outline", "nose", "conformity"];
+const VOCABULARY: [&str; 10] =
+    ["numerics", "setting", "frame", "shaft", "profile", "plan", "position", "outline", "nose", "conformity"];
 const STAGES: [&str; 9] =
     ["process", "render", "gauge", "probe", "control", "source", "nc", "tool", "machine"];
 const COMPOSITION: [&str; 7] =
     ["measurement", "truth", "job", "cell", "closed_loop", "part_offsets", "studies"];
-const SURFACE: [&str; 6] = ["files", "config", "run_folder", "report", "cli", "main"];
+const SURFACE: [&str; 7] = ["files", "config", "run_folder", "report", "publish", "cli", "main"];
 /// The instrument must not import the simulation or the truth.
 const INSTRUMENT: [&str; 5] = ["gauge", "probe", "control", "nc", "source"];
 /// The closed loop takes anyone's cell: it must not import the simulator, which is a feature.
@@ -30,21 +30,25 @@ const FILE_SYSTEM_ROOMS: [&str; 5] = ["source", "files", "run_folder", "config",
 
 /// The contents of a room, bottom to top: a file imports its own folder and entries listed before
 /// it, and nothing inside a room imports the room's `mod.rs`.
-const ROOMS: [(&str, &str); 3] = [
+const ROOMS: [(&str, &str); 4] = [
+    ("publish", "gvcp gvsp head genicam camera server simulated"),
     (
         "gauge",
-        "limit form sensor settings edges edge width calibration diameter uncertainty ring thresholds instrument",
+        "limit form sensor settings edges edge width calibration diameter uncertainty ring nose thresholds instrument",
     ),
-    ("render", "error optics motion form silhouette kernel contamination sensor settings gpu scene renderer"),
+    (
+        "render",
+        "error optics motion form silhouette kernel contamination sensor settings gpu scene renderer insert",
+    ),
     (
         "cli",
-        "failure process terminal input_output calibration_plan schema new completions man optics measure calibrate render doctor run demo \
+        "failure process terminal input_output calibration_plan schema new completions man optics measure watch calibrate render publish doctor run demo \
          nc tool optimize reproduce study reference",
     ),
 ];
 
 /// Most entries directly in a room; in `cli`, besides one per subcommand.
-const MOST_ENTRIES: [(&str, usize); 3] = [("gauge", 16), ("render", 16), ("cli", 6)];
+const MOST_ENTRIES: [(&str, usize); 4] = [("gauge", 16), ("publish", 16), ("render", 16), ("cli", 6)];
 
 fn layers() -> [&'static [&'static str]; 4] {
     [&VOCABULARY, &STAGES, &COMPOSITION, &SURFACE]

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::turning_cell::{CellError, TurningCell};
 use crate::frame::FrameSource;
 use crate::plan::{PassPlan, ScanPlan};
-use crate::source::{FileFrames, ReadError, RecordedScan, Recording, image_digests};
+use crate::source::{ReadError, RecordedScan, Recording, image_digests};
 
 impl From<ReadError> for CellError {
     fn from(error: ReadError) -> Self {
@@ -108,7 +108,7 @@ impl TurningCell for RecordedCell {
         check_count(&images, plan)?;
         self.check_unused(scan, &images)?;
         self.has_scanned = self.pass > 0;
-        Ok(Box::new(FileFrames::new(images)))
+        Ok(Box::new(self.recording.frames(images, plan)?))
     }
 
     fn can_scan_again(&self) -> bool {

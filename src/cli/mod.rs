@@ -28,6 +28,7 @@ mod new;
 mod optics;
 mod optimize;
 mod process;
+mod publish;
 mod reference;
 mod render;
 mod reproduce;
@@ -35,6 +36,7 @@ mod run;
 mod schema;
 mod study;
 mod tool;
+mod watch;
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -79,6 +81,8 @@ commands! {
     Run(run::RunArgs) => run::run,
     /// Render shadowgraph frames of a config's shaft with their truth.
     Render(render::RenderArgs) => render::run,
+    /// Publish the head of a config as a GigE Vision camera.
+    Publish(publish::PublishArgs) => publish::run,
     /// Show adapters, drivers, what `auto` would choose and what is missing.
     Doctor(doctor::DoctorArgs) => doctor::run,
     /// Calibrate an optical setup: dark and flat fields, master pins, a check pin.
@@ -88,6 +92,8 @@ commands! {
     Optics(optics::OpticsCommand) => optics::run,
     /// Measure edges and diameters of frames in files.
     Measure(Box<measure::MeasureArgs>) => measure::run,
+    /// Watch a source live: the diameter of now, one value a part, an alarm.
+    Watch(Box<watch::WatchArgs>) => watch::run,
     /// Print a commented start for a file of one's own.
     New(new::NewArgs) => new::run,
     /// Print the JSON Schema of a config file or of a table's row.

@@ -12,6 +12,7 @@ use crate::gauge::calibration::Conditions;
 use crate::job::Job;
 use crate::nc::NcSettings;
 use crate::part_offsets::OffsetState;
+use crate::render::insert::InsertSettings;
 use crate::studies::calibration::CalibrationPlan;
 use crate::studies::deflection::DeflectionConfig;
 use crate::studies::factor::FactorConfig;
@@ -31,7 +32,7 @@ pub(crate) struct FileKind {
 }
 
 /// Config files, jobs first.
-pub(crate) const CONFIGS: [FileKind; 12] = [
+pub(crate) const CONFIGS: [FileKind; 13] = [
     FileKind { name: "job", title: "A job (`run`, `render`, most studies)", schema: || schema_for!(Job) },
     FileKind {
         name: "calibration",
@@ -76,8 +77,13 @@ pub(crate) const CONFIGS: [FileKind; 12] = [
     },
     FileKind {
         name: "tool",
-        title: "A turning tool (`tool compensate --tool`)",
+        title: "A turning tool (`tool nose --tool`, `tool compensate --tool`)",
         schema: || schema_for!(ToolFile),
+    },
+    FileKind {
+        name: "insert",
+        title: "A back-lit insert (`tool render`)",
+        schema: || schema_for!(InsertSettings),
     },
     FileKind {
         name: "outline",
@@ -135,6 +141,9 @@ fn frames() -> Schema {
             ("exposure_us", "number", false, "Exposure, µs."),
             ("bit_depth", "integer", false, "Bits of a grey value."),
             ("um_per_px", "number", false, "Nominal scale, µm a pixel."),
+            ("encoder_count", "integer", false, "Count of the spindle's encoder, in place of angle_deg."),
+            ("index", "integer", false, "Count at the encoder's last index pulse."),
+            ("stop", "integer", false, "Number of the stop of a scan program, from 1."),
         ],
     )
 }

@@ -8,7 +8,8 @@
 //!
 //! From below, and imports point down only: `settings`, `edges` (results) → `form`, `sensor` →
 //! `edge` (one frame to edges) → `width` (px) → `calibration` (px to mm) → `diameter` (mm) →
-//! `uncertainty` (budgets) → `ring` (parts seen end-on); `instrument` is the gauge that all begin
+//! `uncertainty` (budgets) → `ring` (parts seen end-on) → `nose` (the nose of a
+//! back-lit insert); `instrument` is the gauge that all begin
 //! with. A file imports others by their own path, not through the `mod.rs` above it.
 //!
 //! One more room is one more folder with a `mod.rs` like these, one line here and one in the order
@@ -21,6 +22,7 @@ mod edges;
 pub mod form;
 mod instrument;
 pub(crate) mod limit;
+pub(crate) mod nose;
 pub mod ring;
 pub(crate) mod sensor;
 mod settings;

@@ -71,6 +71,7 @@ use super::edge::wire::frame::WireFrameLimits;
 use super::edge::wire::joint_fit::WireFitLimits;
 use super::edge::wire::rounding::WireRoundingLimits;
 use super::limit::{Limit, Limits};
+use super::nose::limits::NoseLimits;
 use super::ring::coarse::CoarseRingLimits;
 use super::ring::edge_pixels::BandLimits;
 use super::ring::fit::RingFitLimits;
@@ -107,6 +108,7 @@ pub(crate) fn every() -> Vec<Limit> {
         of_diameter(),
         of_uncertainty(),
         of_ring(),
+        of_nose(),
     ];
     rooms.concat().concat()
 }
@@ -242,6 +244,11 @@ fn of_diameter() -> Vec<Vec<Limit>> {
 /// Thresholds of the uncertainty, a group an entry.
 fn of_uncertainty() -> Vec<Vec<Limit>> {
     vec![CoverageLimits::list(), FormScatterLimits::list(), StatedLimits::list()]
+}
+
+/// Thresholds of noses, a group an entry.
+fn of_nose() -> Vec<Vec<Limit>> {
+    vec![NoseLimits::list()]
 }
 
 /// Thresholds of rings, a group an entry.

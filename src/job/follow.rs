@@ -155,6 +155,7 @@ impl LoopJob {
                 format!("{limit} K must lie between 0 and 100"),
             ));
         }
+        self.scan.encoder.map_or(Ok(()), |encoder| encoder.validate())?;
         if self.scan.when != ScanWhen::DuringCut {
             let why =
                 "nothing is read while the pass is cut: set scan.when = \"during_cut\", or leave it out";

@@ -2,6 +2,7 @@
 //! run.
 
 use crate::gauge::MasterCertificate;
+use crate::position::EncoderSettings;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +29,10 @@ pub struct Scan {
     pub part_rise_k: f64,
     /// Limits of its error, ± K.
     pub limit_part_rise_k: f64,
+    /// The spindle's encoder, whose counts stand in the `frames.csv` of a recorded run in place of
+    /// angles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub encoder: Option<EncoderSettings>,
 }
 
 /// When the part is scanned.
@@ -64,6 +69,7 @@ impl Default for Scan {
             behind_tool_mm: 30.0,
             part_rise_k: 0.0,
             limit_part_rise_k: 0.0,
+            encoder: None,
         }
     }
 }

@@ -5,6 +5,7 @@ use super::error::MeasureError;
 use super::judged::{Deciding, Judged, StationJudgement, StationResult, Verdict};
 use super::result::{LargestDiameter, Measurement};
 use super::settings::MeasureSettings;
+use super::settled_part::{SettledPart, widen, widened};
 use super::stated::stated_budget;
 use super::statistics::FrameMeans;
 use super::turn_frames::{Asked, TurnFrames};
@@ -63,6 +64,7 @@ pub(super) struct Inspector {
     pub(super) means: FrameMeans,
     pub(super) worst: Judgement,
     pub(super) turn: FollowedTurn,
+    pub(super) settled: Option<SettledPart>,
     frames: usize,
     buffers: Buffers,
 }
@@ -124,6 +126,7 @@ impl Inspector {
                 jumps: Vec::new(),
                 jumps_left_out: 0,
             },
+            settled: settings.settle_s.map(|s| SettledPart::new(s, settings.turn)),
             frames: 0,
             buffers: Buffers::default(),
             settings,
@@ -175,15 +178,27 @@ impl Inspector {
         out.mean.into_iter().for_each(|d| self.means.push(d));
         let averaged = self.average.push(mean);
         out.average = averaged.value().filter(|_| self.settings.averages());
-        self.add_stations(&meta, &diameters, out);
-        if self.judges_frames() {
+        let settled = self.settled.as_mut().map(|part| part.push(&meta, out.mean));
+        // 0 where nothing was asked, none where the diameter is not good yet
+        let trend_mm = settled.map_or(Some(0.0), |s| s.u_trend_mm());
+        out.settled = settled;
+        self.add_stations(&meta, &diameters, trend_mm, out);
+        if self.judges_frames() && trend_mm.is_none() {
+            out.judgement = Verdict::NotProven;
+        } else if self.judges_frames() {
             let largest = reading.map(|r| diameters.z_mm(&meta, 0) + r.column_px * diameters.pitch_mm);
             let alone = out.largest.is_some_and(|l| l.end_on || l.tangents);
             let sizes = FrameSizes { mean: averaged, largest: largest.zip(out.diameter), alone };
             let mut values = std::mem::take(&mut self.buffers.candidates);
             self.take_judged(&meta, &diameters, sizes, &mut values);
+            if let Some(u_mm) = trend_mm.filter(|u| *u > 0.0) {
+                values.iter_mut().for_each(|value| value.reading = widened(value.reading, u_mm));
+            }
             self.judge_frame(&values, out);
             self.buffers.candidates = values;
+        }
+        if let Some(u_mm) = trend_mm.filter(|u| *u > 0.0) {
+            widen(out, u_mm);
         }
         if self.settings.turn {
             let mut frames = std::mem::take(&mut self.turn.frames);
@@ -292,9 +307,16 @@ impl Inspector {
     }
 
     /// Adds the stations of a frame, each with its own judgement.
-    fn add_stations(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters, out: &mut Measurement) {
+    fn add_stations(
+        &mut self,
+        meta: &FrameMeta,
+        diameters: &ColumnDiameters,
+        trend_mm: Option<f64>,
+        out: &mut Measurement,
+    ) {
         let Some(length_mm) = self.settings.station_mm else { return };
-        let judge = self.judge.filter(|_| self.judges_frames());
+        let judge = self.judge.filter(|_| self.judges_frames() && trend_mm.is_some());
+        let own_mm = trend_mm.unwrap_or(0.0);
         let judged = |reading: &Reading| {
             judge.map(|(judge, _)| StationJudgement {
                 judgement: judge.judge_reading(reading, MANY).ok(),
@@ -304,10 +326,11 @@ impl Inspector {
         let mut stations = std::mem::take(&mut self.buffers.stations);
         stations.clear();
         let record = diameters.record(meta, length_mm);
+        let wide = |reading: Reading| if own_mm > 0.0 { widened(reading, own_mm) } else { reading };
         stations.extend(record.map(|(z_mm, reading)| StationResult {
             z_mm,
-            reading,
-            judged: judged(&reading),
+            reading: wide(reading),
+            judged: judged(&wide(reading)),
         }));
         out.stations = Some(stations);
     }

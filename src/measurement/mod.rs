@@ -5,13 +5,14 @@
 //! the part, [`MeasureSettings`] and frames of any source. Out: a [`Measurement`] a frame, whose
 //! JSON is an element of `frames` of the command's document, and a `Series` over all of them
 //! (statistics, turn, warnings); [`Document`] is the whole. A part seen end-on is measured by
-//! `ring`.
+//! `ring`; `nose` is the document of `tool nose`.
 //!
 //! [`Gauge::measure`](crate::gauge::Gauge::measure) is one frame by itself, [`Stream`] many of one
 //! camera. From below: `settings`, `error`, `warning`, `flags`, `result` (a frame's) → `crests`,
 //! `stated`, `preparation`, `turn_frames` (what a revolution keeps of its frames) → `inspector`
 //! (millimetres, averages, judgement of a frame) → `turn`, `statistics`, `series` → `stream` →
-//! `one_frame`. One more figure of a frame is one more field of `result`, one more result of a
+//! `one_frame`; `watch` is apart from these: presence, trend, validity and alarm of frames that are
+//! watched. One more figure of a frame is one more field of `result`, one more result of a
 //! series one more field of `series`.
 
 pub(crate) mod by_key;
@@ -22,19 +23,26 @@ mod error;
 mod flags;
 mod inspector;
 mod judged;
+pub(crate) mod nose;
 mod one_frame;
 mod preparation;
 mod result;
 pub mod ring;
 mod series;
 mod settings;
+mod settled_part;
+mod settling;
 mod stated;
 mod statistics;
 mod stream;
+mod temperature;
 mod turn;
+mod turn_angles;
 mod turn_frames;
 mod turn_sizes;
 mod warning;
+#[cfg(feature = "cli")]
+pub(crate) mod watch;
 
 pub use self::conditions::known_conditions;
 pub use self::document::Document;
@@ -44,9 +52,12 @@ pub use self::judged::{Deciding, Judged, StationJudgement, StationResult, Verdic
 pub use self::result::{LargestDiameter, Measurement, Place, Refusal};
 pub use self::series::Series;
 pub use self::settings::MeasureSettings;
+pub use self::settling::{Settled, Settling, TurnMeans};
 pub use self::statistics::Statistics;
 pub use self::stream::Stream;
+pub use self::temperature::{TemperatureAge, TemperatureSample, Temperatures, ZeroDrift};
 pub use self::turn::{SectionUncertainty, TurnForm};
+pub use self::turn_angles::{Coverage, Smear};
 pub use self::turn_sizes::{JudgedSize, TurnJudged};
 pub use self::warning::Warning;
 pub(crate) use conditions::{conditions, edge_model};

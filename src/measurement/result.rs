@@ -5,6 +5,7 @@ use serde::{Serialize, Serializer};
 use super::by_key::by_key;
 use super::flags::Flags;
 use super::judged::{Judged, StationResult, Verdict};
+use super::settling::Settled;
 use super::warning::Warning;
 use crate::conformity::JudgementError;
 use crate::frame::FrameMeta;
@@ -51,6 +52,8 @@ pub struct Measurement {
     pub stations: Option<Vec<StationResult>>,
     /// Diameters that contradict earlier turns.
     pub jumps: Vec<Jump>,
+    /// Whether the diameter has settled by this frame, where that was asked for.
+    pub settled: Option<Settled>,
     /// Whether it lies in the tolerance.
     pub judgement: Verdict,
     /// The value that decided it.
@@ -107,6 +110,15 @@ impl LargestDiameter {
             coverage_factor,
             expanded_u_mm: coverage_factor * budget.u_mm(),
         }
+    }
+}
+
+impl LargestDiameter {
+    /// Takes in another common standard uncertainty, mm.
+    pub(super) fn widen(&mut self, u_mm: f64) {
+        self.diameter.u_common_mm = self.diameter.u_common_mm.hypot(u_mm);
+        self.u_mm = self.u_mm.hypot(u_mm);
+        self.expanded_u_mm = self.coverage_factor * self.u_mm;
     }
 }
 
@@ -185,6 +197,8 @@ struct Keys<'a> {
     average: Option<AverageKeys>,
     #[serde(skip_serializing_if = "Option::is_none")]
     stations: Option<&'a [StationResult]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    settled: Option<Settled>,
     #[serde(skip_serializing_if = "Verdict::is_absent")]
     judgement: Verdict,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -307,6 +321,7 @@ impl<'a> Keys<'a> {
             mean: m.mean.map(mean),
             average: m.average.map(|d| AverageKeys { average_mm: d.d_mm, u_average_mm: d.u_mm() }),
             stations: m.stations.as_deref(),
+            settled: m.settled,
             judgement: m.judgement,
             judged: m.judged,
             acceptance_zone: m.acceptance_zone.as_ref().map(ToString::to_string),

@@ -5,6 +5,7 @@ use serde::{Serialize, Serializer};
 use super::by_key::by_key;
 use super::error::MeasureError;
 use super::inspector::{Inspector, worse};
+use super::settled_part::SettledPart;
 use super::statistics::Statistics;
 use super::turn::{SectionUncertainty, TurnForm};
 use super::turn_frames::LeftOut;
@@ -75,6 +76,10 @@ impl Series {
             // Over a revolution the means differ by the form error of the part.
             warnings.extend(inspector.means.word());
         }
+        if let Some(word) = inspector.settled.as_ref().and_then(SettledPart::word) {
+            inspector.worst = worse(inspector.worst, Judgement::HI);
+            warnings.push(word);
+        }
         let judgement = inspector.judge.map(|_| inspector.worst);
         Ok(Self { statistics, turn, conditions: Some(inspector.conditions), warnings, judgement })
     }
@@ -93,6 +98,8 @@ fn turn_form(inspector: &mut Inspector) -> Result<(TurnForm, Vec<String>), Measu
     let of = |s: &SectionForm| SectionUncertainty { z_mm: s.z_mm, u_mm: common(s.z_mm) };
     let form = TurnForm {
         common: turn.form.sections.iter().map(of).collect(),
+        coverage: turn.angles.coverage(),
+        sweep_deg: turn.angles.sweep_deg,
         implausible: std::mem::take(&mut inspector.turn.jumps),
         axis: turn.axis,
         judged,

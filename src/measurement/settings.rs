@@ -51,6 +51,10 @@ pub struct MeasureSettings {
     /// Gives diameters of frames, too, that are blurred otherwise than the masters were, with a
     /// warning.
     pub accept_blur: bool,
+    /// Seconds over which readings must agree before a diameter is good; without it every frame
+    /// stands for itself. Above 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settle_s: Option<f64>,
     /// Gaussian filter of roundness, undulations per revolution (15, 50, 150). Above 0.
     pub cutoff_upr: f64,
 }
@@ -76,6 +80,7 @@ impl Default for MeasureSettings {
             turn_limit_um: 5.0,
             parts: false,
             accept_blur: false,
+            settle_s: None,
             // The middle one of the filters of ISO 12181-2.
             cutoff_upr: 50.0,
         }
@@ -94,6 +99,7 @@ impl MeasureSettings {
             ("measure.coverage_factor", self.coverage_factor),
             ("measure.angle_step_deg", self.angle_step_deg),
             ("measure.turn_limit_um", Some(self.turn_limit_um)),
+            ("measure.settle_s", self.settle_s),
         ];
         for (key, value) in given {
             value.map_or(Ok(()), |value| positive(key, value))?;
@@ -110,6 +116,7 @@ impl MeasureSettings {
             (self.averages(), "average"),
             (self.budget, "budget"),
             (self.turn, "turn"),
+            (self.settle_s.is_some(), "settle_s"),
         ]
         .into_iter()
         .find_map(|(given, name)| given.then_some(name))

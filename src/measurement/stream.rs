@@ -226,6 +226,16 @@ impl Stream {
         self.inspector.as_ref().map(|i| &i.conditions)
     }
 
+    /// The temperature of the part from the next frame on, °C, and the limits of its error, ± K;
+    /// without a calibration it matters to nothing.
+    pub fn set_part_temperature(&mut self, part_c: f64, limit_k: f64) {
+        if let Some(inspector) = &mut self.inspector {
+            let conditions = &mut inspector.conditions;
+            (conditions.temperature_c, conditions.limit_temperature_k) = (part_c, limit_k);
+            conditions.unstated.temperature = false;
+        }
+    }
+
     /// The results over all frames.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
+use super::turn_angles::{Coverage, Smear};
 use super::turn_sizes::TurnJudged;
 use crate::gauge::axis_line::{AxisLine, STILL_TOWARDS_CAMERA};
 use crate::gauge::diameter::sections::{PartForm, SectionForm};
@@ -15,6 +16,10 @@ pub struct TurnForm {
     pub form: PartForm,
     /// What the sizes of a section share.
     pub common: Vec<SectionUncertainty>,
+    /// Angles that the diameters cover, place by place.
+    pub coverage: Vec<Coverage>,
+    /// Largest angle that the spindle turned during an exposure, degrees; 0 where it stood.
+    pub sweep_deg: f64,
     /// Diameters that contradicted earlier turns.
     pub implausible: Vec<Jump>,
     /// The axis along z.
@@ -38,12 +43,18 @@ impl TurnForm {
         self.common.iter().find(|c| c.z_mm == z_mm)?.u_mm
     }
 
+    /// What the exposure took from the lobes of a section.
+    fn smear(&self, form: &SectionForm) -> Smear {
+        Smear::of(form.harmonics.section.iter().map(|h| (h.lobes, h.amplitude_mm)), self.sweep_deg)
+    }
+
     fn to_json(&self) -> Value {
         let mut all = json!(self.form);
         all["filter"] = json!(filter_text(&self.form));
         all["of"] = json!("the silhouette: sizes and roundness of the sections' convex hulls");
         all["refused"] = self.form.refused.iter().map(|(z, why)| json!({ "z_mm": z, "why": why })).collect();
         all["sections"] = self.form.sections.iter().map(|section| self.section_json(section)).collect();
+        all["coverage"] = json!(self.coverage);
         all["implausible"] = json!(self.implausible);
         all["axis"] = axis_json(&self.axis);
         if let Some(judged) = &self.judged {
@@ -58,6 +69,9 @@ impl TurnForm {
         let common = self.common_mm(form.z_mm);
         section["u_gg_mm"] = json!(common.map(|common| form.u_gg_random_mm.hypot(common)));
         section["u_gg_common_mm"] = json!(common);
+        if self.sweep_deg > 0.0 {
+            section["exposure"] = json!(self.smear(form));
+        }
         if form.half_turn {
             // With half a revolution the spindle is assumed free of error motion: its even
             // harmonics are not determined.

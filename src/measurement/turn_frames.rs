@@ -9,6 +9,7 @@
 //! all.
 
 use super::error::MeasureError;
+use super::turn_angles::TurnAngles;
 use crate::frame::FrameMeta;
 use crate::gauge::axis_line::{AxisAverager, AxisLine};
 use crate::gauge::diameter::sections::{Envelope, PartForm, TurnAverager};
@@ -61,6 +62,7 @@ pub(super) struct TurnFrames {
     kept_columns: usize,
     /// Frames of a scan beyond those that are kept.
     beyond: usize,
+    angles: TurnAngles,
 }
 
 /// Form, sizes and axis of a revolution.
@@ -72,6 +74,7 @@ pub(super) struct TurnResults {
     /// By section of the form, its common standard uncertainty, mm.
     pub(super) common: Vec<(f64, Option<f64>)>,
     pub(super) left_out: LeftOut,
+    pub(super) angles: TurnAngles,
 }
 
 /// Frames that are not in the form.
@@ -93,6 +96,9 @@ impl TurnResults {
 impl TurnFrames {
     /// Adds a frame.
     pub(super) fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters, asked: &Asked<'_>) {
+        if diameters.columns.iter().any(|c| c.reading.value().is_some()) {
+            self.angles.add(meta);
+        }
         let view = view(meta, diameters);
         if let Some(standing) = &mut self.standing {
             match self.stands == Some(view) {
@@ -127,7 +133,7 @@ impl TurnFrames {
         let envelope = envelope.map(|envelope| envelope.envelope(asked.cutoff));
         let common = common.sums.iter().map(|s| (s.z_mm, s.mean_mm())).collect();
         let left_out = LeftOut { elsewhere: self.elsewhere, beyond: self.beyond };
-        Ok(TurnResults { axis: axis.finish(), form, envelope, common, left_out })
+        Ok(TurnResults { axis: axis.finish(), form, envelope, common, left_out, angles: self.angles })
     }
 }
 

@@ -142,6 +142,42 @@ impl Dialect {
         }
     }
 
+    /// A constant spindle speed, 1/min, spindle on.
+    pub(super) fn constant_speed(self, speed_per_min: f64, sense: Spindle) -> String {
+        let speed = speed_per_min.round();
+        let code = match sense {
+            Spindle::M03 => 3,
+            Spindle::M04 => 4,
+        };
+        match self {
+            Self::Fanuc | Self::Gsk => format!("G97 S{speed:.0} M{code:02}"),
+            Self::Linuxcnc | Self::Sinumerik => format!("G97 S{speed:.0} M{code}"),
+        }
+    }
+
+    /// A pause, rounded up to a millisecond.
+    pub(super) fn dwell(self, seconds: f64) -> String {
+        // a pause of 0.2 s is 200 ms, not 201 for the sake of its last binary digit
+        let ms = (seconds * 1e3 - 1e-6).ceil().max(0.0);
+        match self {
+            // P is in milliseconds
+            Self::Fanuc | Self::Gsk => format!("G04 P{ms:.0}"),
+            Self::Linuxcnc => format!("G04 P{}", number(ms * 1e-3, 3)),
+            Self::Sinumerik => format!("G4 F{}", sinumerik::value(&number(ms * 1e-3, 3))),
+        }
+    }
+
+    /// One more in a variable that counts.
+    pub(super) fn count(self, variable: u32) -> Vec<String> {
+        match self {
+            Self::Sinumerik => {
+                let r = sinumerik::variable(variable);
+                vec!["STOPRE".to_owned(), format!("{r}={r}+1")]
+            }
+            _ => vec![format!("#{variable}=[#{variable}+1.]")],
+        }
+    }
+
     /// Tool call, which also activates offset `offset` where the control has offset numbers.
     pub(super) fn tool(self, tool: u32, offset: u32) -> Vec<String> {
         match self {
@@ -233,7 +269,12 @@ impl Dialect {
     /// The spindle turns to an angle and is held there; LinuxCNC waits for it, at most the seconds
     /// of Q.
     pub(super) fn orient(self, orientation: SpindleOrientation, opposite: bool) -> String {
-        let angle = number(orientation.angle(opposite), 3);
+        self.orient_to(orientation, orientation.angle(opposite))
+    }
+
+    /// The same to any angle, degrees.
+    pub(super) fn orient_to(self, orientation: SpindleOrientation, angle_deg: f64) -> String {
+        let angle = number(angle_deg, 3);
         match self {
             Self::Fanuc | Self::Gsk => format!("M{:02} R{angle}", orientation.m_code),
             Self::Linuxcnc => format!("M19 R{angle} Q{ORIENT_LIMIT_S:.0}."),

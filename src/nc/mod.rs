@@ -20,8 +20,9 @@
 //!
 //! `settings`, `machine`, `probe_settings` and `stated` hold the machine's data; `route`, `path`
 //! (`contour_path` of a stepped shaft) and `skeleton` plan, `dialect` writes the blocks
-//! (`sinumerik` those that are not ISO), `turning`, `air_cut`, `macro_program`, `probing_program`
-//! and `contour_program` (lines and arcs) are the programs, `surroundings` the solids. A new
+//! (`sinumerik` those that are not ISO), `turning`, `air_cut`, `macro_program`, `probing_program`,
+//! `contour_program` (lines and arcs) and `scan_program` (the gauge head along the part, by
+//! `scan_settings`) are the programs, `surroundings` the solids. A new
 //! dialect is a variant of `Dialect` with its words and its match arms in `replay`; a new program
 //! is a file beside `turning`.
 
@@ -41,6 +42,8 @@ mod probing_program;
 mod qualification;
 pub(crate) mod replay;
 mod route;
+mod scan_program;
+mod scan_settings;
 mod settings;
 mod sinumerik;
 mod skeleton;
@@ -55,6 +58,7 @@ pub use self::{
         Tailstock, Travel, WearX,
     },
     probe_settings::{NcProbe, ProbeReference},
+    scan_settings::{MCode, NcScan, ScanHead},
     settings::{NcSettings, Remeasure},
 };
 pub(crate) use air_cut::AirCut;
@@ -67,4 +71,5 @@ pub(crate) use path::{Path, dry_run};
 pub(crate) use probing_program::ProbingProgram;
 pub(crate) use qualification::Qualification;
 pub(crate) use route::Workpiece;
+pub(crate) use scan_program::{ScanProgram, stop_list};
 pub(crate) use turning::{TurningProgram, Written};

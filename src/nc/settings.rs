@@ -8,6 +8,7 @@ use super::machine::{
     WearX,
 };
 use super::probe_settings::NcProbe;
+use super::scan_settings::NcScan;
 use crate::setting::{SettingError, require};
 
 /// Measuring after the cut, by an M code that leaves its results in macro variables.
@@ -59,6 +60,9 @@ pub struct NcSettings {
     /// probing` measures before it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probe: Option<NcProbe>,
+    /// How the carriage takes the gauge head along the part: `nc --scan`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<NcScan>,
     /// How the control takes X of a wear offset; no default for fanuc and gsk.
     pub wear_x: Option<WearX>,
     /// Which digits of a T word choose the geometry offset; no default for fanuc and gsk.
@@ -105,6 +109,7 @@ impl Default for NcSettings {
             correction_limit_mm: 0.3,
             remeasure: None,
             probe: None,
+            scan: None,
             wear_x: None,
             geometry_offset: None,
             spindle: None,
@@ -149,6 +154,7 @@ impl NcSettings {
         }
         self.validate_surroundings()?;
         self.probe.map_or(Ok(()), |probe| probe.validate(self.tool, self.correction_limit_mm))?;
+        self.scan.map_or(Ok(()), |scan| scan.validate(self.speed_limit_per_min))?;
         let knots = self.least_knots;
         require((2..=1000).contains(&knots), "nc.least_knots", knots as f64, "a number of 2 to 1000")
     }

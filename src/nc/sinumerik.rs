@@ -19,9 +19,19 @@ pub(super) const RAN_LAST: u32 = 820;
 /// (MD28050), and the last ones are seldom used.
 pub(super) const RAN_LAST_R: u32 = 98;
 
+/// Variable with the number of the stop that a scan program triggered last.
+pub(super) const STOP: u32 = 838;
+
+/// The R parameter that stands for [`STOP`].
+pub(super) const STOP_R: u32 = 97;
+
 /// A variable of the ISO dialects as an R parameter.
 pub(super) fn variable(number: u32) -> String {
-    let number = if number == RAN_LAST { RAN_LAST_R } else { number };
+    let number = match number {
+        RAN_LAST => RAN_LAST_R,
+        STOP => STOP_R,
+        other => other,
+    };
     format!("R{number}")
 }
 

@@ -14,6 +14,8 @@ use super::skeleton::Skeleton;
 
 /// A length beyond all dimensions of a lathe, mm.
 const FAR_MM: f64 = 1e4;
+/// What a refusal calls the gauge head where it is parked.
+pub(super) const PARKED_HEAD: &str = "parked gauge head";
 /// Half width along Z of a steady rest of which only the place is stated, mm: rollers and arms of
 /// common rests.
 const HALF_STEADY_MM: f64 = 15.0;
@@ -72,7 +74,7 @@ impl<'a> Skeleton<'a> {
         solids.extend(self.rests());
         if let Some(h) = s.gauge_head {
             let shape = Convex::cylinder(h.from_z_mm, h.to_z_mm, h.diameter_mm);
-            solids.push(Solid { what: "parked gauge head", shape });
+            solids.push(Solid { what: PARKED_HEAD, shape });
         }
         let (end, clear) = (piece.length_mm, 0.5 * s.clearance_mm);
         let collar = route.full_from_mm;
@@ -107,6 +109,8 @@ impl<'a> Skeleton<'a> {
             change: route.change,
             cut: CommandedCut { commanded, between: (route.z_first.min(route.z_last), end), solid: None },
             travel: s.travel,
+            head: Vec::new(),
+            scan: None,
             variables,
         }
     }

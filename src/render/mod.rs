@@ -7,16 +7,17 @@
 //!
 //! From the body to the pixel: `form` (a body from the `[shaft]` table), `silhouette` (its
 //! outline in f64), `optics` (edge spread, lens), `motion`, [`contamination`], `sensor`;
-//! `scene` joins them into the job of one frame, and `kernel` (the shader and its CPU twin) or
-//! `gpu` computes it. The twin (`shadowgraph`) is compared with `reference`,
-//! which shares no code with it. A new effect on the light goes into the folder of its cause, has a
-//! table in [`settings`], and enters a frame in `scene`; a folder imports only folders that
-//! `tests/architecture.rs` lists before it.
+//! `insert` draws back-lit noses of tools; `scene` joins the others into the job of one frame, and
+//! `kernel` (the shader and its CPU twin) or `gpu` computes it. The twin (`shadowgraph`) is
+//! compared with `reference`, which shares no code with it. A new effect on the light goes into the
+//! folder of its cause, has a table in [`settings`], and enters a frame in `scene`; a folder
+//! imports only folders that `tests/architecture.rs` lists before it.
 
 pub mod contamination;
 mod error;
 pub(crate) mod form;
 pub(crate) mod gpu;
+pub(crate) mod insert;
 pub(crate) mod kernel;
 pub(crate) mod motion;
 pub(crate) mod optics;

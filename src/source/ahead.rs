@@ -24,6 +24,16 @@ const LOOK: Duration = Duration::from_millis(50);
 /// A decoded frame, or why there is none.
 type Stored = Result<StoredFrame, ReadError>;
 
+/// What there is after a time.
+pub(super) enum Within {
+    /// The next frame, or why it cannot be read.
+    Frame(Box<(Arrival, Stored)>),
+    /// Nothing yet.
+    Nothing,
+    /// The end, with the error that ended the source.
+    End(Option<ReadError>),
+}
+
 /// A place in the queue: the frame comes through its own channel.
 type Place = Result<(Arrival, Receiver<Stored>), ReadError>;
 
@@ -72,12 +82,22 @@ impl Ahead {
     /// The next frame or why it cannot be read; the outer error ends the source.
     pub(crate) fn next_frame(&mut self) -> Option<Result<(Arrival, Stored), ReadError>> {
         Some(self.next_place()?.map(|(arrival, frame)| {
-            let stored = frame.recv().unwrap_or_else(|_| {
-                let (path, cause) = (arrival.stem.clone(), damaged("its decoder gave up"));
-                Err(ReadError::Decode { path, cause })
-            });
+            let stored = whole(&arrival, &frame);
             (arrival, stored)
         }))
+    }
+
+    /// As [`Self::next_frame`], after waiting at most so long.
+    pub(super) fn next_within(&mut self, wait: Duration) -> Within {
+        match self.places.recv_timeout(wait) {
+            Ok(Ok((arrival, frame))) => {
+                let stored = whole(&arrival, &frame);
+                Within::Frame(Box::new((arrival, stored)))
+            }
+            Ok(Err(error)) => Within::End(Some(error)),
+            Err(RecvTimeoutError::Timeout) => Within::Nothing,
+            Err(RecvTimeoutError::Disconnected) => Within::End(None),
+        }
     }
 
     /// Takes back a frame, whose memory one of the next frames uses.
@@ -96,6 +116,14 @@ impl Ahead {
         }
         None
     }
+}
+
+/// The decoded frame of a place.
+fn whole(arrival: &Arrival, frame: &Receiver<Stored>) -> Stored {
+    frame.recv().unwrap_or_else(|_| {
+        let (path, cause) = (arrival.stem.clone(), damaged("its decoder gave up"));
+        Err(ReadError::Decode { path, cause })
+    })
 }
 
 /// Reads the source to its end, or until its frames are not waited for any more.
@@ -145,6 +173,7 @@ mod tests {
         let undecoded = Undecoded {
             stem: stem.clone(),
             named: stem.clone(),
+            coded: crate::source::stored::Coded::Image,
             content: Arc::new(bytes),
             wanted: Wanted::default(),
             meta: FrameMeta::default(),

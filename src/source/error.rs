@@ -51,6 +51,31 @@ pub enum DecodeError {
         /// Its column.
         column: usize,
     },
+    /// A stream that ends within a frame.
+    #[error("the stream ends within it: {had} bytes of {needed}")]
+    Cut {
+        /// Bytes that came.
+        had: u64,
+        /// Bytes of a frame.
+        needed: u64,
+    },
+    /// A raw grey value that its format does not have.
+    #[error(
+        "a grey value of {found} at row {row}, column {column}, but {format} reaches to {most}: its bytes are little endian and \
+         its values right-aligned; state the format that the camera writes (--raw WIDTHxHEIGHT:FORMAT)"
+    )]
+    BeyondRaw {
+        /// The value.
+        found: u16,
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// The format stated.
+        format: &'static str,
+        /// Its largest value.
+        most: u16,
+    },
     /// Grey values in an unsupported encoding.
     #[error("encoded grey values: {0}")]
     Encoding(String),

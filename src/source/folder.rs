@@ -9,13 +9,15 @@ use std::sync::Arc;
 
 use super::decode::{Wanted, pages};
 use super::extension::is_image_extension;
-use super::frame_table::{FrameInfo, FrameTable, TableError};
+use super::frame_info::FrameInfo;
+use super::frame_table::{FrameTable, TableError};
 use super::natural_order::natural;
 use super::raster::Channel;
 use super::read_error::{LARGEST_FILE, ReadError};
 use super::spare::Spare;
-use super::stored::{Arrival, StoredFrame, Taken, Undecoded};
+use super::stored::{Arrival, Coded, StoredFrame, Taken, Undecoded};
 use crate::frame::{Frame, FrameMeta, FrameSource, SourceError};
+use crate::position::EncoderSettings;
 
 /// Rows of a table that a notice names one by one.
 const NAMED_ROWS: usize = 5;
@@ -134,6 +136,7 @@ pub struct FileFrames {
     open: Option<Open>,
     given: u64,
     channel: Option<Channel>,
+    encoder: Option<EncoderSettings>,
     tables: HashMap<PathBuf, FrameTable>,
     notices: Vec<String>,
     spare: Spare,
@@ -149,6 +152,12 @@ impl FileFrames {
     #[must_use]
     pub fn of_channel(self, channel: Option<Channel>) -> Self {
         Self { channel, ..self }
+    }
+
+    /// Takes the spindle angles from the encoder counts in `frames.csv`.
+    #[must_use]
+    pub fn by_encoder(self, encoder: Option<EncoderSettings>) -> Self {
+        Self { encoder, ..self }
     }
 
     /// Reads files into spare memory.
@@ -266,6 +275,7 @@ impl FileFrames {
             t_ns: info.t_ns.unwrap_or(0),
             exposure_us: info.exposure_us,
             angle_deg: info.angle_deg,
+            sweep_deg: info.sweep_deg,
             z_mm: info.z_mm,
             ..FrameMeta::default()
         };
@@ -277,6 +287,7 @@ impl FileFrames {
         Ok(Undecoded {
             stem: arrival.stem.clone(),
             named: page_name(open),
+            coded: Coded::Image,
             content,
             wanted,
             meta,
@@ -288,17 +299,21 @@ impl FileFrames {
     fn info(&mut self, path: &Path, stem: &str) -> Result<FrameInfo, ReadError> {
         let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
         if !self.tables.contains_key(&folder) {
-            let table = table_of(&folder, &mut self.notices)?;
+            let table = table_of(&folder, &mut self.notices)?.by_encoder(self.encoder.as_ref())?;
             self.tables.insert(folder.clone(), table);
         }
         let Some(table) = self.tables.get(&folder).filter(|t| !t.is_empty()) else {
             return Ok(FrameInfo::default());
         };
-        table.of(stem).cloned().ok_or_else(|| ReadError::NoRow {
+        let info = table.of(stem).cloned().ok_or_else(|| ReadError::NoRow {
             path: path.display().to_string(),
             table: table.path.display().to_string(),
             frame: stem.to_owned(),
-        })
+        })?;
+        match info.void {
+            Some(why) => Err(ReadError::Void { path: path.display().to_string(), why }),
+            None => Ok(info),
+        }
     }
 }
 

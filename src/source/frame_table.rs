@@ -10,6 +10,12 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::encoder_rows::bind_rows;
+#[cfg(feature = "render")]
+use super::encoder_rows::check_stops;
+use super::frame_info::FrameInfo;
+use crate::position::EncoderSettings;
+
 /// Why a `frames.csv` cannot be parsed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{}{}: {what}", path.display(), row.map_or(String::new(), |row| format!(", row {row}")))]
@@ -22,38 +28,30 @@ pub struct TableError {
     pub what: String,
 }
 
-/// One row of `frames.csv`; an empty field is 0 or `None`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct FrameInfo {
-    /// Name of the frame: the file's stem.
-    pub frame: String,
-    /// Start of exposure, ns.
-    pub t_ns: Option<u64>,
-    /// Machine z of the central column, mm.
-    pub z_mm: f64,
-    /// Spindle angle, degrees.
-    pub angle_deg: f64,
-    /// Exposure, µs.
-    pub exposure_us: f64,
-    /// Bits of a grey value.
-    pub bit_depth: Option<u8>,
-    /// Nominal scale, µm/px.
-    pub um_per_px: Option<f64>,
-    /// Its row, from 2.
-    pub row: usize,
-}
-
 /// `frames.csv`, by frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct FrameTable {
     /// The file.
     pub path: PathBuf,
     rows: HashMap<String, FrameInfo>,
+    /// Whether it has a column of angles.
+    has_angles: bool,
 }
 
 /// Separators looked for, in this order.
 const SEPARATORS: [u8; 3] = *b",;\t";
-const COLUMNS: [&str; 7] = ["frame", "t_ns", "z_mm", "angle_deg", "exposure_us", "bit_depth", "um_per_px"];
+const COLUMNS: [&str; 10] = [
+    "frame",
+    "t_ns",
+    "z_mm",
+    "angle_deg",
+    "exposure_us",
+    "bit_depth",
+    "um_per_px",
+    "encoder_count",
+    "index",
+    "stop",
+];
 
 impl FrameTable {
     /// Reads a table.
@@ -79,7 +77,48 @@ impl FrameTable {
         let (text, stated) = separator_line(&text);
         let separators = stated.map_or(SEPARATORS.to_vec(), |s| vec![s]);
         let has = |name: &str| separators.iter().any(|s| names(text, *s).iter().any(|n| n == name));
-        Ok(["frame", "z_mm", "angle_deg"].into_iter().find(|name| !has(name)))
+        let angle = if has("encoder_count") { "encoder_count" } else { "angle_deg" };
+        Ok(["frame", "z_mm", angle].into_iter().find(|name| !has(name)))
+    }
+
+    /// Gives every row its angle by the encoder where one is stated; where none is, `angle_deg`
+    /// must stand beside the counts.
+    ///
+    /// # Errors
+    /// A table without counts, counts without an encoder, a row that cannot be.
+    pub(super) fn by_encoder(mut self, encoder: Option<&EncoderSettings>) -> Result<Self, TableError> {
+        let refuse = |row: Option<usize>, what: String| TableError { path: self.path.clone(), row, what };
+        let counted = self.rows.values().any(|info| info.encoder.is_some());
+        let Some(settings) = encoder else {
+            return match counted && !self.has_angles {
+                true => Err(refuse(
+                    None,
+                    "encoder_count without angle_deg; state the encoder (measure --counts-per-turn N, scan.encoder of a job)"
+                        .to_owned(),
+                )),
+                false => Ok(self),
+            };
+        };
+        if !counted && !self.rows.is_empty() {
+            let what =
+                "no column `encoder_count`, and an encoder is stated; add it, or leave the encoder out";
+            return Err(refuse(None, what.to_owned()));
+        }
+        let mut rows: Vec<FrameInfo> = self.rows.values().cloned().collect();
+        bind_rows(&mut rows, settings).map_err(|(row, what)| refuse(Some(row), what))?;
+        self.rows = rows.into_iter().map(|info| (key(&info.frame), info)).collect();
+        Ok(self)
+    }
+
+    /// Whether the stops of the scan have the frames of a plan; see `encoder_rows`.
+    ///
+    /// # Errors
+    /// The stop that does not pair.
+    #[cfg(feature = "render")]
+    pub(super) fn check_stops(&self, planned: usize, fields: usize) -> Result<(), TableError> {
+        let rows: Vec<&FrameInfo> = self.rows.values().collect();
+        let refuse = |what| TableError { path: self.path.clone(), row: None, what };
+        check_stops(&rows, planned, fields).map_err(refuse)
     }
 
     fn parse(path: &Path, text: &str) -> Result<Self, TableError> {
@@ -103,7 +142,8 @@ impl FrameTable {
                 return Err(refuse(Some(1 + head), format!("two columns `{name}`")));
             }
         }
-        let mut table = Self { path: path.to_owned(), rows: HashMap::new() };
+        let has_angles = names.iter().any(|name| name == "angle_deg");
+        let mut table = Self { path: path.to_owned(), rows: HashMap::new(), has_angles };
         for (index, record) in reader(text, separator).records().enumerate().skip(1) {
             let row = index + 1 + head;
             let record = record.map_err(|e| refuse(Some(row), e.to_string()))?;
@@ -243,7 +283,17 @@ impl Fields<'_> {
                 Some(_) => return Err(self.wrong("bit_depth", "8, 10, 12, 14 or 16 (32 for floating point)")),
             },
             um_per_px,
+            encoder: match self.signed("encoder_count")? {
+                None => None,
+                Some(count) => Some((count, self.signed("index")?)),
+            },
+            stop: match self.whole("stop")? {
+                None => None,
+                Some(stop @ 1..=0xffff_ffff) => Some(stop as u32),
+                Some(_) => return Err(self.wrong("stop", "a number from 1 on")),
+            },
             row,
+            ..FrameInfo::default()
         })
     }
 
@@ -276,6 +326,16 @@ impl Fields<'_> {
         let point = if field.contains('.') { field.to_owned() } else { field.replacen(',', ".", 1) };
         let number = point.parse::<f64>().ok().filter(|v| v.is_finite());
         number.map(Some).ok_or_else(|| self.wrong(name, "a number"))
+    }
+
+    /// A whole number.
+    fn signed(&self, name: &str) -> Result<Option<i64>, String> {
+        if let Some(whole) = self.text(name).and_then(|f| f.parse().ok()) {
+            return Ok(Some(whole));
+        }
+        let Some(number) = self.number(name)? else { return Ok(None) };
+        let is_whole = number.fract() == 0.0 && number.abs() <= 9e15;
+        if is_whole { Ok(Some(number as i64)) } else { Err(self.wrong(name, "a whole number")) }
     }
 
     /// A whole number of 0 or more, also as spreadsheets write large ones (1.2E+09).

@@ -11,7 +11,7 @@ use super::raster::Channel;
 use super::read_error::ReadError;
 use super::spare::Spare;
 use super::split::{Piece, SplitError, next_image};
-use super::stored::{Arrival, Taken, Undecoded};
+use super::stored::{Arrival, Coded, Taken, Undecoded};
 use crate::frame::FrameMeta;
 
 /// The images of a stream.
@@ -53,7 +53,8 @@ impl<R: BufRead> Piped<R> {
             arrival,
             match piece {
                 Piece::Whole(bytes) => {
-                    Ok(Undecoded { stem, named, content: Arc::new(bytes), wanted, meta, stated: None })
+                    let (coded, content) = (Coded::Image, Arc::new(bytes));
+                    Ok(Undecoded { stem, named, coded, content, wanted, meta, stated: None })
                 }
                 Piece::Cut => {
                     Err(ReadError::Decode { path: named, cause: damaged("the stream ends within it") })

@@ -53,6 +53,14 @@ pub enum ReadError {
         /// The frame.
         frame: String,
     },
+    /// A frame of a turn that is void.
+    #[error("{path}: its spindle angle is not known: {why}")]
+    Void {
+        /// The file.
+        path: String,
+        /// Why the turn is void.
+        why: String,
+    },
     /// Frames of a part without their places and angles.
     #[error("{path}: {}", without_places(missing))]
     NoPlaces {

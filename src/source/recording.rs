@@ -20,6 +20,8 @@ use std::path::{Path, PathBuf};
 use super::folder::{FileFrames, images_in, listing};
 use super::frame_table::FrameTable;
 use super::read_error::ReadError;
+use crate::plan::ScanPlan;
+use crate::position::EncoderSettings;
 
 /// A scan of a recorded run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,9 +35,10 @@ pub(crate) enum RecordedScan {
 }
 
 /// The folder of a recorded run.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Recording {
     root: PathBuf,
+    encoder: Option<EncoderSettings>,
 }
 
 /// Kinds of sources that are named `KIND:…` or `-`, and what each is.
@@ -72,11 +75,30 @@ impl Recording {
     pub(crate) fn open(source: &str, folder: &Path) -> Result<Self, String> {
         let root = folder.join(path_of(source)?);
         match root.exists() {
-            true => Ok(Self { root }),
+            true => Ok(Self { root, encoder: None }),
             false => {
                 Err(format!("{}: there is no such folder; give the one with the frames", root.display()))
             }
         }
+    }
+
+    /// Takes the spindle angles from encoder counts.
+    #[must_use]
+    pub(crate) fn by_encoder(self, encoder: Option<EncoderSettings>) -> Self {
+        Self { encoder, ..self }
+    }
+
+    /// Frames of the part, whose stops are paired with those of a plan.
+    ///
+    /// # Errors
+    /// A stop without its frames; see [`FrameTable::check_stops`].
+    pub(crate) fn frames(&self, images: Vec<PathBuf>, plan: &ScanPlan) -> Result<FileFrames, ReadError> {
+        let folders: BTreeSet<&Path> = images.iter().filter_map(|image| image.parent()).collect();
+        for folder in folders {
+            let Some(table) = table_beside(folder) else { continue };
+            FrameTable::read(&table)?.check_stops(plan.frames(), plan.field_z_mm.len())?;
+        }
+        Ok(FileFrames::new(images).by_encoder(self.encoder))
     }
 
     /// The folder.
@@ -148,10 +170,15 @@ pub(crate) fn check_places(images: &[PathBuf]) -> Result<(), ReadError> {
     folders.into_iter().try_for_each(check_table)
 }
 
-fn check_table(folder: &Path) -> Result<(), ReadError> {
+/// The table beside the images of a folder, or above a folder `frames`.
+fn table_beside(folder: &Path) -> Option<PathBuf> {
     let above = folder.parent().filter(|_| folder.ends_with("frames"));
     let tables = [Some(folder), above].into_iter().flatten().map(|folder| folder.join("frames.csv"));
-    let Some(table) = tables.into_iter().find(|path| path.is_file()) else {
+    tables.into_iter().find(|path| path.is_file())
+}
+
+fn check_table(folder: &Path) -> Result<(), ReadError> {
+    let Some(table) = table_beside(folder) else {
         return Err(ReadError::NoPlaces {
             path: folder.join("frames.csv").display().to_string(),
             missing: "",

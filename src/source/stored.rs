@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::decode::{Wanted, decode_into};
+use super::raw::layout::RawLayout;
 use super::read_error::ReadError;
 use super::scale::FileScale;
 use super::spare::Spare;
@@ -31,12 +32,29 @@ pub(crate) struct Arrival {
     pub device_t_ns: Option<u64>,
     /// When this machine had the image, ns since 1970; of streams.
     pub host_t_ns: Option<u64>,
+    /// Frames lost before this one, where its source shows them.
+    pub lost: u64,
     /// Notes for the user on the files.
     pub notices: Vec<String>,
 }
 
+/// A frame that is to be decoded, or why it cannot be read.
+pub(super) type TakenFrame = (Arrival, Result<Undecoded, ReadError>);
+
 /// What a source gives: a frame, or why it cannot be read; the outer error ends the source.
-pub(crate) type Taken = Result<(Arrival, Result<Undecoded, ReadError>), ReadError>;
+pub(crate) type Taken = Result<TakenFrame, ReadError>;
+
+/// What the bytes of a frame are.
+#[derive(Clone, Debug, Default)]
+pub(crate) enum Coded {
+    /// An image in a format of its own.
+    #[default]
+    Image,
+    /// Pixels of a layout that is known.
+    Raw(RawLayout),
+    /// None: the frame itself.
+    Ready(Box<Frame>),
+}
 
 /// The image of a frame, with what is known of it beside its file.
 #[derive(Clone, Debug)]
@@ -45,6 +63,8 @@ pub(crate) struct Undecoded {
     pub stem: String,
     /// What errors name: the file with its page, or the stream with the image's number.
     pub named: String,
+    /// What its bytes are.
+    pub coded: Coded,
     /// All bytes of its file.
     pub content: Arc<Vec<u8>>,
     /// The frame among them, and how it is decoded.
@@ -61,8 +81,14 @@ impl Undecoded {
     /// # Errors
     /// An image that is no grey frame, or whose own scale differs from that of `frames.csv`.
     pub(super) fn decode(self, spare: &Spare) -> Result<StoredFrame, ReadError> {
-        let Self { stem, named, content, wanted, meta, stated } = self;
-        let decoded = decode_into(&content, &wanted, meta, spare);
+        let Self { stem, named, coded, content, wanted, meta, stated } = self;
+        let decoded = match coded {
+            Coded::Image => decode_into(&content, &wanted, meta, spare),
+            Coded::Raw(layout) => layout.decode(&content, meta, spare),
+            Coded::Ready(frame) => {
+                return Ok(StoredFrame { stem, frame: *frame, scale: None, changed: Vec::new() });
+            }
+        };
         Arc::try_unwrap(content).into_iter().for_each(|file| spare.take_file(file));
         let decoded = decoded.map_err(|cause| ReadError::Decode { path: named.clone(), cause })?;
         let mut scale = decoded.scale;

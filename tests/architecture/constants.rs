@@ -17,7 +17,9 @@ use super::texts;
 const MOST: usize = 60;
 
 /// Published tables, which nobody tunes: file and name.
-const TABLES: [(&str, &str); 1] = [
+const TABLES: [(&str, &str); 2] = [
+    // Corner radii of ISO 1832.
+    ("src/gauge/nose/centre.rs", "ISO_1832_MM"),
     // Variance of a median of few values (David & Nagaraja, Order Statistics).
     ("src/gauge/diameter/reading_series.rs", "SMALL"),
 ];

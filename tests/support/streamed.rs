@@ -54,8 +54,13 @@ pub struct Running {
 
 impl Running {
     pub fn start(arguments: &[&str]) -> Self {
+        Self::of("measure", arguments)
+    }
+
+    /// A command of the program.
+    pub fn of(name: &str, arguments: &[&str]) -> Self {
         let mut command = Command::new(program::path());
-        command.arg("measure").args(arguments).env("NO_COLOR", "1");
+        command.arg(name).args(arguments).env("NO_COLOR", "1");
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut child = command.spawn().unwrap();
         let (give, lines) = channel();

@@ -71,19 +71,21 @@ pub(super) struct Lines {
 impl Lines {
     /// One more frame.
     pub(super) fn frame(&mut self, frame: Value, arrival: &Arrival) {
+        // Numbers that were lost are left out.
+        self.sequence += arrival.lost;
         say_line!("{}", line(frame, arrival, self.sequence));
         self.sequence += 1;
     }
 }
 
 /// The line of a frame. Files and images on a pipe do not show whether frames were lost before
-/// them, and one that is not whole is no frame.
-fn line(mut frame: Value, arrival: &Arrival, sequence: u64) -> Value {
+/// them; a frame that is not whole is never measured: it counts as lost before the next one.
+pub(crate) fn line(mut frame: Value, arrival: &Arrival, sequence: u64) -> Value {
     if let Value::Object(keys) = &mut frame {
         keys.insert("sequence".to_owned(), sequence.into());
         keys.insert("device_t_ns".to_owned(), json!(arrival.device_t_ns));
         keys.insert("host_t_ns".to_owned(), json!(arrival.host_t_ns));
-        keys.insert("lost".to_owned(), 0.into());
+        keys.insert("lost".to_owned(), arrival.lost.into());
         keys.insert("incomplete".to_owned(), false.into());
     }
     frame

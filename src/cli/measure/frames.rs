@@ -94,7 +94,7 @@ pub(crate) fn scale_of_files(args: &FrameArgs, paths: &[PathBuf]) -> Result<f64,
     let mut first_error = None;
     while let Some(stem) = source.next_stem() {
         let Some(read) = source.next_stored() else { break };
-        match read.map_err(|e| e.to_string()).and_then(|stored| own_scale(&stored)) {
+        match read.map_err(|e| e.to_string()).and_then(|stored| own_scale(stored.scale.as_ref())) {
             Ok(scale) => return Ok(scale),
             Err(error) => first_error.get_or_insert(format!("frame {stem}: {error}")),
         };
@@ -102,31 +102,93 @@ pub(crate) fn scale_of_files(args: &FrameArgs, paths: &[PathBuf]) -> Result<f64,
     Err(Failure::fail(first_error.unwrap_or_else(|| "no frame".to_owned())))
 }
 
-fn own_scale(stored: &StoredFrame) -> Result<f64, String> {
+fn own_scale(scale: Option<&FileScale>) -> Result<f64, String> {
     let none = "no scale in frames.csv (um_per_px) or in the file's tags (pHYs, TIFF resolution): give it (--um-per-px S)";
-    stored.scale.as_ref().ok_or(none)?.of_object()
+    scale.ok_or(none)?.of_object()
+}
+
+/// What the source of a frame states of it beside its pixels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StatedOf<'a> {
+    /// Name of the frame.
+    pub stem: &'a str,
+    /// Scale of the table or of the file's own tags.
+    pub scale: Option<&'a FileScale>,
+    /// Changes made to the values of the file.
+    pub changed: &'a [String],
+}
+
+/// Whether frames go with a calibration; each note on them is logged once.
+pub(crate) struct FrameChecks<'a> {
+    args: &'a FrameArgs,
+    calibration: Option<&'a Calibration>,
+    scale: Option<ScaleArgument>,
+    noted: HashSet<String>,
+}
+
+impl<'a> FrameChecks<'a> {
+    /// Checks of frames that are measured by this calibration; `scale` is the command line's own.
+    pub(crate) fn new(
+        args: &'a FrameArgs,
+        calibration: Option<&'a Calibration>,
+        scale: Option<ScaleArgument>,
+    ) -> Self {
+        Self { args, calibration, scale, noted: HashSet::new() }
+    }
+
+    /// Logs changes of grey values at their first occurrence; refuses a scale or encoding other
+    /// than the calibration's.
+    ///
+    /// # Errors
+    /// Which, with the frame and what would be right.
+    pub(crate) fn check(&mut self, of: StatedOf<'_>, frame: &Frame) -> Result<(), String> {
+        self.checked(of, frame).map_err(|e| format!("frame {}: {e}", of.stem))
+    }
+
+    fn checked(&mut self, of: StatedOf<'_>, frame: &Frame) -> Result<(), String> {
+        for change in of.changed {
+            if self.noted.insert(change.clone()) {
+                tracing::warn!("frame {}: {change}; this is said once", of.stem);
+            }
+        }
+        let Some(calibration) = self.calibration else { return Ok(()) };
+        calibration.check_encoding(frame.meta.encoding).map_err(|e| e.to_string())?;
+        let used_um_per_px = 1e3 * calibration.scale_mm_per_px;
+        match self.scale {
+            Some(ScaleArgument::File) => same_as_first(of, used_um_per_px),
+            _ if self.args.ignore_file_scale => Ok(()),
+            given => self.same_as_used(of, used_um_per_px, given.is_some()),
+        }
+    }
+
+    /// A scale given by the user is refused where the file states another one. A calibration on
+    /// masters is better than a file's nominal scale: a small difference is then reported once.
+    fn same_as_used(&mut self, of: StatedOf<'_>, used_um_per_px: f64, typed: bool) -> Result<(), String> {
+        let used = if typed { "--um-per-px" } else { "the calibration" };
+        let Some(own) = of.scale else { return Ok(()) };
+        let Err(error) = own.check(used_um_per_px, used) else { return Ok(()) };
+        if typed || own.departure(used_um_per_px) > NOMINAL_SCALE {
+            return Err(format!("{error}: give the right one, correct the file, or say --ignore-file-scale"));
+        }
+        if self.noted.insert("nominal scale".to_owned()) {
+            tracing::warn!("frame {}: {error}; the calibration's is taken; this is said once", of.stem);
+        }
+        Ok(())
+    }
 }
 
 /// The frames of a command, one after another.
 pub(crate) struct Frames<'a> {
     source: Ahead,
-    args: &'a FrameArgs,
-    calibration: Option<&'a Calibration>,
-    scale: Option<ScaleArgument>,
-    said: HashSet<String>,
+    checks: FrameChecks<'a>,
     /// Why the source ended before its end.
     broken: Option<String>,
 }
 
 impl<'a> Frames<'a> {
-    /// Frames of a source, to be measured by this calibration; `scale` is the command line's own.
-    pub(crate) fn new(
-        source: Ahead,
-        args: &'a FrameArgs,
-        calibration: Option<&'a Calibration>,
-        scale: Option<ScaleArgument>,
-    ) -> Self {
-        Self { source, args, calibration, scale, said: HashSet::new(), broken: None }
+    /// Frames of a source, checked.
+    pub(crate) fn new(source: Ahead, checks: FrameChecks<'a>) -> Self {
+        Self { source, checks, broken: None }
     }
 
     /// The next frame with its name and times, or why it cannot be read.
@@ -142,8 +204,9 @@ impl<'a> Frames<'a> {
             tracing::warn!("{notice}");
         }
         let frame = read.map_err(|e| e.to_string()).and_then(|stored| {
-            self.checked(&stored).map_err(|e| format!("frame {}: {e}", arrival.stem))?;
-            Ok(stored.frame)
+            let StoredFrame { frame, scale, changed, .. } = stored;
+            let of = StatedOf { stem: &arrival.stem, scale: scale.as_ref(), changed: &changed };
+            self.checks.check(of, &frame).map(|()| frame)
         });
         Some((arrival, frame))
     }
@@ -160,47 +223,14 @@ impl<'a> Frames<'a> {
     pub(crate) fn check_ended(&self) -> Result<(), Failure> {
         self.broken.as_ref().map_or(Ok(()), |why| Err(Failure::fail(why)))
     }
-
-    /// Logs changes of grey values at their first occurrence; refuses a scale or encoding other
-    /// than the calibration's.
-    fn checked(&mut self, stored: &StoredFrame) -> Result<(), String> {
-        for change in &stored.changed {
-            if self.said.insert(change.clone()) {
-                tracing::warn!("frame {}: {change}; this is said once", stored.stem);
-            }
-        }
-        let Some(calibration) = self.calibration else { return Ok(()) };
-        calibration.check_encoding(stored.frame.meta.encoding).map_err(|e| e.to_string())?;
-        let used_um_per_px = 1e3 * calibration.scale_mm_per_px;
-        match self.scale {
-            Some(ScaleArgument::File) => same_as_first(stored, used_um_per_px),
-            _ if self.args.ignore_file_scale => Ok(()),
-            given => self.same_as_used(stored, used_um_per_px, given.is_some()),
-        }
-    }
-
-    /// A scale given by the user is refused where the file states another one. A calibration on
-    /// masters is better than a file's nominal scale: a small difference is then reported once.
-    fn same_as_used(&mut self, stored: &StoredFrame, used_um_per_px: f64, typed: bool) -> Result<(), String> {
-        let used = if typed { "--um-per-px" } else { "the calibration" };
-        let Some(own) = &stored.scale else { return Ok(()) };
-        let Err(error) = own.check(used_um_per_px, used) else { return Ok(()) };
-        if typed || own.departure(used_um_per_px) > NOMINAL_SCALE {
-            return Err(format!("{error}: give the right one, correct the file, or say --ignore-file-scale"));
-        }
-        if self.said.insert("nominal scale".to_owned()) {
-            tracing::warn!("frame {}: {error}; the calibration's is taken; this is said once", stored.stem);
-        }
-        Ok(())
-    }
 }
 
-fn same_as_first(stored: &StoredFrame, first_um_per_px: f64) -> Result<(), String> {
-    let own = own_scale(stored)?;
+fn same_as_first(of: StatedOf<'_>, first_um_per_px: f64) -> Result<(), String> {
+    let own = own_scale(of.scale)?;
     if (own / first_um_per_px - 1.0).abs() <= SAME_SCALE {
         return Ok(());
     }
-    let origin = stored.scale.as_ref().map_or("", |s: &FileScale| &s.origin);
+    let origin = of.scale.map_or("", |s: &FileScale| &s.origin);
     Err(format!(
         "{origin}: a scale of {own:.6} µm/px, but the first frame's is {first_um_per_px:.6}; frames of one scale are needed"
     ))

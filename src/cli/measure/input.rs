@@ -1,27 +1,47 @@
-//! Where the frames of `measure` come from: files, a folder that is followed, or stdin.
+//! Where the frames of a command come from: files, a folder that is followed, or a stream: stdin,
+//! raw pixels, Y4M, the simulated head.
+//!
+//! One more kind of source is a variant of [`Address`](crate::source) and an arm of
+//! [`StreamSource`]: images to be decoded are an iterator, a source with events of its own (a
+//! camera, a recording) is a [`Producer`](crate::source::live::Producer).
 
-use std::io::{BufReader, IsTerminal as _};
+use std::fs::File;
+use std::io::{BufReader, IsTerminal as _, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use super::frames::paths;
+use crate::cell::{HeadPace, SimulatedHead};
 use crate::cli::failure::Failure;
 use crate::cli::process::interrupt;
-use crate::source::{Ahead, Channel, FileFrames, Follow, Piped};
+use crate::config;
+use crate::position::EncoderSettings;
+use crate::render::{BackendChoice, Renderer};
+use crate::source::live::{Live, LiveSettings, Policy, Producer, StoredProducer, taken};
+use crate::source::raw::{RawLayout, RawStream, begins_y4m};
+use crate::source::{Address, Ahead, Channel, FileFrames, Follow, Piped, Spare, Taken};
 
-/// Memory of the reader of stdin, bytes: what a pipe holds.
+/// Memory of the reader of a pipe, bytes: what a pipe holds.
 const PIPE: usize = 1 << 16;
+/// Frames of a live source that wait while one is measured: as many as are decoded ahead at least.
+const WAITING: usize = 4;
+
+/// Images to be decoded on other threads.
+type Images = Box<dyn Iterator<Item = Taken> + Send>;
 
 /// Arguments of the input.
 #[derive(Debug, clap::Args)]
 pub(crate) struct InputArgs {
     /// Images, stacks or folders of images (grey PNG, TIFF, JPEG, BMP, PGM), in this order; a
-    /// folder's by the numbers in their names. `-`: images one after another on stdin (PNG, raw PGM
-    /// and its kin, BMP, JPEG).
+    /// folder's by the numbers in their names. Or one stream: `-` is images one after another on
+    /// stdin (PNG, raw PGM and its kin, BMP, JPEG) or Y4M, FILE.y4m its grey frames, `raw:-` and
+    /// `raw:FILE` pixels as --raw states them, `sim:CONFIG.toml` one scan of a config's shaft.
     #[arg(required_unless_present = "follow", conflicts_with = "follow")]
     input: Vec<PathBuf>,
+    #[command(flatten)]
+    raw: RawArgs,
     /// Folder that a camera drops images into: each is measured once, as soon as it is whole. Ends
     /// on Ctrl-C or by --idle-s.
     #[arg(long, value_name = "DIR")]
@@ -31,6 +51,15 @@ pub(crate) struct InputArgs {
     idle_s: Option<Duration>,
 }
 
+/// The layout of raw pixels.
+#[derive(Debug, clap::Args)]
+pub(crate) struct RawArgs {
+    /// Size and pixel format of `raw:-` and `raw:FILE`: mono8, mono10, mono12, mono16 (little
+    /// endian), mono10p, mono12p, mono12packed.
+    #[arg(long, value_name = "WIDTHxHEIGHT:FORMAT")]
+    raw: Option<RawLayout>,
+}
+
 impl InputArgs {
     /// The inputs as they were named.
     pub(crate) fn named(&self) -> Vec<PathBuf> {
@@ -38,10 +67,209 @@ impl InputArgs {
     }
 }
 
-fn seconds(text: &str) -> Result<Duration, String> {
+/// Parses a time.
+///
+/// # Errors
+/// What is no number of seconds above 0.
+pub(crate) fn seconds(text: &str) -> Result<Duration, String> {
     let right = || "a number of seconds above 0 is needed, for instance 2.5".to_owned();
     let value: f64 = text.parse().map_err(|_| right())?;
     Some(value).filter(|s| *s > 0.0).and_then(|s| Duration::try_from_secs_f64(s).ok()).ok_or_else(right)
+}
+
+/// A source whose frames come one after another, their number unknown.
+#[derive(Debug)]
+pub(crate) enum StreamSource {
+    /// Images or Y4M on stdin.
+    Stdin,
+    /// Raw pixels on stdin.
+    RawStdin(RawLayout),
+    /// Raw pixels in a file.
+    RawFile(PathBuf, RawLayout),
+    /// A Y4M file.
+    Y4m(PathBuf),
+    /// The simulated head of a config.
+    Simulation(PathBuf),
+}
+
+impl StreamSource {
+    /// The stream of a source; `None` for files and folders.
+    ///
+    /// # Errors
+    /// Exit 2 for a source that there is not in this build, a terminal, raw pixels without a layout
+    /// and a layout without raw pixels.
+    pub(crate) fn of(text: &Path, raw: &RawArgs) -> Result<Option<Self>, Failure> {
+        let address = Address::of(text).map_err(Failure::refuse)?;
+        let layout = || {
+            raw.raw.ok_or_else(|| {
+                let shown = text.display();
+                Failure::refuse(format!(
+                    "{shown} states no size: give --raw WIDTHxHEIGHT:FORMAT, for instance 2448x2048:mono12"
+                ))
+            })
+        };
+        let stream = match address {
+            Address::Path(_) => None,
+            Address::Stdin => Some(Self::Stdin),
+            Address::RawStdin => Some(Self::RawStdin(layout()?)),
+            Address::RawFile(path) => Some(Self::RawFile(path, layout()?)),
+            Address::Y4m(path) => Some(Self::Y4m(path)),
+            Address::Simulation(path) => Some(Self::Simulation(path)),
+            Address::Camera(name) => {
+                return Err(Failure::refuse(format!(
+                    "gige:{name}: this build has no client for GigE Vision cameras; pipe the camera's frames into raw:- \
+                     or follow the folder that it writes to"
+                )));
+            }
+            Address::Recording(path) => {
+                return Err(Failure::refuse(format!(
+                    "replay:{}: this build reads no MCAP recordings; give a folder of images",
+                    path.display()
+                )));
+            }
+        };
+        if raw.raw.is_some() && !matches!(stream, Some(Self::RawStdin(_) | Self::RawFile(..))) {
+            return Err(Failure::refuse(format!(
+                "--raw states the size of raw:- and raw:FILE; {} has its own",
+                text.display()
+            )));
+        }
+        let is_stdin = matches!(stream, Some(Self::Stdin | Self::RawStdin(_)));
+        if is_stdin && std::io::stdin().is_terminal() {
+            return Err(Failure::refuse(format!(
+                "{}: stdin is a terminal; pipe images into it",
+                text.display()
+            )));
+        }
+        Ok(stream)
+    }
+
+    /// Whether its frames stand in a file and wait.
+    pub(crate) fn is_file(&self) -> bool {
+        matches!(self, Self::RawFile(..) | Self::Y4m(_))
+    }
+
+    /// The frames, every one in its order.
+    ///
+    /// # Errors
+    /// A file that cannot be opened, a config that is refused; a system that refuses threads.
+    pub(crate) fn ahead(self, read: &Reading) -> Result<Ahead, Failure> {
+        if let Self::Simulation(config) = self {
+            let settings = LiveSettings { policy: Policy::Block, waiting: WAITING, held: 1 };
+            let live = Live::new(head(&config, HeadPace::Scan)?, settings).map_err(Failure::fail)?;
+            let name = format!("sim:{}", config.display());
+            return read.ahead(taken(live, name, read.stop.clone().unwrap_or_default()));
+        }
+        read.ahead(self.images(read)?)
+    }
+
+    /// The source as a producer of live frames.
+    ///
+    /// # Errors
+    /// As [`Self::ahead`].
+    pub(crate) fn producer(self, read: &Reading) -> Result<Box<dyn Producer>, Failure> {
+        match self {
+            Self::Simulation(config) => head(&config, HeadPace::Live),
+            other => Ok(Box::new(StoredProducer::new(read.ahead(other.images(read)?)?))),
+        }
+    }
+
+    /// Images to be decoded.
+    fn images(self, read: &Reading) -> Result<Images, Failure> {
+        let (spare, channel) = (read.spare.clone(), read.channel);
+        Ok(match self {
+            Self::Stdin => {
+                let mut stdin = buffered(std::io::stdin());
+                let mut images: Option<Images> = None;
+                // The first bytes decide; they are waited for on the reading thread.
+                Box::new(std::iter::from_fn(move || {
+                    let images = images.get_or_insert_with(|| {
+                        let is_y4m = begins_y4m(&mut stdin).unwrap_or(false);
+                        let input = std::mem::replace(&mut stdin, buffered(std::io::stdin()));
+                        if is_y4m {
+                            Box::new(RawStream::y4m(input, "stdin".to_owned()).reusing(spare.clone()))
+                        } else {
+                            Box::new(Piped::new(input, "stdin", channel).reusing(spare.clone()))
+                        }
+                    });
+                    images.next()
+                }))
+            }
+            Self::RawStdin(layout) => {
+                let stdin = buffered(std::io::stdin());
+                Box::new(RawStream::new(stdin, "stdin".to_owned(), layout).reusing(spare))
+            }
+            Self::RawFile(path, layout) => {
+                let name = path.display().to_string();
+                Box::new(RawStream::new(buffered(opened(&path)?), name, layout).reusing(spare))
+            }
+            Self::Y4m(path) => {
+                let name = path.display().to_string();
+                Box::new(RawStream::y4m(buffered(opened(&path)?), name).reusing(spare))
+            }
+            Self::Simulation(_) => Box::new(std::iter::empty()),
+        })
+    }
+}
+
+fn buffered<R: Read>(input: R) -> BufReader<R> {
+    BufReader::with_capacity(PIPE, input)
+}
+
+fn opened(path: &Path) -> Result<File, Failure> {
+    File::open(path).map_err(|error| Failure::fail(format!("{}: {error}", path.display())))
+}
+
+/// The simulated head of a config.
+fn head(config: &Path, pace: HeadPace) -> Result<Box<dyn Producer>, Failure> {
+    let job = config::load_scene(config).map_err(Failure::refused)?;
+    let renderer = Renderer::new(BackendChoice::Auto).map_err(Failure::fail)?;
+    let head = SimulatedHead::new(job, renderer, pace).map_err(Failure::refuse)?;
+    Ok(Box::new(head))
+}
+
+/// How images are read: the channel of colour ones, the threads that decode, the memory, and what
+/// becomes true at Ctrl-C.
+pub(crate) struct Reading {
+    channel: Option<Channel>,
+    threads: usize,
+    spare: Spare,
+    stop: Option<Arc<AtomicBool>>,
+}
+
+impl Reading {
+    /// On so many threads, of colour images this channel; a stream ends at Ctrl-C.
+    pub(crate) fn new(channel: Option<Channel>, threads: usize, is_stream: bool) -> Self {
+        let stop = is_stream.then(interrupt::requested);
+        Self { channel, threads, spare: Ahead::spare(threads), stop }
+    }
+
+    /// Begins to read images and to decode them.
+    fn ahead(&self, images: impl Iterator<Item = Taken> + Send + 'static) -> Result<Ahead, Failure> {
+        Ahead::new(images, self.threads, self.stop.clone(), self.spare.clone()).map_err(Failure::fail)
+    }
+
+    /// The frames of a folder as they come, until none has come for the time `idle`.
+    ///
+    /// # Errors
+    /// A folder that cannot be listed; a system that refuses threads.
+    pub(crate) fn followed(&self, folder: PathBuf, idle: Option<Duration>) -> Result<Ahead, Failure> {
+        let follow = Follow::new(folder, self.channel, idle, self.stop.clone().unwrap_or_default());
+        self.ahead(follow.map_err(Failure::fail)?.reusing(self.spare.clone()))
+    }
+
+    /// The frames of files, their angles from the counts of this encoder where one is given.
+    ///
+    /// # Errors
+    /// A system that refuses threads.
+    pub(crate) fn files(
+        &self,
+        paths: Vec<PathBuf>,
+        encoder: Option<EncoderSettings>,
+    ) -> Result<Ahead, Failure> {
+        let files = FileFrames::new(paths).of_channel(self.channel).by_encoder(encoder);
+        self.ahead(files.reusing(self.spare.clone()).undecoded())
+    }
 }
 
 /// Where frames come from.
@@ -50,8 +278,8 @@ pub(crate) enum Input {
     Files(Vec<PathBuf>),
     /// A folder that a camera drops images into, and the time without a new one that ends it.
     Folder(PathBuf, Option<Duration>),
-    /// Images one after another on stdin.
-    Stdin,
+    /// Frames one after another.
+    Stream(StreamSource),
 }
 
 /// The frames of an input, decoded ahead.
@@ -65,9 +293,12 @@ impl Input {
     /// The input of the arguments.
     ///
     /// # Errors
-    /// An input that cannot be read, a folder without images; exit 2 for `-` beside files and for a
-    /// terminal.
+    /// An input that cannot be read, a folder without images; exit 2 for a stream beside files, and
+    /// as [`StreamSource::of`].
     pub(crate) fn of(args: &InputArgs) -> Result<Self, Failure> {
+        if args.follow.is_some() && args.raw.raw.is_some() {
+            return Err(Failure::refuse("--raw belongs to raw:- and raw:FILE, not to --follow DIR"));
+        }
         if let Some(folder) = &args.follow {
             return Ok(Self::Folder(folder.clone(), args.idle_s));
         }
@@ -75,23 +306,27 @@ impl Input {
         if args.idle_s.is_some() {
             return Err(Failure::refuse("--idle-s ends --follow DIR: give the folder by --follow"));
         }
-        if !args.input.iter().any(|path| path == Path::new("-")) {
-            return paths(&args.input).map(Self::Files);
+        for text in &args.input {
+            let is_alone = args.input.len() == 1;
+            match StreamSource::of(text, &args.raw)? {
+                Some(stream) if is_alone => return Ok(Self::Stream(stream)),
+                Some(_) => {
+                    let shown = text.display();
+                    return Err(Failure::refuse(format!(
+                        "{shown} (a stream) stands alone; a file of that name is ./{shown}"
+                    )));
+                }
+                None => {}
+            }
         }
-        if args.input.len() > 1 {
-            return Err(Failure::refuse("- (images on stdin) stands alone; a file of that name is ./-"));
-        }
-        if std::io::stdin().is_terminal() {
-            return Err(Failure::refuse("-: stdin is a terminal; pipe images into it"));
-        }
-        Ok(Self::Stdin)
+        paths(&args.input).map(Self::Files)
     }
 
     /// Its files, where these are there already.
     pub(crate) fn files(&self) -> &[PathBuf] {
         match self {
             Self::Files(paths) => paths,
-            Self::Folder(..) | Self::Stdin => &[],
+            Self::Folder(..) | Self::Stream(_) => &[],
         }
     }
 
@@ -100,29 +335,23 @@ impl Input {
         !matches!(self, Self::Files(_))
     }
 
-    /// Begins to read it and to decode on so many threads, of colour images this channel.
+    /// Begins to read it and to decode on so many threads, of colour images this channel, of files
+    /// with the angles of this encoder.
     ///
     /// # Errors
-    /// A folder that cannot be listed; a system that refuses threads.
-    pub(crate) fn open(self, channel: Option<Channel>, threads: usize) -> Result<Opened, Failure> {
-        let stop = self.is_stream().then(interrupt::requested);
-        let (ended, spare) = (stop.clone(), Ahead::spare(threads));
+    /// A folder that cannot be listed, a file that cannot be opened; a system that refuses threads.
+    pub(crate) fn open(
+        self,
+        channel: Option<Channel>,
+        encoder: Option<EncoderSettings>,
+        threads: usize,
+    ) -> Result<Opened, Failure> {
+        let read = Reading::new(channel, threads, self.is_stream());
         let frames = match self {
-            Self::Files(paths) => {
-                let files = FileFrames::new(paths).of_channel(channel).reusing(spare.clone());
-                Ahead::new(files.undecoded(), threads, ended, spare)
-            }
-            Self::Folder(folder, idle) => {
-                let follow = Follow::new(folder, channel, idle, stop.clone().unwrap_or_default());
-                let follow = follow.map_err(Failure::fail)?.reusing(spare.clone());
-                Ahead::new(follow, threads, ended, spare)
-            }
-            Self::Stdin => {
-                let stdin = BufReader::with_capacity(PIPE, std::io::stdin());
-                let piped = Piped::new(stdin, "stdin", channel).reusing(spare.clone());
-                Ahead::new(piped, threads, ended, spare)
-            }
+            Self::Files(paths) => read.files(paths, encoder),
+            Self::Folder(folder, idle) => read.followed(folder, idle),
+            Self::Stream(stream) => stream.ahead(&read),
         };
-        Ok(Opened { frames: frames.map_err(Failure::fail)?, stop })
+        Ok(Opened { frames: frames?, stop: read.stop })
     }
 }

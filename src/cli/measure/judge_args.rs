@@ -53,6 +53,11 @@ pub(crate) struct JudgeArgs {
     /// Takes every frame as another part: the statistics are those of a batch, and have Cp and Cpk.
     #[arg(long, conflicts_with_all = ["turn", "average"])]
     parts: bool,
+    /// Seconds over which readings must agree before a diameter is good: until then, and while it
+    /// changes (coolant that runs off, a part that cools), nothing is proven; what a test at 1 %
+    /// false alarm cannot see is in U. With --turn the readings are means of whole turns.
+    #[arg(long, value_name = "S", value_parser = length, conflicts_with = "parts")]
+    settle_s: Option<f64>,
     /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of
     /// focus, moving), with a warning.
     #[arg(long)]
@@ -91,6 +96,7 @@ impl JudgeArgs {
             (self.average.is_some(), "--average"),
             (self.budget, "--budget"),
             (self.turn, "--turn"),
+            (self.settle_s.is_some(), "--settle-s"),
         ]
         .into_iter()
         .find_map(|(given, name)| given.then_some(name))
@@ -117,6 +123,7 @@ impl JudgeArgs {
             turn_limit_um: self.turn_limit_um,
             parts: self.parts,
             accept_blur: self.accept_blur,
+            settle_s: self.settle_s,
             cutoff_upr: self.cutoff_upr,
             ..MeasureSettings::default()
         }

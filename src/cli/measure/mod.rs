@@ -10,11 +10,13 @@
 
 mod choice;
 mod csv_file;
-mod document;
+pub(super) mod document;
 mod edges_file;
+mod encoder_args;
 pub(super) mod esf_argument;
-mod frames;
-mod input;
+pub(super) mod frames;
+pub(super) mod input;
+pub(super) mod instrument_args;
 mod judge_args;
 mod leaves;
 mod legend;
@@ -23,12 +25,12 @@ mod results;
 mod ring;
 mod statistics;
 mod table;
+mod temperature_args;
 mod timing;
 mod turn;
 mod warnings;
 mod words;
 
-use std::fs;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
@@ -37,55 +39,39 @@ use serde_json::Value;
 use self::choice::ChoiceArgs;
 use self::document::{Lines, Whole};
 use self::edges_file::{EdgesFile, claim_output};
+use self::encoder_args::EncoderArgs;
 use self::esf_argument::esf_model;
-use self::frames::{FrameArgs, Frames, ScaleArgument, scale_argument, scale_of_files};
+use self::frames::{FrameArgs, FrameChecks, Frames, ScaleArgument};
 use self::input::{Input, InputArgs};
+use self::instrument_args::InstrumentArgs;
 use self::judge_args::JudgeArgs;
 use self::leaves::{Inputs, Leaves, LeavesArgs, MeasuredBy};
 use self::legend::Legend;
 use self::offsets::{OffsetArgs, OffsetJob};
 use self::results::{Beside, Printed, Results, head};
+use self::temperature_args::{TemperatureArgs, take_temperature};
 use self::warnings::{report_uncalibrated, report_unlearnt};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
-use crate::cli::input_output::ConfigText;
 use crate::cli::terminal::output;
 use crate::files::OutputFile;
 use crate::frame::{Frame, FrameView};
-use crate::gauge::calibration::{Conditions, Date, GivenConditions};
+use crate::gauge::calibration::Conditions;
 use crate::gauge::ring::RingSettings;
 use crate::gauge::{Calibration, EsfModel, Gauge, GaugeSettings, Polarity};
-use crate::measurement::{
-    MeasureError, MeasureSettings, Series, Stream, conditions, edge_model, known_conditions, prepared,
-};
+use crate::measurement::{MeasureError, MeasureSettings, Series, Stream, Temperatures, edge_model, prepared};
+use crate::source::Arrival;
 
 /// Arguments of `shadowgauge measure`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct MeasureArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Scale, µm per pixel, when there is no calibration; `file` takes that of frames.csv or of the
-    /// files' own tags.
-    #[arg(long, value_name = "S|file", conflicts_with = "calibration", value_parser = scale_argument)]
-    um_per_px: Option<ScaleArgument>,
-    /// Calibration file (JSON) with scale, edge offset and their uncertainty.
-    #[arg(long, value_name = "FILE")]
-    calibration: Option<PathBuf>,
-    /// Refuses a calibration of other optics than these.
-    #[arg(long, value_name = "ID", requires = "calibration")]
-    optics_id: Option<String>,
-    /// Uses a calibration whose time is over, with a warning.
-    #[arg(long, requires = "calibration")]
-    accept_expired: bool,
-    /// Judges the calibration's validity on this day instead of today, YYYY-MM-DD.
-    #[arg(long, value_name = "DATE", requires = "calibration")]
-    as_of: Option<Date>,
-    /// Conditions of the part (TOML): temperature, expansion, place, with their limits; what it
-    /// leaves out is the calibration's.
-    #[arg(long, value_name = "FILE.toml")]
-    conditions: Option<PathBuf>,
-    /// Temperature of the part, °C, in place of the conditions' one.
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
-    part_temperature: Option<f64>,
+    #[command(flatten)]
+    instrument: InstrumentArgs,
+    #[command(flatten)]
+    temperatures: TemperatureArgs,
+    #[command(flatten)]
+    encoder: EncoderArgs,
     #[command(flatten)]
     frames: FrameArgs,
     #[command(flatten)]
@@ -143,7 +129,8 @@ enum Shape {
     Ring,
 }
 
-fn positive_px(text: &str) -> Result<f64, String> {
+/// Parses a size in pixels.
+pub(super) fn positive_px(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("a diameter above 0 in pixels is needed, for instance 6".to_owned()),
@@ -151,7 +138,7 @@ fn positive_px(text: &str) -> Result<f64, String> {
 }
 
 /// What a frame or a setting gives no measurement for: exit 2 for settings, 3 for frames.
-fn failure(error: MeasureError) -> Failure {
+pub(super) fn failure(error: MeasureError) -> Failure {
     if error.is_of_settings() { Failure::refuse(error) } else { Failure::fail(error) }
 }
 
@@ -177,7 +164,7 @@ impl Instrument {
 impl MeasureArgs {
     /// Files read beside the frames.
     fn other_inputs(&self) -> Vec<PathBuf> {
-        let named = [&self.calibration, &self.conditions].into_iter().flatten().cloned();
+        let named = self.instrument.files().chain(self.temperatures.file());
         named.chain(self.esf.as_ref().map(PathBuf::from)).chain(self.offsets.inputs()).collect()
     }
 
@@ -211,8 +198,8 @@ pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     let input = Input::of(&args.input)?;
     check_stream(args, &input)?;
     check_offsets(args, &input)?;
-    let calibration = calibration(args, input.files())?;
-    let conditions = stated_conditions(args, calibration.as_ref())?;
+    let calibration = args.instrument.calibration(&args.frames, input.files())?;
+    let conditions = args.instrument.conditions(calibration.as_ref())?;
     if let (None, Some(name)) = (&calibration, args.judge.needs_scale()) {
         return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
     }
@@ -240,7 +227,7 @@ fn check_stream(args: &MeasureArgs, input: &Input) -> Result<(), Failure> {
     if args.bench.is_some() {
         return Err(Failure::refuse("--bench measures files that are there, not a stream (--follow, -)"));
     }
-    if args.um_per_px == Some(ScaleArgument::File) {
+    if args.instrument.scale() == Some(ScaleArgument::File) {
         return Err(Failure::refuse(
             "--um-per-px file takes the scale of the first file; of a stream (--follow, -) state it, for instance 17.4",
         ));
@@ -252,7 +239,7 @@ fn check_stream(args: &MeasureArgs, input: &Input) -> Result<(), Failure> {
 fn check_offsets(args: &MeasureArgs, input: &Input) -> Result<(), Failure> {
     let why = match () {
         () if !args.offsets.are_given() => return Ok(()),
-        () if args.calibration.is_none() => {
+        () if !args.instrument.has_calibration() => {
             "needs --calibration FILE: a scale alone has no uncertainty to decide by"
         }
         () if input.is_stream() => "decides on the frames of one part, not on a stream (--follow, -)",
@@ -272,8 +259,7 @@ fn begin_offsets(
     input: &Input,
 ) -> Result<Option<OffsetJob>, Failure> {
     let Some(calibration) = &instrument.calibration else { return Ok(None) };
-    let given = args.conditions.is_some() || args.part_temperature.is_some();
-    let conditions = given.then_some(instrument.conditions);
+    let conditions = args.instrument.states_conditions().then_some(instrument.conditions);
     let esf = stated_edge_model(args, Some(calibration))?;
     OffsetJob::begin(&args.offsets, input.files(), (calibration, esf), conditions)
 }
@@ -284,9 +270,22 @@ fn decoding_threads(args: &MeasureArgs) -> usize {
     args.threads.map_or_else(all, usize::from)
 }
 
-/// Measures a frame, or counts why it cannot be read; gives the frame back.
-fn measure_one(stream: &mut Stream, stem: &str, read: Result<Frame, String>) -> Option<Frame> {
-    match read.and_then(|frame| stream.prepared(stem, frame).map_err(|error| error.to_string())) {
+/// Measures a frame, or counts why it cannot be read; gives the frame back. A frame of a stream
+/// without a time of its own has that of its arrival, to which seconds are as good.
+fn measure_one(
+    stream: &mut Stream,
+    arrival: &Arrival,
+    read: Result<Frame, String>,
+    temperatures: Option<&Temperatures>,
+) -> Option<Frame> {
+    let stem = arrival.stem.as_str();
+    let timed = read.and_then(|mut frame| {
+        if let (None, Some(host)) = (arrival.device_t_ns, arrival.host_t_ns) {
+            frame.meta.t_ns = host;
+        }
+        take_temperature(stream, temperatures, frame.meta.t_ns).map(|()| frame)
+    });
+    match timed.and_then(|frame| stream.prepared(stem, frame).map_err(|error| error.to_string())) {
         Ok(frame) => {
             // What a refused frame is refused for stands in its measurement.
             let _ = stream.push_prepared(stem, &frame.meta, &frame.view());
@@ -333,13 +332,15 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     if is_stream {
         report_uncalibrated(&stream);
     }
-    let opened = input.open(args.frames.channel(), decoding_threads(args))?;
+    let temperatures = args.temperatures.read()?;
+    let encoder = args.encoder.encoder(&input)?;
+    let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
     let stop = opened.stop.clone();
-    let mut frames =
-        Frames::new(opened.frames, &args.frames, instrument.calibration.as_ref(), args.um_per_px);
+    let checks = FrameChecks::new(&args.frames, instrument.calibration.as_ref(), args.instrument.scale());
+    let mut frames = Frames::new(opened.frames, checks);
     let mut kept = Vec::new();
     while let Some((arrival, read)) = frames.next_frame() {
-        let frame = measure_one(&mut stream, &arrival.stem, read);
+        let frame = measure_one(&mut stream, &arrival, read, temperatures.as_ref());
         leaves.add(&mut stream, frame.as_ref())?;
         results.frame(&stream, &arrival)?;
         match (&mut scan, frame) {
@@ -430,8 +431,10 @@ fn rings(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandRe
     settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
     let calibration = instrument.calibration.as_ref();
     let json = args.json.then(|| if input.is_stream() { ring::Json::lines() } else { ring::Json::whole() });
-    let opened = input.open(args.frames.channel(), decoding_threads(args))?;
-    let mut source = Frames::new(opened.frames, &args.frames, calibration, args.um_per_px);
+    let encoder = args.encoder.encoder(&input)?;
+    let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
+    let checks = FrameChecks::new(&args.frames, calibration, args.instrument.scale());
+    let mut source = Frames::new(opened.frames, checks);
     let (mut first_error, mut readable) = (None, 0_usize);
     let frames = std::iter::from_fn(|| {
         while let Some((arrival, read)) = source.next_frame() {
@@ -466,52 +469,4 @@ fn stated_edge_model(args: &MeasureArgs, calibration: Option<&Calibration>) -> R
     // A ring has Gaussian edges: the model of the calibration does not apply.
     let of_ring = (args.shape == Shape::Ring).then(EsfModel::default);
     Ok(edge_model(stated.or(of_ring), calibration))
-}
-
-fn calibration(args: &MeasureArgs, paths: &[PathBuf]) -> Result<Option<Calibration>, Failure> {
-    let Some(path) = &args.calibration else {
-        return Ok(match args.um_per_px {
-            None => None,
-            Some(ScaleArgument::Given(um_per_px)) => Some(Calibration::from_scale(um_per_px)),
-            Some(ScaleArgument::File) => Some(Calibration::from_scale(scale_of_files(&args.frames, paths)?)),
-        });
-    };
-    let named = |e: &dyn std::fmt::Display| Failure::fail(format!("{}: {e}", path.display()));
-    let file = fs::File::open(path).map_err(|e| named(&e))?;
-    let calibration = Calibration::read(std::io::BufReader::new(file)).map_err(|e| named(&e))?;
-    if let Some(id) = &args.optics_id {
-        calibration.check_optics(id).map_err(|e| named(&e))?;
-    }
-    let today = args.as_of.unwrap_or_else(|| Date::of(std::time::SystemTime::now()));
-    if let Some(Err(error)) = calibration.setup.as_ref().map(|b| b.check_date(today)) {
-        if !args.accept_expired {
-            return Err(named(&error));
-        }
-        tracing::warn!("{}: {error}; used with consent", path.display());
-    }
-    Ok(Some(calibration))
-}
-
-/// The part's conditions: the file's, otherwise the calibration's; `--part-temperature` overrides.
-fn stated_conditions(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<Conditions, Failure> {
-    let given = args.conditions.as_ref().map(|path| given_conditions(path, calibration)).transpose()?;
-    conditions(calibration, given.as_ref(), args.part_temperature).map_err(Failure::refuse)
-}
-
-/// The conditions in a file; logs what of the calibration's they leave.
-fn given_conditions(
-    path: &std::path::Path,
-    calibration: Option<&Calibration>,
-) -> Result<GivenConditions, Failure> {
-    let text = ConfigText::read(path)?;
-    let given: GivenConditions = text.parse()?;
-    let named = text.tables()?;
-    let all = toml::Table::try_from(known_conditions(calibration)).map_err(|e| text.refuse(e))?;
-    let kept: Vec<String> = all
-        .iter()
-        .filter(|(key, _)| !named.contains_key(*key))
-        .map(|(key, v)| format!("{key} = {v}"))
-        .collect();
-    tracing::info!("{}: kept of the calibration's conditions: {}", text.name, kept.join(", "));
-    Ok(given)
 }

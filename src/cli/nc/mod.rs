@@ -14,8 +14,8 @@ use crate::config;
 use crate::files::OutputFile;
 use crate::job::Job;
 use crate::nc::{
-    self, AirCut, Dialect, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification, TurningProgram,
-    Written,
+    self, AirCut, Dialect, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification, ScanProgram,
+    TurningProgram, Written,
 };
 use crate::run_folder::RunFolder;
 
@@ -64,6 +64,11 @@ pub(crate) struct NcArgs {
     /// a program.
     #[arg(long)]
     air: bool,
+    /// Takes the gauge head along the finished part: retract, coolant off, air blast, the spindle
+    /// at its measuring speed or held at every angle, a trigger a stop. Nothing is cut; the
+    /// machine's data need the table scan. With --dry-run: the stops as a table.
+    #[arg(long)]
+    scan: bool,
     /// Number of the part: with the pass it makes the program run once only.
     #[arg(long, value_name = "N")]
     part: Option<u32>,
@@ -94,6 +99,7 @@ pub(crate) fn run(args: &NcArgs) -> CommandResult {
     };
     let Source { job, settings, pass, inputs } = source;
     let text = match args.form {
+        _ if args.scan => scan(args, &job, &settings, &pass?)?,
         _ if args.air && (args.form != Form::Knots || args.dry_run) => {
             return Err(Failure::refuse(
                 "--air raises the program of --form knots: leave --form and --dry-run out",
@@ -258,6 +264,19 @@ fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<
         ));
     }
     Ok(written)
+}
+
+/// The scan of the run's plan, or the table of its stops.
+fn scan(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {
+    if args.air || args.form != Form::Knots {
+        return Err(Failure::refuse("--scan cuts nothing and probes nothing: leave --form and --air out"));
+    }
+    let plan = job.loop_job().scan_plan();
+    let program = ScanProgram { plan: &plan, settings, piece: &pass.piece, pass: pass.plan.pass };
+    if args.dry_run {
+        return program.stops().map(|stops| nc::stop_list(&stops)).map_err(Failure::refuse);
+    }
+    written(args, program.write(args.dialect))
 }
 
 fn qualify(args: &NcArgs, settings: &NcSettings) -> Result<String, Failure> {

@@ -37,6 +37,13 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge render --gallery out/gallery",
         ],
     ),
+    (
+        "publish",
+        &[
+            "shadowgauge publish configs/small_shaft.toml",
+            "shadowgauge publish my.toml --listen 192.168.1.5/24 --mtu 9000",
+        ],
+    ),
     ("doctor", &["shadowgauge doctor", "shadowgauge doctor --json"]),
     (
         "calibrate",
@@ -63,6 +70,20 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge measure frames --calibration bench.json --tolerance \"25 h6\" --json",
             "shadowgauge measure part_7 --calibration bench.json --offsets job.toml --state state.toml --part 7",
             "shadowgauge measure washer.png --um-per-px 20 --shape ring",
+            "shadowgauge measure shaft.y4m --um-per-px 17.4 --json",
+            "shadowgauge measure raw:- --raw 2448x2048:mono12 --um-per-px 17.4 --json",
+            "shadowgauge measure sim:configs/small_shaft.toml --um-per-px 17.4",
+            "shadowgauge measure turn --calibration bench.json --turn --counts-per-turn 4096 --latched-at exposure_end --frames-per-turn 64",
+            "shadowgauge measure --follow incoming --calibration bench.json --tolerance \"25 h6\" --settle-s 10",
+            "shadowgauge measure frames --calibration bench.json --temperatures temperatures.csv --json",
+        ],
+    ),
+    (
+        "watch",
+        &[
+            "shadowgauge watch incoming --calibration bench.json --tolerance \"25 h6\"",
+            "shadowgauge watch sim:configs/small_shaft.toml --um-per-px 17.4 --json",
+            "shadowgauge watch raw:- --raw 2448x2048:mono12p --um-per-px 17.4 --tolerance \"25 h6\" --on-alarm \"beep\"",
         ],
     ),
     ("schema", &["shadowgauge schema > job.schema.json", "shadowgauge schema machine > machine.schema.json"]),
@@ -76,7 +97,22 @@ const EXAMPLES: &[Examples] = &[
     ("reproduce 003", &["shadowgauge reproduce 003 --json", "shadowgauge reproduce 003 --out out/003"]),
     (
         "tool",
-        &["shadowgauge tool compensate --nose nose.json --tool tool.toml --part outline.toml --out out/nose"],
+        &[
+            "shadowgauge tool nose worn.png --um-per-px 2.415 --tool tool.toml --out nose.json",
+            "shadowgauge tool compensate --nose nose.json --tool tool.toml --part outline.toml --out out/nose",
+        ],
+    ),
+    (
+        "tool nose",
+        &[
+            "shadowgauge tool nose worn.png --um-per-px 2.415",
+            "shadowgauge tool nose worn.png --um-per-px 2.415 --tool tool.toml --baseline new.png --out nose.json --overlay nose.png",
+            "shadowgauge tool nose images --calibration calibration.json --json",
+        ],
+    ),
+    (
+        "tool render",
+        &["shadowgauge tool render configs/tool/insert.toml --out out/insert --frames 4 --seed 7"],
     ),
     (
         "tool compensate",
@@ -91,6 +127,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge nc out/small --dialect linuxcnc --dry-run",
             "shadowgauge nc out/small --dialect fanuc --machine machine.toml --out O8001.nc",
             "shadowgauge nc job.toml --state state.toml --dialect sinumerik --machine machine.toml --air",
+            "shadowgauge nc out/small --dialect linuxcnc --machine machine.toml --scan --out scan.ngc",
         ],
     ),
     (

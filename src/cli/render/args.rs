@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use super::frame_files::FileFormat;
+use crate::cell::{drawn_scene, scan_request};
 use crate::cli::failure::Failure;
 use crate::job::Job;
-use crate::render::form::form_shaft;
-use crate::render::{BackendChoice, FrameRequest, OpticalSetup, Scene};
-use crate::shaft::ProfileKnot;
+use crate::render::{BackendChoice, FrameRequest, Scene};
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
@@ -51,30 +50,16 @@ pub(crate) struct RenderArgs {
     pub(super) json: bool,
 }
 
-/// The scene of a config: its shaft at the last pass's nominal diameter with the form of `[shaft]`.
+/// The scene of a config.
 pub(crate) fn scene(job: &Job) -> Result<Scene, Failure> {
-    let setup = OpticalSetup::resolve(&job.setup_settings(), job.seed).map_err(Failure::refuse)?;
-    let profile = vec![ProfileKnot { z_mm: 0.0, radius_mm: job.part.drawn_diameter_mm() / 2.0 }];
-    let shaft = form_shaft(profile, &job.shaft, job.part.length_mm, job.seed).map_err(Failure::refuse)?;
-    Scene::new(&setup, shaft).map_err(Failure::refuse)
+    drawn_scene(job).map_err(Failure::refuse)
 }
 
 /// Request number `index` of the scan, starting over at its end.
 pub(super) fn request(args: &RenderArgs, job: &Job, index: usize) -> FrameRequest {
-    let plan = job.loop_job().scan_plan();
-    let angles = plan.angle_deg.len().max(1);
-    let place = index % plan.frames().max(1);
-    let windows = job.camera.windows.map(|w| w.rois(job.camera.columns));
-    let (roi, second_roi) = (windows.map(|w| w[0]), windows.map(|w| w[1]));
     FrameRequest {
-        frame_id: index as u64,
-        t_ns: (index as f64 * job.camera.period_ms() * 1e6) as u64,
-        z_mm: plan.field_z_mm.get(place / angles).copied().unwrap_or(0.0),
-        angle_deg: plan.angle_deg.get(place % angles).copied().unwrap_or(0.0),
         noise: !args.no_noise,
-        roi,
-        second_roi,
-        seed: job.seed,
         format: Some(args.format.pixel_format(job.sensor.format)),
+        ..scan_request(job, &job.loop_job().scan_plan(), index)
     }
 }

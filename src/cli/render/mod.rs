@@ -9,7 +9,7 @@
 mod args;
 mod calibration;
 mod folder_files;
-pub(super) mod frame_files;
+pub(crate) mod frame_files;
 mod gallery;
 mod gallery_cases;
 mod label_font;

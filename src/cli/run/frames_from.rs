@@ -78,7 +78,10 @@ impl FramesFrom {
     pub(super) fn cell<'a>(&'a self, job: &Job) -> Result<Box<dyn TurningCell + 'a>, Failure> {
         Ok(match self {
             Self::Simulation(renderer) => Box::new(SimulatedCell::new(job, renderer).map_err(Failure::fail)?),
-            Self::Recording(recording) => Box::new(RecordedCell::new(recording.clone())),
+            Self::Recording(recording) => {
+                let encoder = job.scan.encoder;
+                Box::new(RecordedCell::new(recording.clone().by_encoder(encoder)))
+            }
         })
     }
 

@@ -24,6 +24,13 @@ fn keep(result: Result<(), Error>) {
     }
 }
 
+/// Writes out what was written so far: for a command that goes on without an end.
+pub(crate) fn flush() {
+    if FIRST_ERROR.get().is_none() {
+        keep(stdout().lock().flush());
+    }
+}
+
 /// Whether nothing more can be written: then a stream need not be measured on.
 pub(crate) fn has_failed() -> bool {
     FIRST_ERROR.get().is_some()
@@ -34,9 +41,7 @@ pub(crate) fn has_failed() -> bool {
 /// # Errors
 /// Exit 3 where stdout cannot be written.
 pub(crate) fn finish() -> Result<(), Failure> {
-    if FIRST_ERROR.get().is_none() {
-        keep(stdout().lock().flush());
-    }
+    flush();
     match FIRST_ERROR.get() {
         Some(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::fail(format!("stdout cannot be written: {error}")))

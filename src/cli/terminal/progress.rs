@@ -1,5 +1,5 @@
-//! How far long work is: a bar on a terminal with its unit and the time that is left; nothing
-//! elsewhere.
+//! How far long work is: a bar on a terminal with its unit and the time that is left, or a line of
+//! what is watched; nothing elsewhere.
 
 use std::sync::LazyLock;
 
@@ -19,7 +19,17 @@ pub(crate) fn bar(count: u64, what: &str, unit: &str) -> ProgressBar {
     bar
 }
 
+/// A line that is written over again, beneath what else is written on the terminal; nothing
+/// elsewhere.
+pub(crate) fn line() -> ProgressBar {
+    let line = BARS.add(ProgressBar::new_spinner());
+    if let Ok(style) = ProgressStyle::with_template("{wide_msg}") {
+        line.set_style(style);
+    }
+    line
+}
+
 /// Does something that writes on the terminal, with the bars out of its way.
-pub(super) fn beside<T>(write: impl FnOnce() -> T) -> T {
+pub(crate) fn beside<T>(write: impl FnOnce() -> T) -> T {
     BARS.suspend(write)
 }

@@ -1,7 +1,10 @@
 //! `shadowgauge tool`: the nose of a turning tool, and what it does to a part.
 
 mod compensate;
+mod nose;
+mod overlay;
 mod pictures;
+mod render;
 mod words;
 
 use crate::cli::failure::CommandResult;
@@ -11,6 +14,10 @@ use crate::cli::failure::CommandResult;
 pub(crate) enum ToolCommand {
     /// What a worn nose leaves of a part, and a program that takes it into account.
     Compensate(compensate::CompensateArgs),
+    /// The nose of a back-lit insert: both edges, their angle, centre, radii and support.
+    Nose(nose::NoseArgs),
+    /// Back-lit images of an insert, new or worn, with their truth.
+    Render(render::RenderInsertArgs),
 }
 
 /// Runs the command.
@@ -18,6 +25,9 @@ pub(crate) enum ToolCommand {
 /// # Errors
 /// As the commands.
 pub(crate) fn run(command: &ToolCommand) -> CommandResult {
-    let ToolCommand::Compensate(args) = command;
-    compensate::run(args)
+    match command {
+        ToolCommand::Compensate(args) => compensate::run(args),
+        ToolCommand::Nose(args) => nose::run(args),
+        ToolCommand::Render(args) => render::run(args),
+    }
 }

@@ -38,10 +38,13 @@ pub(super) struct Coarse {
 }
 
 /// Grey values row by row, shadow below light whatever the part's polarity.
-struct Grey {
-    values: Vec<f32>,
-    rows: usize,
-    columns: usize,
+pub(in crate::gauge) struct Grey {
+    /// Grey values, row by row.
+    pub(in crate::gauge) values: Vec<f32>,
+    /// Rows.
+    pub(in crate::gauge) rows: usize,
+    /// Columns.
+    pub(in crate::gauge) columns: usize,
 }
 
 /// Finds the part: as the largest shadow of a frame with one level of light and one of shadow, else
@@ -80,7 +83,11 @@ fn find_in(shadow: &[bool], grey: &Grey, settings: &RingSettings) -> Result<Coar
 }
 
 impl Grey {
-    fn read(view: &FrameView<'_>, bright_on_dark: bool) -> Result<Self, RingError> {
+    /// Reads a frame.
+    ///
+    /// # Errors
+    /// A pixel that is no number.
+    pub(in crate::gauge) fn read(view: &FrameView<'_>, bright_on_dark: bool) -> Result<Self, RingError> {
         let (rows, columns) = (view.rows(), view.columns());
         let sign = if bright_on_dark { -1.0 } else { 1.0 };
         let mut values = Vec::with_capacity(rows * columns);
@@ -104,7 +111,7 @@ impl Grey {
 
     /// Medians of three, down and across: hot and dead pixels and stuck rows and columns neither
     /// cut a part nor join it to the border.
-    fn without_stuck_lines(mut self) -> Self {
+    pub(in crate::gauge) fn without_stuck_lines(mut self) -> Self {
         let mut above = Vec::new();
         median_down(&mut self.values, self.columns, &mut above);
         let mut turned = self.transposed();
@@ -125,7 +132,7 @@ impl Grey {
 
 /// Middle between the means of the two classes that split the histogram best (iterative selection,
 /// Ridler & Calvard 1978).
-fn threshold(grey: &Grey, whole_counts: bool) -> Result<f64, RingError> {
+pub(in crate::gauge) fn threshold(grey: &Grey, whole_counts: bool) -> Result<f64, RingError> {
     let limits = CoarseRingLimits::get();
     let line = |row: &[f32]| row.iter().step_by(2).map(|v| f64::from(*v)).collect::<Vec<f64>>();
     let values: Vec<f64> = grey.values.chunks_exact(grey.columns).step_by(2).flat_map(line).collect();

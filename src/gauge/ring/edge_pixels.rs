@@ -19,45 +19,51 @@ limits! {
 
 /// One pixel near an edge.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct EdgePixel {
+pub(in crate::gauge) struct EdgePixel {
     /// Grey value, counts; sign turned for a bright part, so that light is always the larger value.
-    pub(super) value: f64,
+    pub(in crate::gauge) value: f64,
     /// Distance from the circle towards the light, px.
-    pub(super) distance: f64,
+    pub(in crate::gauge) distance: f64,
     /// Direction of the radius.
-    pub(super) cos: f64,
+    pub(in crate::gauge) cos: f64,
     /// Direction of the radius.
-    pub(super) sin: f64,
-    /// Distance from the centre over the circle's radius.
-    pub(super) reach: f64,
+    pub(in crate::gauge) sin: f64,
+    /// Place from the band's origin in units of its size, along the columns.
+    pub(in crate::gauge) x: f64,
+    /// The same down the rows.
+    pub(in crate::gauge) y: f64,
 }
 
 /// The pixels of each caliper, by sector.
 #[derive(Clone, Debug)]
-pub(super) struct Band {
+pub(in crate::gauge) struct Band {
     /// Pixels of each sector.
-    pub(super) sectors: Vec<Vec<EdgePixel>>,
+    pub(in crate::gauge) sectors: Vec<Vec<EdgePixel>>,
     /// Whether the signs of the grey values are turned.
-    turned: bool,
+    pub(in crate::gauge) turned: bool,
+    /// Place that the pixels' count from.
+    pub(in crate::gauge) origin: DVec2,
+    /// Their unit, px.
+    pub(in crate::gauge) unit_px: f64,
 }
 
 /// Geometry of a band.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BandOrder {
+pub(in crate::gauge) struct BandOrder {
     /// The circle it follows.
-    pub(super) circle: Circle,
+    pub(in crate::gauge) circle: Circle,
     /// Light lies outside (outer edge) or inside (inner edge).
-    pub(super) light_outside: bool,
+    pub(in crate::gauge) light_outside: bool,
     /// Half width towards the light and towards the shadow, px.
-    pub(super) half: f64,
+    pub(in crate::gauge) half: f64,
     /// Number of sectors.
-    pub(super) sectors: usize,
+    pub(in crate::gauge) sectors: usize,
     /// Part brighter than its surroundings.
-    pub(super) bright_on_dark: bool,
+    pub(in crate::gauge) bright_on_dark: bool,
 }
 
 /// Collects the pixels whose centres lie within the band, row by row.
-pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
+pub(in crate::gauge) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
     let Circle { centre, radius } = order.circle;
     let side = if order.light_outside { 1.0 } else { -1.0 };
     let (outer, inner) = (radius + order.half, (radius - order.half).max(0.0));
@@ -79,33 +85,39 @@ pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
                 }
                 let turn = arm.y.atan2(arm.x).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
                 let sector = ((turn * order.sectors as f64) as usize).min(order.sectors - 1);
+                let (cos, sin, reach) = (arm.x / r, arm.y / r, r / radius);
                 sectors[sector].push(EdgePixel {
                     value: sign * f64::from(value),
                     distance: side * (r - radius),
-                    cos: arm.x / r,
-                    sin: arm.y / r,
-                    reach: r / radius,
+                    cos,
+                    sin,
+                    x: reach * cos,
+                    y: reach * sin,
                 });
             }
         }
     }
-    Band { sectors, turned: order.bright_on_dark }
+    Band { sectors, turned: order.bright_on_dark, origin: centre, unit_px: radius }
 }
 
 impl Band {
-    /// Divides the pixels by an uneven light; `dark` is the shadow's level, counts, and `circle`
-    /// the circle of the band.
-    pub(super) fn level(&mut self, field: &LightField, dark: f64, circle: &Circle) {
+    /// Where a pixel stands, px.
+    pub(in crate::gauge) fn place(&self, pixel: &EdgePixel) -> DVec2 {
+        self.origin + DVec2::new(pixel.x, pixel.y) * self.unit_px
+    }
+
+    /// Divides the pixels by an uneven light; `dark` is the shadow's level, counts.
+    pub(in crate::gauge) fn level(&mut self, field: &LightField, dark: f64) {
+        let (origin, unit) = (self.origin, self.unit_px);
         for pixel in self.sectors.iter_mut().flatten() {
-            let arm = pixel.reach * circle.radius;
-            let light = field.relative(circle.centre.x + arm * pixel.cos, circle.centre.y + arm * pixel.sin);
+            let light = field.relative(origin.x + unit * pixel.x, origin.y + unit * pixel.y);
             pixel.value = dark + (pixel.value - dark) / light;
         }
     }
 
     /// Where the band's grey values are clipped, if they are; `flank` is the noise at mid-edge,
     /// counts, and `whole` whether grey values are whole counts.
-    pub(super) fn ends(&self, flank: f64, whole: bool) -> Option<Ends> {
+    pub(in crate::gauge) fn ends(&self, flank: f64, whole: bool) -> Option<Ends> {
         let limits = BandLimits::get();
         let reach = self.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
         let flat = |level: Level, p: &&EdgePixel| f64::from(level.sign()) * p.distance > limits.flat * reach;

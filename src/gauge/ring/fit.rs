@@ -57,45 +57,51 @@ const POOLED: usize = 7;
 /// The same and the amplitudes of the shape terms.
 const SHAPED: usize = POOLED + TERMS;
 const SIGMA: usize = 6;
+/// Most parameters that calipers share.
+pub(in crate::gauge) const SHARED: usize = SHAPED;
 type Vector<const P: usize> = SVector<f64, P>;
 type Matrix<const P: usize> = SMatrix<f64, P, P>;
 
 /// One caliper's result.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Caliper {
+pub(in crate::gauge) struct Caliper {
     /// Shift of the edge towards the light, px.
-    pub(super) shift: f64,
+    pub(in crate::gauge) shift: f64,
     /// Its standard uncertainty from noise, levels and blur, px.
-    pub(super) u_shift: f64,
+    pub(in crate::gauge) u_shift: f64,
+    /// The part of it that no other caliper shares, px.
+    pub(in crate::gauge) u_own: f64,
+    /// The part that all share, px: the covariance of two calipers is the product of their rows.
+    pub(in crate::gauge) shared: [f64; SHARED],
     /// Σ(residual/σ_n)² over its pixels − 1.
-    pub(super) reduced_chi2: f64,
+    pub(in crate::gauge) reduced_chi2: f64,
     /// Whether it is usable.
-    pub(super) good: bool,
+    pub(in crate::gauge) good: bool,
     /// Where the grey values of a caliper that is refused cross the middle of the levels, px
     /// towards the light: the outline of a burr, which no model of one edge fits. `None` where they
     /// do not, and for a good caliper.
-    pub(super) crossing: Option<f64>,
+    pub(in crate::gauge) crossing: Option<f64>,
 }
 
 /// A fitted edge.
 #[derive(Clone, Debug)]
-pub(super) struct EdgeFit {
+pub(in crate::gauge) struct EdgeFit {
     /// One a sector.
-    pub(super) calipers: Vec<Caliper>,
+    pub(in crate::gauge) calipers: Vec<Caliper>,
     /// Blur, px.
-    pub(super) sigma: f64,
+    pub(in crate::gauge) sigma: f64,
     /// Mean levels of shadow and light, counts; the light's may lie above full scale, where it is
     /// clipped.
-    pub(super) levels: (f64, f64),
+    pub(in crate::gauge) levels: (f64, f64),
     /// Standard uncertainty of the mean shift, pooled parameters free, px.
-    pub(super) u_mean: f64,
+    pub(in crate::gauge) u_mean: f64,
     /// Standard deviation of the residuals at mid-edge, counts.
-    pub(super) noise: f64,
+    pub(in crate::gauge) noise: f64,
 }
 
 impl EdgeFit {
     /// Mean shift of the good calipers, px.
-    pub(super) fn mean_shift(&self) -> f64 {
+    pub(in crate::gauge) fn mean_shift(&self) -> f64 {
         let good = || self.calipers.iter().filter(|c| c.good);
         good().map(|c| c.shift).sum::<f64>() / good().count().max(1) as f64
     }
@@ -166,7 +172,7 @@ fn model<const P: usize>(
     separated: Option<&ShapeTerms>,
 ) -> (f64, Vector<P>, f64, f64) {
     let mut e = square_edge(pixel.distance - shift, pixel.cos, pixel.sin, p[SIGMA]);
-    let (x, y) = (pixel.reach * pixel.cos, pixel.reach * pixel.sin);
+    let (x, y) = (pixel.x, pixel.y);
     let dark = p[0] + p[1] * x + p[2] * y;
     let contrast = p[3] + p[4] * x + p[5] * y;
     let mut by_pooled = Vector::<P>::zeros();
@@ -426,8 +432,7 @@ impl<const P: usize> State<P> {
         let mut bins = vec![(0.0, 0.0, 0.0_f64); (2.0 * reach / limits.crossing_step_px) as usize + 1];
         for pixel in pixels {
             let p = &self.pooled;
-            let middle =
-                p[0] + 0.5 * p[3] + (p[1] + 0.5 * p[4]) * pixel.cos + (p[2] + 0.5 * p[5]) * pixel.sin;
+            let middle = p[0] + 0.5 * p[3] + (p[1] + 0.5 * p[4]) * pixel.x + (p[2] + 0.5 * p[5]) * pixel.y;
             let bin = &mut bins[((pixel.distance + reach) / limits.crossing_step_px) as usize];
             *bin = (bin.0 + pixel.distance, bin.1 + pixel.value - middle, bin.2 + 1.0);
         }
@@ -449,7 +454,7 @@ fn departures(sectors: &[SectorFit]) -> Vec<f64> {
 
 /// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0; `ends`
 /// where grey values are clipped. `Err` is the reason of a failure.
-pub(super) fn fit_edge(
+pub(in crate::gauge) fn fit_edge(
     band: &Band,
     least_variance: f64,
     outlier_sigmas: f64,
@@ -526,14 +531,18 @@ fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
     }
     state.add_priors(&mut normal, &mut Vector::<P>::zeros());
     let covariance: Matrix<P> = normal.try_inverse()?;
+    let root = covariance.cholesky()?.l();
     let calipers = sums
         .iter()
         .zip(&state.sectors)
         .zip(&band.sectors)
         .map(|((s, at), pixels)| {
             let pooled = s.cross / s.own.max(f64::MIN_POSITIVE);
+            let row = root.transpose() * pooled;
             Caliper {
                 shift: at.shift,
+                u_own: s.own.recip().sqrt(),
+                shared: std::array::from_fn(|k| if k < P { row[k] } else { 0.0 }),
                 u_shift: (s.own.recip() + pooled.dot(&(covariance * pooled))).sqrt(),
                 reduced_chi2: s.chi2 / (s.pixels - 1.0).max(1.0),
                 good: at.good,

@@ -99,7 +99,7 @@ impl Side<'_> {
             let mut band = collect(self.view, &order);
             if let (Some((field, dark)), None) = (field, &ends) {
                 raw = Some(band.clone());
-                band.level(field, *dark, &circle);
+                band.level(field, *dark);
             }
             let fitted = |ends| fit_edge(&band, least_variance, self.settings.outlier_sigmas, ends);
             let mut fit = fitted(ends);
@@ -147,15 +147,15 @@ impl Side<'_> {
             sectors: 1,
             bright_on_dark: self.settings.bright_on_dark,
         };
-        let pixels = collect(self.view, &order).sectors.pop()?;
+        let mut band = collect(self.view, &order);
+        let pixels = band.sectors.pop()?;
         let in_shadow = |p: &&EdgePixel| (-self.half..-band_limits.flat * self.half).contains(&p.distance);
         let dark = median_of(pixels.iter().filter(in_shadow).map(|p| p.value).collect());
         let lit = pixels.iter().filter(|p| p.distance > self.half);
         let lit = lit
-            .map(|p| Lit {
-                x: circle.centre.x + p.reach * circle.radius * p.cos,
-                y: circle.centre.y + p.reach * circle.radius * p.sin,
-                contrast: p.value - dark,
+            .map(|p| {
+                let at = band.place(p);
+                Lit { x: at.x, y: at.y, contrast: p.value - dark }
             })
             .collect();
         Some(SeenLight { lit, dark })

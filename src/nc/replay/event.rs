@@ -36,8 +36,30 @@ pub(crate) enum Deed {
         /// Angle at which the spindle is held, degrees.
         angle_deg: Option<f64>,
     },
+    /// The gauge head is triggered.
+    Trigger(Trigger),
     /// The program stops with an alarm.
     Alarm(String),
+}
+
+/// A trigger of the gauge head.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Trigger {
+    /// Where the programmed point stands.
+    pub at: Point,
+    /// Number of the stop that the program has counted.
+    pub stop: u32,
+    /// What the spindle does.
+    pub spindle: SpindleState,
+}
+
+/// What the spindle does while a frame is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum SpindleState {
+    /// Held at an angle, degrees.
+    Held(f64),
+    /// Turning at a constant speed, 1/min.
+    Turning(f64),
 }
 
 /// An action and the line that performs it, from 1.

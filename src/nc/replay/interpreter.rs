@@ -1,19 +1,21 @@
 //! Runs a program block by block, as its control would, and lists the events.
 //!
 //! The subset of G code that this crate emits, in the ISO dialects (`sinumerik` reads the other):
-//! G00 to G03 G07 G08 (LinuxCNC) G10 G18 G21 G28 G40 to G43 G49 G50 G65 H99 G80 G90 G95 G96 G97
-//! G99, probing by G31 or G38.2 with G94 or G98, M02-M06 M30 and one M code that measures, T, `#`
-//! variables, IF THEN, IF GOTO, WHILE DO END, and LinuxCNC's `o` words. Everything else is refused:
-//! a code without an implementation here cannot be shown to be safe. Positions are those of the
-//! programmed point of the nose, with the wear offset in force (X a diameter).
+//! G00 to G04 G07 G08 (LinuxCNC) G10 G18 G21 G28 G40 to G43 G49 G50 G65 H99 G80 G90 G95 G96 G97
+//! G99, probing by G31 or G38.2 with G94 or G98, M02-M06 M30, one M code that measures and those of
+//! a scan, T, `#` variables, IF THEN, IF GOTO, WHILE DO END, and LinuxCNC's `o` words. Everything
+//! else is refused: a code without an implementation here cannot be shown to be safe. Positions are
+//! those of the programmed point of the nose, with the wear offset in force (X a diameter).
 
 use super::event::{Deed, Event, Fault, Point};
 use super::expression::{Reader, Variables};
 use super::flow::{Program, leading, o_word};
 use super::nose::Nose;
+use super::scan_state::ScanState;
 use super::surface::Surface;
 use crate::nc::dialect::Dialect;
 use crate::nc::machine::{GeometryOffset, WearX};
+use crate::nc::scan_settings::MCode;
 use crate::nc::settings::NcSettings;
 
 /// Most blocks of a run; a longer one is refused as an endless loop.
@@ -59,6 +61,8 @@ pub(super) struct Modal {
     pub(super) tool_called: bool,
     /// Text of the last message of a SINUMERIK program.
     pub(super) message: Option<String>,
+    /// What a scan has switched.
+    pub(super) scan: ScanState,
 }
 
 /// How positions are interpreted, as far as the program has set it.
@@ -326,6 +330,7 @@ impl<'a> Interpreter<'a> {
         self.tool(line, words)?;
         if let Some(speed) = words.get('S') {
             self.modal.speed |= speed > 0.0 && !words.g.contains(&50.0);
+            self.modal.scan.speed_per_min = words.g.contains(&97.0).then_some(speed);
         }
         let orients = |m: &u32| self.control.settings.spindle_orientation.is_some_and(|o| o.m_code == *m);
         let is_radius = matches!(self.modal.motion, Some(Motion::Arc { .. })) || words.g.contains(&10.0);
@@ -334,7 +339,10 @@ impl<'a> Interpreter<'a> {
         }
         let mut end = false;
         for &m in &words.m {
-            end |= !self.holds_spindle(m, words)? && self.miscellaneous(line, m)?;
+            let code = MCode { m, p: words.get('P').map(|p| p as u32) };
+            end |= !self.holds_spindle(m, words)?
+                && !self.switches(line, code)?
+                && self.miscellaneous(line, m)?;
         }
         if words.g.iter().any(|g| [31.0, 38.2].contains(g)) {
             return self.probing_move(line, words);
@@ -353,6 +361,7 @@ impl<'a> Interpreter<'a> {
             (0, _) => self.modal.motion = Some(Motion::Rapid),
             (10, _) => self.modal.motion = Some(Motion::Feed),
             (20 | 30, _) => self.modal.motion = Some(Motion::Arc { clockwise: code == 20 }),
+            (40, _) => self.pause(words)?,
             (70, true) => self.modal.positions.x_unit = Some(1.0),
             (80, true) => self.modal.positions.x_unit = Some(2.0),
             (100, false) if words.get('R').is_some() => self.write_nose(words)?,
@@ -360,7 +369,10 @@ impl<'a> Interpreter<'a> {
             (310, false) | (382, true) => {}
             (180, _) => self.modal.positions.plane = true,
             (210, _) => self.modal.positions.millimetres = true,
-            (280, false) => self.go_to_reference(line, words)?,
+            (280, false) => {
+                self.may_leave()?;
+                self.go_to_reference(line, words)?;
+            }
             (400, _) => {
                 self.modal.positions.no_nose_compensation = true;
                 self.set_compensation(code, words)?;
@@ -452,6 +464,7 @@ impl<'a> Interpreter<'a> {
     pub(super) fn go(&mut self, line: usize, to: Point, rapid: bool) {
         let from = std::mem::replace(&mut self.at, to);
         if from != to {
+            self.modal.scan.moves();
             self.happens(line, Deed::Move { from, to, rapid });
         }
     }
@@ -491,6 +504,7 @@ impl<'a> Interpreter<'a> {
                     return Err("the spindle starts without a speed".into());
                 }
                 self.modal.spindle = Some(m);
+                self.modal.scan.moves();
             }
             5 => self.modal.spindle = None,
             6 if self.control.dialect == Dialect::Linuxcnc => {
@@ -517,6 +531,7 @@ impl<'a> Interpreter<'a> {
         if words.get('X').or(words.get('Z')).is_none() {
             return Ok(());
         }
+        self.may_leave()?;
         let unit = self.x_unit()?;
         let motion = self.modal.motion.ok_or("a position without G00 to G03")?;
         if motion != Motion::Rapid {

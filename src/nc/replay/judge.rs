@@ -1,5 +1,6 @@
 //! Checks the events of a program against the list in [`super`].
 
+use super::commanded_scan::CommandedScan;
 use super::convex::Convex;
 use super::event::{Deed, Event, Point};
 use super::finished::FinishedSolid;
@@ -68,6 +69,10 @@ pub(crate) struct WorkingSpace<'a> {
     pub cut: CommandedCut,
     /// Where the tip can travel.
     pub travel: Option<Travel>,
+    /// Outlines of the gauge head about the axis at the programmed Z; none where it is parked.
+    pub head: Vec<Convex>,
+    /// The scan that is commanded.
+    pub scan: Option<CommandedScan>,
     /// Variables left by an earlier run: they must not stop the program.
     pub variables: Vec<(u32, f64)>,
 }
@@ -128,6 +133,9 @@ fn from(text: &str, working_space: &WorkingSpace<'_>, starts: &[(Point, bool)]) 
         if first.is_none() {
             let last = text.lines().count();
             working_space.covers(&events).map_err(|what| refused((last, what)))?;
+            if let Some(scan) = &working_space.scan {
+                scan.covered(&events).map_err(&refused)?;
+            }
             first = Some(events);
         }
     }
@@ -201,7 +209,25 @@ impl WorkingSpace<'_> {
     fn is_clear(&self, tool: &[Convex], at: Point) -> bool {
         let by = (at.z, 0.5 * at.x);
         let free = |shape: &Convex| !tool.iter().any(|t| t.moved(by).meets(shape));
-        self.solids.iter().chain(&self.stock).all(|s| free(&s.shape))
+        let head_is_clear = self.head_touches(at.z, at.z).is_none();
+        head_is_clear && self.solids.iter().chain(&self.stock).all(|s| free(&s.shape))
+    }
+
+    /// What the gauge head touches on the way of the carriage from one Z to another; it does not
+    /// move along X.
+    fn head_touches(&self, from_z: f64, to_z: f64) -> Option<&'static str> {
+        let swept: Vec<Convex> = self.head.iter().map(|h| h.swept((from_z, 0.0), (to_z, 0.0))).collect();
+        let meets = |shape: &Convex| swept.iter().any(|h| h.meets(shape));
+        let solids = || self.solids.iter().chain(&self.stock);
+        let touched = solids().find(|s| meets(&s.shape)).map(|s| s.what);
+        touched.or_else(|| self.kept_clear.iter().any(meets).then_some("clearance of the stock"))
+    }
+
+    fn judge_head(&self, from: Point, to: Point) -> Result<(), String> {
+        match self.head_touches(from.z, to.z) {
+            None => Ok(()),
+            Some(what) => Err(format!("the gauge head touches the {what} {}", way(from, to))),
+        }
     }
 
     fn judge(&self, events: &[Event]) -> Result<(), (usize, String)> {
@@ -216,11 +242,13 @@ impl WorkingSpace<'_> {
                 }
                 Deed::Move { from, to, rapid } => {
                     let tool = if event.with_probe { &self.probe } else { &self.tool };
-                    self.judge_move(tool, *from, *to, *rapid)
+                    self.judge_head(*from, *to).and_then(|()| self.judge_move(tool, *from, *to, *rapid))
                 }
                 Deed::Probe { from, target, .. } => self.judge_probing(*from, *target),
                 Deed::ToolChange(at) => self.only_at_change("the tool is changed", *at),
                 Deed::Measure(at) => self.only_at_change("the part is measured", *at),
+                Deed::Trigger(_) if self.scan.is_some() => Ok(()),
+                Deed::Trigger(_) => Err("the gauge head is triggered in a program that scans nothing".into()),
                 Deed::Alarm(text) => Err(format!("the replay ends with the alarm {text}")),
             };
             judged.map_err(|what| (event.block, what))?;

@@ -13,9 +13,13 @@
 //! - the probe goes down to the part in probing moves alone, radially and with the spindle standing
 //!   still, and neither its ball nor its body touches anything else, even where no touch stops it,
 //! - no feed cuts below the commanded diameter (contours are judged by what they leave instead),
-//! - feeds at the commanded diameter cover the part from the stated end of the cut to its end face.
+//! - feeds at the commanded diameter cover the part from the stated end of the cut to its end face,
+//! - the gauge head is triggered at the planned places alone, each once and in order, with the tool
+//!   retracted, coolant and air off, the shutter open, carriage and spindle at rest; it
+//!   passes over the part and touches nothing on the way.
 
 mod arcs;
+mod commanded_scan;
 mod convex;
 mod event;
 mod expression;
@@ -25,14 +29,17 @@ mod interpreter;
 mod judge;
 mod nose;
 mod run;
+mod scan;
+mod scan_state;
 mod sinumerik;
 mod surface;
 mod touch;
 
+pub(crate) use commanded_scan::{CommandedScan, CommandedStop};
 pub(crate) use convex::Convex;
 #[cfg(test)]
 pub(crate) use event::Event;
-pub(crate) use event::{Deed, Point};
+pub(crate) use event::{Deed, Point, SpindleState};
 pub(crate) use finished::FinishedSolid;
 #[cfg(test)]
 pub(crate) use interpreter::Control;
@@ -40,4 +47,5 @@ pub(crate) use judge::{CommandedCut, Solid, WorkingSpace, check, check_once, mus
 pub(crate) use run::run;
 #[cfg(test)]
 pub(crate) use run::variables;
+pub(in crate::nc) use scan_state::frames_s;
 pub(crate) use surface::Surface;

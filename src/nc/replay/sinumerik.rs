@@ -1,7 +1,7 @@
-//! Blocks of SINUMERIK programs, as far as this crate emits them: G00 G01 G18 G40 G54 G75 G90 G94
-//! G95 G96 G97 G710, DIAMON, `X=` and `Z=`, F, S, `LIMS=`, T with D, M02-M05 M30 and one M code
-//! that measures, R parameters, MSG, STOPRE, M0, `IF … GOTOF`, GOTOB and labels. Everything else is
-//! refused.
+//! Blocks of SINUMERIK programs, as far as this crate emits them: G00 G01 G4 G18 G40 G54 G75 G90
+//! G94 G95 G96 G97 G710, DIAMON, `X=` and `Z=`, F, S, `LIMS=`, `SPOS=`, T with D, M02-M05 M30, one
+//! M code that measures and those of a scan, R parameters and their sums, MSG, STOPRE, M0, `IF …
+//! GOTOF`, GOTOB and labels. Everything else is refused.
 //!
 //! `M0` after a message is an alarm: the programs loop about it. An R parameter may be read or
 //! written only in a block after `STOPRE`: blocks are prepared ahead of the motion, so that without
@@ -9,7 +9,8 @@
 
 use super::event::{Deed, Point};
 use super::interpreter::{Interpreter, Motion, Next, Words};
-use crate::nc::sinumerik::{RAN_LAST, RAN_LAST_R};
+use crate::nc::scan_settings::MCode;
+use crate::nc::sinumerik::{RAN_LAST, RAN_LAST_R, STOP, STOP_R};
 
 /// A comparison and its sign.
 type Comparison = (&'static str, fn(f64, f64) -> bool);
@@ -33,6 +34,9 @@ struct Others {
     edge: Option<f64>,
     tool: Option<f64>,
     g75: bool,
+    pauses: bool,
+    constant_speed: bool,
+    spindle_deg: Option<f64>,
 }
 
 fn parsed(text: &str) -> Result<f64, String> {
@@ -102,6 +106,9 @@ impl Interpreter<'_> {
     /// A number or an R parameter.
     fn r_value(&self, text: &str) -> Result<f64, String> {
         let text = text.trim();
+        if let Some((left, right)) = text.split_once('+').filter(|_| text.starts_with('R')) {
+            return Ok(self.r_value(left)? + self.r_value(right)?);
+        }
         let Some(digits) = text.strip_prefix('R') else { return parsed(text) };
         let number: u32 = digits.parse().map_err(|_| format!("{text:?} is no R parameter"))?;
         let value = self.variables.get(&of_r(number)).copied();
@@ -119,16 +126,27 @@ impl Interpreter<'_> {
         if others.fixed_point.is_some() || others.machine_axes != (false, false) {
             return Err("FP=, X1= and Z1= are understood with G75 alone".into());
         }
+        if others.pauses {
+            let seconds = words.get('F').filter(|f| *f >= 0.0 && text.split_whitespace().count() == 2);
+            self.modal.scan.pauses(seconds.ok_or("G4 is understood with F (seconds) alone")?);
+            return Ok(Next::Line);
+        }
+        self.spindle_position(&others)?;
         self.called(line, &others)?;
         if let Some(feed) = words.get('F') {
             self.modal.feed = Some(feed);
         }
         if let Some(speed) = words.get('S') {
-            self.modal.speed |= speed > 0.0 && others.speed_limit.is_some_and(|limit| limit > 0.0);
+            let limited = others.constant_speed || others.speed_limit.is_some_and(|limit| limit > 0.0);
+            self.modal.speed |= speed > 0.0 && limited;
+            self.modal.scan.speed_per_min = others.constant_speed.then_some(speed);
         }
         let mut end = false;
         for m in std::mem::take(&mut words.m) {
-            end |= self.miscellaneous(line, m)?;
+            if [3, 4, 5].contains(&m) {
+                self.modal.oriented_deg = None;
+            }
+            end |= !self.switches(line, MCode { m, p: None })? && self.miscellaneous(line, m)?;
         }
         self.travel(line, &words)?;
         Ok(if end { Next::End } else { Next::Line })
@@ -151,6 +169,7 @@ impl Interpreter<'_> {
                 }
                 "FP" => others.fixed_point = Some(value),
                 "LIMS" => others.speed_limit = Some(value),
+                "SPOS" => others.spindle_deg = Some(value),
                 "X1" => others.machine_axes.0 = true,
                 "Z1" => others.machine_axes.1 = true,
                 _ => return Err(format!("{word} is not understood")),
@@ -180,7 +199,9 @@ impl Interpreter<'_> {
             1 => self.modal.motion = Some(Motion::Feed),
             18 => positions.plane = true,
             40 => positions.no_nose_compensation = true,
-            54 | 96 | 97 => {}
+            4 => others.pauses = true,
+            54 | 96 => {}
+            97 => others.constant_speed = true,
             75 => others.g75 = true,
             90 => positions.absolute = true,
             94 => self.feed_mode(false),
@@ -188,6 +209,21 @@ impl Interpreter<'_> {
             710 => positions.millimetres = true,
             _ => return Err(format!("G{code} is not understood")),
         }
+        Ok(())
+    }
+
+    /// `SPOS=30`: the spindle turns to an angle and is held there.
+    fn spindle_position(&mut self, others: &Others) -> Result<(), String> {
+        let Some(angle) = others.spindle_deg else { return Ok(()) };
+        if self.modal.spindle.is_some() {
+            return Err("the spindle is turned to an angle while it runs".into());
+        }
+        if !(0.0..360.0).contains(&angle) {
+            return Err("SPOS needs an angle of 0 to below 360 degrees".into());
+        }
+        self.may_leave()?;
+        self.modal.scan.moves();
+        self.modal.oriented_deg = Some(angle);
         Ok(())
     }
 
@@ -203,6 +239,7 @@ impl Interpreter<'_> {
             }
             _ => return Err("G75 is understood with FP=1 and one of X1=0 and Z1=0 alone".into()),
         };
+        self.may_leave()?;
         self.go(line, to, true);
         Ok(())
     }
@@ -226,7 +263,11 @@ impl Interpreter<'_> {
 
 /// Number of the variable that an R parameter stands for.
 fn of_r(number: u32) -> u32 {
-    if number == RAN_LAST_R { RAN_LAST } else { number }
+    match number {
+        RAN_LAST_R => RAN_LAST,
+        STOP_R => STOP,
+        other => other,
+    }
 }
 
 /// Number and value of `R98=201`.

@@ -10,6 +10,8 @@ impl Interpreter<'_> {
         if self.modal.spindle.is_some() {
             return Err("the spindle is turned to an angle while it runs".into());
         }
+        self.may_leave()?;
+        self.modal.scan.moves();
         let angle = words.get('R').filter(|r| (0.0..360.0).contains(r));
         let waits = self.control.dialect != Dialect::Linuxcnc || words.get('Q').is_some_and(|q| q > 0.0);
         match angle {

@@ -147,6 +147,17 @@ pub(super) fn field_light(params: &Params, row: u32, column: u32) -> f32 {
     lens * (1.0 + params.field.polynomial[2] * u + params.field.polynomial[3] * v - params.field.sag * r2)
 }
 
+/// Counts of a pixel whose light is known, with the sensor's noise and pattern.
+pub(crate) fn counts_of(params: &Params, light: f32, row: u32, column: u32) -> f32 {
+    let mean = params.signal.shadow + params.signal.contrast * light;
+    let z = standard_normal(hash(row_key(params.keys.noise, row), column));
+    let counts = sample(noise_polynomial(params, mean), z);
+    if params.pixels.pattern == 0 {
+        return counts;
+    }
+    counts + fixed_pattern(params, mean, row_key(params.keys.pattern, row), column)
+}
+
 /// Conversion of counts to pixels of a container.
 pub(crate) trait Pixel: Copy + Send + Sync + Default {
     /// One pixel from unquantised counts.

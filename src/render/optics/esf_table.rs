@@ -468,6 +468,16 @@ impl Family<'_> {
     }
 }
 
+/// The edge-spread function of a thin edge in the plane of focus, on an object whose pixels measure
+/// `pixel_um`.
+///
+/// # Errors
+/// Families whose values are out of range.
+pub(crate) fn knife_edge(esf: &Esf, pixel_um: f64) -> Result<EdgeSpread, RenderError> {
+    let (_, mut tables) = Family { esf, na: 0.0, pixel_um }.over_focus(0.0)?;
+    Ok(tables.remove(0))
+}
+
 /// A laser's shadow scales with the root of the distance to the sensor.
 fn nears(laser: &LaserShadow, depth_mm: f64) -> Result<Focus, RenderError> {
     if depth_mm < 0.5 * laser.distance_mm {

@@ -184,7 +184,6 @@ impl EdgeSpread {
     }
 
     /// ∬F from the shadow to `d_um`, µm².
-    #[cfg(test)]
     pub(crate) fn second_integral(&self, d_um: f64) -> f64 {
         match self.place(d_um) {
             Place::Shadow => 0.0,
@@ -203,7 +202,6 @@ impl EdgeSpread {
 
     /// Light on a square pixel of side `pixel_um` whose centre lies `d_um` into the light, measured
     /// across an edge that makes the angle `slope_rad` with the pixel's rows. Exact for the table.
-    #[cfg(test)]
     pub(crate) fn over_pixel(&self, d_um: f64, pixel_um: f64, slope_rad: f64) -> f64 {
         let (sin, cos) = slope_rad.sin_cos();
         let (x, y) = (0.5 * pixel_um * cos.abs(), 0.5 * pixel_um * sin.abs());

@@ -1,0 +1,262 @@
+//! `shadowgauge tool nose`: back-lit images of an insert to its edges, nose and support.
+
+use std::path::{Path, PathBuf};
+
+use super::overlay::overlay;
+use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::input_output::{ConfigText, json_text};
+use crate::files::OutputFile;
+use crate::frame::Frame;
+use crate::gauge::Calibration;
+use crate::gauge::nose::{
+    BaselineNose, ExpectedNose, NoseMeasurement, NoseSettings, Reference, Wear, measure_nose, wear,
+};
+use crate::measurement::nose::{NoseDocument, NoseImage, read_baseline};
+use crate::nose::ToolGeometry;
+use crate::source::{Channel, FileFrames, listing};
+use crate::tool::ToolFile;
+
+/// Arguments of `tool nose`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct NoseArgs {
+    /// Back-lit images of one insert, or folders of them.
+    #[arg(required = true, value_name = "IMAGE")]
+    images: Vec<PathBuf>,
+    /// Scale, µm per px in the plane of the insert.
+    #[arg(long, value_name = "S", value_parser = scale, required_unless_present = "calibration", conflicts_with = "calibration")]
+    um_per_px: Option<f64>,
+    /// Calibration file (`calibrate`): its scale and edge offset with their uncertainty. Its lens'
+    /// distortion is not applied.
+    #[arg(long, value_name = "FILE")]
+    calibration: Option<PathBuf>,
+    /// The same insert new, in the same holder and camera: an image, or the JSON document of one.
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// A TOML file with the tool (`schema tool`): nominal radius and angles, which are checked.
+    #[arg(long, value_name = "FILE")]
+    tool: Option<PathBuf>,
+    /// Channel of colour images; green has half of a Bayer sensor's pixels.
+    #[arg(long, default_value = "g")]
+    channel: Channel,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+    /// Write the JSON document to this file, for `tool compensate --nose` and --baseline.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Draw what was measured over the image; for one image.
+    #[arg(long, value_name = "FILE.png")]
+    overlay: Option<PathBuf>,
+}
+
+fn scale(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|s| *s > 0.0 && s.is_finite());
+    value.ok_or_else(|| "a scale above 0 is needed, µm per px, for instance 2.415".to_owned())
+}
+
+/// Images with their names.
+type Named = (String, Frame);
+
+/// What measures an image.
+struct Instrument {
+    settings: NoseSettings,
+    baseline: Option<BaselineNose>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Exit 2 for files that are refused, 3 for images that show no nose that can be measured.
+pub(crate) fn run(args: &NoseArgs) -> CommandResult {
+    let calibration = calibration(args)?;
+    let mut paths = Vec::new();
+    for input in &args.images {
+        paths.extend(listing(input).map_err(Failure::fail)?.images);
+    }
+    if args.overlay.is_some() && paths.len() != 1 {
+        return Err(Failure::refuse(format!("--overlay draws over one image, {} are given", paths.len())));
+    }
+    let inputs =
+        || args.images.iter().chain(&args.tool).chain(&args.baseline).chain(&args.calibration).cloned();
+    let out = args.out.as_deref().map(|p| OutputFile::claim(p, inputs())).transpose()?;
+    let drawn = args.overlay.as_deref().map(|p| OutputFile::claim(p, inputs())).transpose()?;
+    let um_per_px = 1e3 * calibration.scale_mm_per_px;
+    let instrument = Instrument::new(args, um_per_px)?;
+    let (mut document, mut refused, mut picture) = (NoseDocument::default(), Vec::new(), None);
+    for read in frames(paths, args.channel) {
+        let (name, frame) = read?;
+        match instrument.measure(&frame) {
+            Ok((measured, wear)) => {
+                let image = NoseImage::new(name, &measured, wear.as_ref(), &calibration);
+                if !args.json {
+                    print(&image);
+                }
+                document.images.push(image);
+                if drawn.is_some() {
+                    picture = Some(overlay(&frame.view(), &measured).map_err(Failure::fail)?);
+                }
+            }
+            Err(error) => refused.push(format!("{name}: {error}")),
+        }
+    }
+    let Some(error) = end(&refused, document.images.len()) else {
+        return write(args, &document, out, (drawn, picture));
+    };
+    if !document.images.is_empty() {
+        write(args, &document, out, (drawn, picture))?;
+    }
+    Err(Failure::fail(error))
+}
+
+/// The failure for images that were refused.
+fn end(refused: &[String], measured: usize) -> Option<String> {
+    match refused {
+        [] => None,
+        [only] if measured == 0 => Some(only.clone()),
+        [first, ..] => {
+            Some(format!("{} of {} images are refused: {first}", refused.len(), refused.len() + measured))
+        }
+    }
+}
+
+fn write(
+    args: &NoseArgs,
+    document: &NoseDocument,
+    out: Option<OutputFile>,
+    (drawn, picture): (Option<OutputFile>, Option<Vec<u8>>),
+) -> CommandResult {
+    let text = json_text(document)? + "\n";
+    if let Some(out) = out {
+        out.write(text.as_bytes())?;
+    }
+    if let (Some(drawn), Some(picture)) = (drawn, picture) {
+        drawn.write(&picture)?;
+    }
+    if args.json {
+        say!("{text}");
+    }
+    Ok(Outcome::Done)
+}
+
+fn calibration(args: &NoseArgs) -> Result<Calibration, Failure> {
+    let Some(path) = &args.calibration else {
+        return Ok(Calibration::from_scale(args.um_per_px.unwrap_or(1.0)));
+    };
+    let named = |e: &dyn std::fmt::Display| Failure::fail(format!("{}: {e}", path.display()));
+    let file = std::fs::File::open(path).map_err(|e| named(&e))?;
+    Calibration::read(std::io::BufReader::new(file)).map_err(|e| named(&e))
+}
+
+/// The images of files, one after another.
+fn frames(paths: Vec<PathBuf>, channel: Channel) -> impl Iterator<Item = Result<Named, Failure>> {
+    let mut source = FileFrames::new(paths).of_channel(Some(channel));
+    std::iter::from_fn(move || {
+        let read = source.next_stored()?;
+        Some(read.map_err(Failure::fail).map(|stored| {
+            stored.changed.iter().for_each(|note| tracing::warn!("{}: {note}", stored.stem));
+            (stored.stem, stored.frame)
+        }))
+    })
+}
+
+impl Instrument {
+    fn new(args: &NoseArgs, um_per_px: f64) -> Result<Self, Failure> {
+        let mut settings = NoseSettings { nominal_radius_px: None, um_per_px, expected: None };
+        if let Some(path) = &args.tool {
+            let text = ConfigText::read(path)?;
+            let file: ToolFile = text.parse()?;
+            let geometry = file.geometry().map_err(|e| text.refuse_at(e))?;
+            settings.nominal_radius_px = Some(1e3 * geometry.nose_radius_mm / um_per_px);
+            settings.expected = Some(expected(&file, &geometry));
+        }
+        let mut instrument = Self { settings, baseline: None };
+        if let Some(path) = &args.baseline {
+            let baseline = instrument.baseline(path, args.channel)?;
+            instrument.settings.nominal_radius_px = Some(baseline.nominal_radius_px);
+            instrument.baseline = Some(baseline);
+        }
+        Ok(instrument)
+    }
+
+    /// A baseline by its document, or by its image: its own radius is the nominal one.
+    fn baseline(&self, path: &Path, channel: Channel) -> Result<BaselineNose, Failure> {
+        let named = |e: &dyn std::fmt::Display| Failure::fail(format!("{}: {e}", path.display()));
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+            let text = std::fs::read_to_string(path).map_err(|e| named(&e))?;
+            return read_baseline(&text, self.settings.um_per_px).map_err(|e| named(&e));
+        }
+        let Some(read) = frames(vec![path.to_owned()], channel).next() else {
+            return Err(named(&"holds no image"));
+        };
+        let settings = NoseSettings { nominal_radius_px: None, ..self.settings };
+        let measured = measure_nose(&read?.1.view(), &settings).map_err(|e| named(&e))?;
+        if measured.reference != Reference::Fitted {
+            return Err(named(&"its nose is worn: a baseline is the insert when new"));
+        }
+        Ok(BaselineNose::from(&measured))
+    }
+
+    fn measure(&self, frame: &Frame) -> Result<(NoseMeasurement, Option<Wear>), String> {
+        let mut measured = measure_nose(&frame.view(), &self.settings).map_err(|e| e.to_string())?;
+        let Some(baseline) = &self.baseline else { return Ok((measured, None)) };
+        measured.reference = Reference::Baseline;
+        let found = wear(&measured, baseline).map_err(|e| e.to_string())?;
+        Ok((measured, Some(found)))
+    }
+}
+
+/// Where a tool's nose points in the picture: the nose reaches against the normals that it cuts.
+fn expected(file: &ToolFile, geometry: &ToolGeometry) -> ExpectedNose {
+    let whole = ToolGeometry { clearance_rad: 0.0, ..*geometry };
+    let (low, high) = whole.range_rad();
+    let direction = |a: f64| {
+        let (x, z) = (file.image.plus_x_deg.to_radians(), file.image.plus_z_deg.to_radians());
+        let (column, up) = (-a.cos() * x.cos() - a.sin() * z.cos(), -a.cos() * x.sin() - a.sin() * z.sin());
+        up.atan2(column).to_degrees().rem_euclid(360.0)
+    };
+    let (first, second) = (direction(low), direction(high));
+    let turned = (second - first).rem_euclid(360.0) > 180.0;
+    let normals_deg = if turned { [second, first] } else { [first, second] };
+    ExpectedNose { epsilon_deg: file.epsilon_r_deg, normals_deg, by: "tool's file" }
+}
+
+fn print(image: &NoseImage) {
+    let flags =
+        if image.flags.is_empty() { String::new() } else { format!(", flagged {}", image.flags.join(", ")) };
+    say_line!(
+        "{}: angle {:.4}° (u {:.4}°), centre column {:.3} row {:.3} px (u {:.3}), mean radius {:.3} px (u {:.3}) = {:.5} mm \
+         (u {:.5}){flags}",
+        image.image,
+        image.angle_deg,
+        image.u_angle_deg,
+        image.centre_px[0],
+        image.centre_px[1],
+        image.u_centre_px,
+        image.mean_radius_px,
+        image.u_mean_radius_px,
+        image.mean_radius_mm,
+        image.u_mean_radius_mm
+    );
+    if let Some(wear) = &image.wear {
+        say_line!(
+            "  worn by {:.2} µm in the mean, {:.2} µm at {:.1}° against the baseline",
+            wear.mean_um,
+            wear.largest_um,
+            wear.largest_deg
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_right_hand_tool_points_down_and_to_the_left() {
+        let file: ToolFile = toml::from_str(include_str!("../../../configs/tool/tool.toml")).unwrap();
+        let found = expected(&file, &file.geometry().unwrap());
+        // its edges' normals: −27° + 180° from +X (up) towards +Z (right), and 93°
+        assert!((found.normals_deg[0] - 177.0).abs() < 1e-9, "{found:?}");
+        assert!((found.normals_deg[1] - 297.0).abs() < 1e-9, "{found:?}");
+    }
+}

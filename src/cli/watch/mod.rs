@@ -1,0 +1,178 @@
+//! `shadowgauge watch`: a source watched live.
+//!
+//! In: a source of frames, a scale or calibration, a tolerance. Out: on a terminal one line of the
+//! present diameter that is written over again, on stdout a line a part, or with `--json` a line a
+//! frame and a line an event (`shown`); an alarm with its command (`on_alarm`); counts at the end.
+//! `session` takes the events of the source and measures; what is computed beside the measurement
+//! is in [`measurement::watch`](crate::measurement), where one more figure goes.
+
+mod on_alarm;
+mod session;
+mod shown;
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use self::on_alarm::OnAlarm;
+use self::session::{Ended, Session, SessionSettings};
+use self::shown::Shown;
+use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::measure::frames::{FrameArgs, FrameChecks, ScaleArgument, paths};
+use crate::cli::measure::input::{RawArgs, Reading, StreamSource, seconds};
+use crate::cli::measure::instrument_args::InstrumentArgs;
+use crate::cli::measure::{failure, positive_px};
+use crate::cli::process::interrupt;
+use crate::conformity::Tolerance;
+use crate::gauge::{Calibration, Gauge, GaugeSettings, Polarity};
+use crate::measurement::{MeasureSettings, Stream, edge_model};
+use crate::source::live::{Live, LiveSettings, LiveSource as _, Policy, Producer, StoredProducer};
+
+/// Frames that wait where every one is measured: some are decoded while one is measured.
+const WAITING: usize = 4;
+
+/// Arguments of `shadowgauge watch`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct WatchArgs {
+    /// Where frames come from: a folder that a camera drops images into, image files, `-` (images
+    /// or Y4M on stdin), FILE.y4m, `raw:-` or `raw:FILE` (with --raw), `sim:CONFIG.toml` (the
+    /// simulated head, at its camera's rate). Of a folder, stdin and the simulated head the newest
+    /// frame is measured and those before it are counted as left out; of files every frame.
+    #[arg(value_name = "SOURCE")]
+    source: PathBuf,
+    #[command(flatten)]
+    raw: RawArgs,
+    #[command(flatten)]
+    instrument: InstrumentArgs,
+    #[command(flatten)]
+    frames: FrameArgs,
+    /// Tolerance of the part as on its drawing: "25 h6", "Ø25 ±0.01", "24.987..25". A frame that is
+    /// proven outside raises the alarm, and so does a part that is not proven good.
+    #[arg(long, value_name = "T")]
+    tolerance: Option<Tolerance>,
+    /// Probability of conformity to both limits behind GO (ISO 14253-1).
+    #[arg(long, value_name = "P", default_value_t = 0.95)]
+    conformance_probability: f64,
+    /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of
+    /// focus, moving), with a warning.
+    #[arg(long)]
+    accept_blur: bool,
+    /// The shaft's axis stands upright in the images.
+    #[arg(long)]
+    vertical: bool,
+    /// The part is lit before a dark ground.
+    #[arg(long)]
+    bright_on_dark: bool,
+    /// Smallest shadow taken for a part, px across; anything smaller is dirt. 24 unless given.
+    #[arg(long, value_name = "PX", value_parser = positive_px)]
+    min_diameter_px: Option<f64>,
+    /// Prints JSON: a line a frame with the keys of `measure --json`, and a line an event (part,
+    /// gap, invalid, alarm, end) with the key `event`.
+    #[arg(long)]
+    json: bool,
+    /// Ends after S seconds without a frame.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    idle_s: Option<Duration>,
+    /// Time after which the last frame is no reading of now any more, s: it then reads invalid.
+    #[arg(long, value_name = "S", default_value = "1", value_parser = seconds)]
+    stale_s: Duration,
+    /// Runs this command of the shell once, when the alarm is raised; its cause is in
+    /// SHADOWGAUGE_ALARM. The alarm is no safety function.
+    #[arg(long, value_name = "CMD")]
+    on_alarm: Option<String>,
+    /// Threads that decode images (default: all cores).
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// A source, not yet started, with the policy that it is watched by.
+struct Watched {
+    producer: Box<dyn Producer>,
+    policy: Policy,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Exit 2 for arguments that are refused; 3 for a source that cannot be opened or that fails, and
+/// where no frame can be measured.
+pub(crate) fn run(args: &WatchArgs) -> CommandResult {
+    if args.instrument.scale() == Some(ScaleArgument::File) {
+        return Err(Failure::refuse(
+            "--um-per-px file takes the scale of the first file; of a source that is watched state it, for instance 17.4",
+        ));
+    }
+    let calibration = args.instrument.calibration(&args.frames, &[])?;
+    if args.tolerance.is_some() && calibration.is_none() {
+        return Err(Failure::refuse("--tolerance needs millimetres: give --calibration or --um-per-px"));
+    }
+    let stream = measuring(args, calibration.as_ref())?;
+    let watched = opened(args)?;
+    let stop = interrupt::requested();
+    let waiting = if watched.policy == Policy::Block { WAITING } else { 1 };
+    let settings = LiveSettings { policy: watched.policy, waiting, held: 1 };
+    let mut live = Live::new(watched.producer, settings).map_err(Failure::fail)?;
+    let checks = FrameChecks::new(&args.frames, calibration.as_ref(), args.instrument.scale());
+    let settings = SessionSettings { idle: args.idle_s, stale: args.stale_s, name: shown_name(args) };
+    let unit = if calibration.is_some() { "mm" } else { "px" };
+    let shown = Shown::new(args.json, args.tolerance.is_some(), unit);
+    let alarm = OnAlarm::new(args.on_alarm.clone());
+    let mut session = Session::new(stream, checks, shown, (settings, alarm));
+    let ended = session.watch(&mut live, &stop);
+    live.stop();
+    let is_alarmed = session.finish(&live.counters());
+    match ended {
+        Ended::Failed(why) | Ended::Unmeasured(why) => Err(Failure::fail(why)),
+        Ended::Done if is_alarmed => Ok(Outcome::OutOfTolerance),
+        Ended::Done => Ok(Outcome::Done),
+    }
+}
+
+fn shown_name(args: &WatchArgs) -> String {
+    match args.source.to_string_lossy().as_ref() {
+        "-" | "raw:-" => "stdin".to_owned(),
+        other => other.to_owned(),
+    }
+}
+
+/// What measures the frames.
+fn measuring(args: &WatchArgs, calibration: Option<&Calibration>) -> Result<Stream, Failure> {
+    let polarity = if args.bright_on_dark { Polarity::BrightOnDark } else { Polarity::DarkOnBright };
+    let esf = edge_model(None, calibration);
+    let mut settings = GaugeSettings { polarity, esf, ..GaugeSettings::default() };
+    settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
+    let gauge = Gauge::calibrated(settings, calibration).map_err(failure)?;
+    let conditions = args.instrument.conditions(calibration)?;
+    let settings = MeasureSettings {
+        vertical: args.vertical,
+        tolerance: args.tolerance,
+        conformance_probability: args.conformance_probability,
+        accept_blur: args.accept_blur,
+        ..MeasureSettings::default()
+    };
+    match calibration {
+        Some(calibration) => Stream::new(&gauge, calibration, &conditions, settings),
+        None => Stream::in_pixels(&gauge, settings),
+    }
+    .map_err(failure)
+}
+
+/// Opens the source. Files and pipes from files wait; what comes by itself does not.
+fn opened(args: &WatchArgs) -> Result<Watched, Failure> {
+    let all = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = args.threads.map_or_else(all, usize::from);
+    let read = Reading::new(args.frames.channel(), threads, true);
+    let Some(stream) = StreamSource::of(&args.source, &args.raw)? else {
+        return opened_path(&args.source, &read);
+    };
+    let policy = if stream.is_file() { Policy::Block } else { Policy::DropOldest };
+    Ok(Watched { producer: stream.producer(&read)?, policy })
+}
+
+fn opened_path(path: &Path, read: &Reading) -> Result<Watched, Failure> {
+    let (frames, policy) = if path.is_dir() {
+        (read.followed(path.to_owned(), None)?, Policy::DropOldest)
+    } else {
+        (read.files(paths(&[path.to_owned()])?, None)?, Policy::Block)
+    };
+    Ok(Watched { producer: Box::new(StoredProducer::new(frames)), policy })
+}

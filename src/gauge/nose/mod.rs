@@ -1,0 +1,35 @@
+//! The nose of a back-lit insert: a frame to both cutting edges, sectors, and the support function.
+//!
+//! A coarse search (`contour`, `corner`) finds the insert's silhouette and its nose: two straight
+//! edges that meet outside of it. Then every pixel of a band along both edges and the nose takes
+//! part in the ring's maximum-likelihood fit (`bands`, along the `path` found so far): levels, blur
+//! and noise pooled, the contour free in every sector. The edges' calipers give two lines with
+//! their covariance (`line`), these the centre at the nominal radius from both (`centre`), the
+//! nose's sectors its radii, and a penalised smooth of them the support of the convex hull with its
+//! covariance (`support`). `wear` compares with the same insert new.
+//!
+//! Places are (column, −row), px: as seen, directions count from the right counter-clockwise.
+//!
+//! In: a frame and [`NoseSettings`]. Out: [`NoseMeasurement`] (`result`) in px, or a
+//! [`NoseImageError`]. One more figure of a nose is a field of `result`, computed in `measurement`.
+
+mod bands;
+mod centre;
+mod contour;
+mod corner;
+mod error;
+pub(crate) mod limits;
+mod line;
+mod measurement;
+mod path;
+mod result;
+mod settings;
+mod support;
+mod wear;
+
+#[cfg(test)]
+pub(crate) use error::NoseImageError;
+pub(crate) use measurement::measure_nose;
+pub(crate) use result::{NoseMeasurement, NoseSector, Reference};
+pub(crate) use settings::{ExpectedNose, NoseSettings};
+pub(crate) use wear::{BaselineNose, Wear, wear};

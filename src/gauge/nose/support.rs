@@ -1,0 +1,160 @@
+//! The support of the nose's hull from its sectors, with its covariance.
+//!
+//! The sectors' departures from the nominal radius are smoothed by penalised least squares (second
+//! differences; E. T. Whittaker, Proc. Edinburgh Math. Soc. 41 (1923) 63), the weight of the
+//! penalty by generalised cross-validation (P. Craven, G. Wahba, Numer. Math. 31 (1979) 377). A
+//! hull over noise reaches too far: draws of the sectors' noise about the smooth contour give the
+//! bias, which is taken off, and the covariance.
+
+use glam::DVec2;
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng as _;
+use rand_distr::{Distribution as _, StandardNormal};
+
+use super::limits::NoseLimits;
+use super::line::product;
+use super::path::Path;
+use super::result::{NoseSector, SupportValue};
+use crate::gauge::ring::fit::SHARED;
+
+/// Noise of a sector's radius, px: its own, and what all calipers share.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SectorNoise {
+    /// Its own standard uncertainty.
+    pub(super) own: f64,
+    /// What it shares.
+    pub(super) shared: [f64; SHARED],
+}
+
+/// Support values and their covariance, px and px².
+pub(super) struct Support {
+    /// Values in even steps from one edge's normal to the other's.
+    pub(super) values: Vec<SupportValue>,
+    /// Their covariance.
+    pub(super) covariance: DMatrix<f64>,
+}
+
+/// The support about the path's centre.
+pub(super) fn support(path: &Path, sectors: &[NoseSector], noise: &[SectorNoise]) -> Option<Support> {
+    let limits = NoseLimits::get();
+    let departures =
+        DVector::from_iterator(sectors.len(), sectors.iter().map(|s| s.radius_px - path.nominal_px));
+    let weights = DVector::from_iterator(sectors.len(), sectors.iter().map(|s| s.u_px.powi(-2)));
+    let hat = smoother(&departures, &weights)?;
+    let smooth = &hat * &departures;
+    let hull = Hull::new(path);
+    let plain = hull.values(&smooth);
+    let mut random = rand_pcg::Pcg64::seed_from_u64(0);
+    let (m, draws) = (plain.len(), limits.draws);
+    let (mut sum, mut products) = (DVector::zeros(m), DMatrix::zeros(m, m));
+    for _ in 0..draws {
+        let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
+        let common: [f64; SHARED] = std::array::from_fn(|_| draw());
+        let drawn = noise.iter().map(|n| n.own * draw() + product(&n.shared, &common));
+        let drawn = DVector::from_iterator(noise.len(), drawn.collect::<Vec<f64>>());
+        let off = hull.values(&(&hat * (&smooth + drawn))) - &plain;
+        products += &off * off.transpose();
+        sum += off;
+    }
+    let bias = sum / draws as f64;
+    // of what is taken off for bias half stays uncertain: it is that of the smooth contour
+    let mut covariance = products / draws as f64 - &bias * bias.transpose() * 0.75;
+    add_edges(path, &hull, &mut covariance);
+    let values = (0..m).map(|i| SupportValue {
+        direction_deg: hull.direction_rad(i).to_degrees(),
+        h_px: plain[i] - bias[i],
+        u_px: covariance[(i, i)].max(0.0).sqrt(),
+    });
+    let values: Vec<SupportValue> = values.collect();
+    let symmetric = (&covariance + covariance.transpose()) * 0.5;
+    Some(Support { values, covariance: symmetric })
+}
+
+/// How far each sector stands below the hull of all, px: the least distance to a tangent of it.
+pub(super) fn below_hull(path: &Path, departures: &DVector<f64>) -> Vec<f64> {
+    let hull = Hull::new(path);
+    let values = hull.values(departures);
+    let gap = |k: usize| {
+        let p = DVec2::from_angle(path.direction_rad(k)) * (path.nominal_px + departures[k]);
+        let to = |i: usize| values[i] - p.dot(DVec2::from_angle(hull.direction_rad(i)));
+        (0..hull.count).map(to).fold(f64::INFINITY, f64::min)
+    };
+    (0..departures.len()).map(gap).collect()
+}
+
+/// The edges' own uncertainty at the ends of the nose, where their tangents are the hull's.
+fn add_edges(path: &Path, hull: &Hull<'_>, covariance: &mut DMatrix<f64>) {
+    let last = hull.count - 1;
+    for (i, line) in [(0, &path.lines[0]), (last, &path.lines[1])] {
+        covariance[(i, i)] += line.u_at(path.centre + line.normal * path.nominal_px).0.powi(2);
+    }
+}
+
+/// The matrix that smooths departures, with the penalty of least generalised cross-validation.
+fn smoother(departures: &DVector<f64>, weights: &DVector<f64>) -> Option<DMatrix<f64>> {
+    let n = departures.len();
+    let usual = weights.sum() / n as f64;
+    let w = DMatrix::from_diagonal(&(weights / usual));
+    let mut rough = DMatrix::<f64>::zeros(n, n);
+    for k in 1..n - 1 {
+        for (i, a) in [(k - 1, 1.0), (k, -2.0), (k + 1, 1.0)] {
+            for (j, b) in [(k - 1, 1.0), (k, -2.0), (k + 1, 1.0)] {
+                rough[(i, j)] += a * b;
+            }
+        }
+    }
+    let by = |penalty: f64| Some((&w + &rough * penalty).cholesky()?.solve(&w));
+    let mut best: Option<(f64, f64)> = None;
+    for power in 0..NoseLimits::get().penalties {
+        let penalty = 0.01 * 4f64.powi(power as i32);
+        let hat = by(penalty)?;
+        let residual = departures - &hat * departures;
+        let left = n as f64 - hat.trace();
+        let score = residual.component_mul(&residual).dot(&w.diagonal()) / (left * left).max(1e-9);
+        if best.is_none_or(|(least, _)| score < least) {
+            best = Some((score, penalty));
+        }
+    }
+    by(best?.1 * NoseLimits::get().penalty_share)
+}
+
+/// The hull of a contour given by departures of its sectors.
+struct Hull<'a> {
+    path: &'a Path,
+    count: usize,
+}
+
+impl<'a> Hull<'a> {
+    fn new(path: &'a Path) -> Self {
+        let steps = (path.sweep_rad.to_degrees() / NoseLimits::get().support_step_deg).ceil().max(2.0);
+        Self { path, count: steps as usize + 1 }
+    }
+
+    fn direction_rad(&self, i: usize) -> f64 {
+        self.path.from_rad + self.path.sweep_rad * i as f64 / (self.count - 1) as f64
+    }
+
+    /// h about the centre in every direction: the farthest of the contour's places. Beyond the nose
+    /// stand the edges, at the nominal radius.
+    fn values(&self, departures: &DVector<f64>) -> DVector<f64> {
+        let path = self.path;
+        let radii = departures.iter().map(|d| path.nominal_px + d).collect();
+        let shape = Path { radii, ..path.clone() };
+        let count = NoseLimits::get().fine * path.radii.len();
+        let places: Vec<DVec2> = (0..=count)
+            .map(|k| {
+                let turn = path.sweep_rad * k as f64 / count as f64;
+                DVec2::from_angle(path.from_rad + turn) * shape.radius(turn).0
+            })
+            .collect();
+        DVector::from_iterator(
+            self.count,
+            (0..self.count).map(|i| {
+                let n = DVec2::from_angle(self.direction_rad(i));
+                let farthest = places.iter().map(|p| p.dot(n)).fold(f64::NEG_INFINITY, f64::max);
+                let at_edge = i == 0 || i + 1 == self.count;
+                if at_edge { farthest.max(path.nominal_px) } else { farthest }
+            }),
+        )
+    }
+}

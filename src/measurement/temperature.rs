@@ -1,0 +1,179 @@
+//! Temperatures that age, and the drift of a gauge since it was set to zero.
+//!
+//! A thermometer's last value holds for `max_age_s` with its own limits. After that they grow by
+//! `growth_k_per_s`, because the part goes on cooling unseen, and beyond `refused_age_s` there is
+//! no value. A gauge drifts with time and with the temperature of its head from its zero on: a row
+//! of the budget that grows until the interval of re-zeroing is over; then nothing is good.
+
+use crate::setting::{SettingError, require};
+
+/// How long temperatures hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TemperatureAge {
+    /// Age up to which a value holds with the limits of its thermometer, s.
+    pub max_age_s: f64,
+    /// Growth of its limits beyond that age, K/s.
+    pub growth_k_per_s: f64,
+    /// Age beyond which there is none, s.
+    pub refused_age_s: f64,
+}
+
+impl Default for TemperatureAge {
+    /// A steel part of 25 mm in still air (20 W/(m²·K)) has a time constant of d·ρ·c/(4h) = 1100 s:
+    /// 20 K above the air it cools by 0.018 K/s. In ten seconds that is a fifth of a kelvin, the
+    /// limit of a good contact thermometer; in ten minutes 8 K, more than a temperature is worth.
+    fn default() -> Self {
+        Self { max_age_s: 10.0, growth_k_per_s: 0.02, refused_age_s: 600.0 }
+    }
+}
+
+/// A value of the part's thermometer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TemperatureSample {
+    /// When, ns, on the clock of the frames.
+    pub t_ns: u64,
+    /// Temperature of the part, °C.
+    pub part_c: f64,
+    /// Limits of its error, ± K.
+    pub limit_k: f64,
+}
+
+/// Temperatures over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Temperatures {
+    samples: Vec<TemperatureSample>,
+    age: TemperatureAge,
+}
+
+impl Temperatures {
+    /// Samples whose times rise.
+    ///
+    /// # Errors
+    /// No sample, times that do not rise, values out of range: the message numbers the sample from
+    /// 1.
+    pub fn new(samples: Vec<TemperatureSample>, age: TemperatureAge) -> Result<Self, String> {
+        if samples.is_empty() {
+            return Err("holds no temperature".to_owned());
+        }
+        for (i, s) in samples.iter().enumerate() {
+            let number = i + 1;
+            if i > 0 && samples[i - 1].t_ns >= s.t_ns {
+                return Err(format!("sample {number}: t_ns {} does not rise", s.t_ns));
+            }
+            if !(-50.0..=400.0).contains(&s.part_c) {
+                return Err(format!("sample {number}: part_c {} must lie in -50 to 400 °C", s.part_c));
+            }
+            if !(0.0..=100.0).contains(&s.limit_k) {
+                return Err(format!("sample {number}: limit_k {} must lie in 0 to 100 K", s.limit_k));
+            }
+        }
+        Ok(Self { samples, age })
+    }
+
+    /// Temperature of the part at `t_ns`, °C, and the limits of its error by age, ± K.
+    ///
+    /// # Errors
+    /// No sample before, or one that is too old.
+    pub fn at(&self, t_ns: u64) -> Result<(f64, f64), String> {
+        let before = self.samples.partition_point(|s| s.t_ns <= t_ns);
+        let Some(last) = before.checked_sub(1).and_then(|i| self.samples.get(i)) else {
+            return Err(format!(
+                "no temperature of the part before t_ns {t_ns}; the first is of {}",
+                self.samples[0].t_ns
+            ));
+        };
+        let age_s = 1e-9 * (t_ns - last.t_ns) as f64;
+        if age_s > self.age.refused_age_s {
+            return Err(format!(
+                "the temperature of the part is {age_s:.0} s old, {:.0} s at most: is the thermometer connected?",
+                self.age.refused_age_s
+            ));
+        }
+        let stale_s = (age_s - self.age.max_age_s).max(0.0);
+        Ok((last.part_c, last.limit_k + self.age.growth_k_per_s * stale_s))
+    }
+}
+
+/// Drift of a gauge since its last zero, as limits of a diameter's error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZeroDrift {
+    /// Growth with time, µm/h.
+    pub um_per_h: f64,
+    /// Growth with the temperature of the head, µm/K.
+    pub um_per_k: f64,
+    /// Interval after which the gauge must be set to zero again, s.
+    pub interval_s: f64,
+}
+
+impl ZeroDrift {
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// [`SettingError`] names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
+        let at_least_0 = [("zero_drift.um_per_h", self.um_per_h), ("zero_drift.um_per_k", self.um_per_k)];
+        for (key, value) in at_least_0 {
+            require((0.0..=1e4).contains(&value), key, value, "0 to 10000")?;
+        }
+        let interval = self.interval_s;
+        require(interval > 0.0 && interval.is_finite(), "zero_drift.interval_s", interval, "a time above 0 s")
+    }
+
+    /// Standard uncertainty of a diameter `since_s` after the zero, with the head's temperature
+    /// changed by `head_k` since then, mm: both limits are of uniform distributions (GUM 4.3.7).
+    ///
+    /// # Errors
+    /// An interval that is over.
+    pub fn u_mm(&self, since_s: f64, head_k: f64) -> Result<f64, String> {
+        if !(0.0..=self.interval_s).contains(&since_s) {
+            return Err(format!(
+                "the gauge was set to zero {since_s:.0} s ago, {:.0} s at most: measure the zero master again",
+                self.interval_s
+            ));
+        }
+        let (time_um, head_um) = (self.um_per_h * since_s / 3600.0, self.um_per_k * head_k);
+        Ok(1e-3 * time_um.hypot(head_um) / 3.0_f64.sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SECOND: u64 = 1_000_000_000;
+
+    fn sample(t_s: u64, part_c: f64) -> TemperatureSample {
+        TemperatureSample { t_ns: t_s * SECOND, part_c, limit_k: 0.2 }
+    }
+
+    #[test]
+    fn a_temperature_grows_stale_and_is_refused() {
+        let of = |samples| Temperatures::new(samples, TemperatureAge::default());
+        let temperatures = of(vec![sample(100, 31.0), sample(130, 30.0)]).unwrap();
+        assert!(temperatures.at(99 * SECOND).unwrap_err().contains("before"));
+        assert_eq!(temperatures.at(110 * SECOND).unwrap(), (31.0, 0.2));
+        let (part_c, limit_k) = temperatures.at(190 * SECOND).unwrap();
+        assert!(part_c == 30.0 && (limit_k - (0.2 + 50.0 * 0.02)).abs() < 1e-12, "{limit_k}");
+        assert!(temperatures.at(731 * SECOND).unwrap_err().contains("601 s old"));
+        for (samples, word) in [
+            (vec![], "no temperature"),
+            (vec![sample(1, 20.0), sample(1, 20.0)], "sample 2: t_ns"),
+            (vec![sample(1, 900.0)], "part_c"),
+            (vec![TemperatureSample { limit_k: f64::NAN, ..sample(1, 20.0) }], "limit_k"),
+        ] {
+            assert!(of(samples).unwrap_err().contains(word), "{word}");
+        }
+    }
+
+    #[test]
+    fn drift_grows_from_the_zero_until_its_interval_is_over() {
+        let drift = ZeroDrift { um_per_h: 1.2, um_per_k: 0.5, interval_s: 7200.0 };
+        drift.validate().unwrap();
+        assert_eq!(drift.u_mm(0.0, 0.0), Ok(0.0));
+        // 1.2 µm after an hour and .5 µm by one kelvin: 1.3 µm/√3
+        let u = drift.u_mm(3600.0, -1.0).unwrap();
+        assert!((u - 1.3e-3 / 3.0_f64.sqrt()).abs() < 1e-12, "{u}");
+        assert!(drift.u_mm(7201.0, 0.0).unwrap_err().contains("again"));
+        assert!(ZeroDrift { interval_s: 0.0, ..drift }.validate().is_err());
+    }
+}

@@ -1,0 +1,19 @@
+//! What is computed of frames that are watched as they come, beside their measurement.
+//!
+//! In: values of frames with their times (numbers alone: whoever watches has the frames). Out: one
+//! value a part that enters and leaves (`presence`), a trend with its uncertainty (`trend`),
+//! quantiles of the latency and the rate (`pace`), whether a reading is valid (`validity`) and the
+//! latched alarm (`alarm`). None imports another; one more figure is a file here and a key of
+//! `cli/watch`.
+
+mod alarm;
+mod pace;
+mod presence;
+mod trend;
+mod validity;
+
+pub(crate) use self::alarm::Alarm;
+pub(crate) use self::pace::Pace;
+pub(crate) use self::presence::{FrameValue, PartValue, Presence, Seen};
+pub(crate) use self::trend::{Slope, Trend};
+pub(crate) use self::validity::{Invalid, Validity};

@@ -1,0 +1,79 @@
+//! Metadata of a live frame: times with the clocks that they are of, values with their provenance.
+
+/// A clock that times are read from. Times of two clocks are never compared without a
+/// [`ClockMap`](super::clock_map::ClockMap).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Clock {
+    /// This machine's, ns since 1970 (`CLOCK_REALTIME`).
+    Host,
+    /// The camera's own, ns since its start.
+    Device,
+    /// The simulated head's, ns since its first frame.
+    Simulated,
+    /// The column `t_ns` of a table of frames.
+    Table,
+}
+
+/// A time on a named clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Timestamp {
+    /// Time, ns.
+    pub t_ns: u64,
+    /// The clock.
+    pub clock: Clock,
+}
+
+/// How a value of a frame became known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Provenance {
+    /// Latched by the device and delivered with the frame (GenICam chunk data).
+    Chunk,
+    /// From the number of triggers since a reference.
+    TriggerCount,
+    /// Between two latched samples.
+    Interpolated,
+    /// From the simulation's own state.
+    Simulated,
+    /// From a file or the command line.
+    Stated,
+}
+
+/// A value with its provenance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Known<T> {
+    /// The value.
+    pub value: T,
+    /// How it became known.
+    pub provenance: Provenance,
+}
+
+impl<T> Known<T> {
+    /// A value from a file or the command line.
+    pub(crate) fn stated(value: T) -> Self {
+        Self { value, provenance: Provenance::Stated }
+    }
+
+    /// A value of the simulation.
+    pub(crate) fn simulated(value: T) -> Self {
+        Self { value, provenance: Provenance::Simulated }
+    }
+}
+
+/// Metadata of a live frame; `None` where the source does not give it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct LiveMeta {
+    /// Sequence number of 64 bits, without the wraps of the device's ids.
+    pub sequence: u64,
+    /// Start of exposure.
+    pub device_t: Option<Timestamp>,
+    /// When this machine had the whole frame.
+    pub host_t: Option<Timestamp>,
+    /// Exposure time, µs.
+    pub exposure_us: Option<Known<f64>>,
+    /// Gain, dB.
+    pub gain_db: Option<Known<f64>>,
+    /// Spindle angle, degrees.
+    pub angle_deg: Option<Known<f64>>,
+    /// Machine z of the image's central column, mm.
+    pub z_mm: Option<Known<f64>>,
+}

@@ -1,0 +1,12 @@
+//! Live sources: one suite (`conformance`) that every kind of source passes, driven by a factory of
+//! sources; `scripted` is the source whose script states what it sends, `policies` and `identity`
+//! what is particular to it.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
+
+mod conformance;
+mod identity;
+mod policies;
+mod scripted;
+#[cfg(feature = "render")]
+mod simulated;
+mod stored;

@@ -1,0 +1,98 @@
+//! Frames that show no nose that can be measured: each is refused with its place and a remedy.
+
+use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat, Pixels};
+use shadowgauge::gauge::nose::{ExpectedNose, NoseSettings, measure_nose};
+use shadowgauge::render::insert::{Dirt, InsertSettings, render_insert};
+use shadowgauge::render::settings::{Esf, GaussianEsf};
+
+use super::insert;
+
+/// The right-hand tool of [`insert`] at pose 0.
+fn tool() -> NoseSettings {
+    let expected = ExpectedNose { epsilon_deg: 60.0, normals_deg: [177.0, 297.0], by: "tool's file" };
+    NoseSettings { nominal_radius_px: None, um_per_px: 2.415, expected: Some(expected) }
+}
+
+fn said(s: &InsertSettings, settings: &NoseSettings) -> String {
+    let (frame, _) = render_insert(s, (1, 0), true).unwrap();
+    measure_nose(&frame.view(), settings).unwrap_err().to_string()
+}
+
+#[test]
+fn the_tool_as_its_file_states_it_is_measured() {
+    let (frame, _) = render_insert(&insert(0), (1, 0), true).unwrap();
+    let found = measure_nose(&frame.view(), &tool()).unwrap();
+    assert!((found.angle_deg - 60.0).abs() < 0.01);
+}
+
+#[test]
+fn no_insert_and_a_covered_field() {
+    let mut s = insert(0);
+    s.nose.centre_px = [-2000.0, 3000.0];
+    let none = said(&s, &NoseSettings::default());
+    assert!(none.contains("no insert") && none.contains("backlight"), "{none}");
+    s.nose.centre_px = [-4000.0, 6000.0];
+    s.nose.direction_deg = 57.0;
+    let covered = said(&s, &NoseSettings::default());
+    assert!(covered.contains("no insert"), "{covered}");
+}
+
+#[test]
+fn two_inserts() {
+    let mut s = insert(0);
+    s.dirt.push(Dirt { centre_px: [60.0, 80.0], radius_um: 150.0 });
+    let two = said(&s, &NoseSettings::default());
+    assert!(two.contains("two inserts") && two.contains("row") && two.contains("leave one"), "{two}");
+}
+
+#[test]
+fn a_nose_outside_of_the_field() {
+    let mut s = insert(0);
+    s.nose.centre_px = [260.0, 470.0];
+    let outside = said(&s, &NoseSettings::default());
+    assert!(outside.contains("outside of the field") && outside.contains("move the tool"), "{outside}");
+}
+
+#[test]
+fn focus_lost() {
+    let mut s = insert(0);
+    s.esf = Esf::Gaussian(GaussianEsf { sigma_px: 4.2 });
+    let blurred = said(&s, &NoseSettings::default());
+    assert!(blurred.contains("focus lost") && blurred.contains("plane of focus"), "{blurred}");
+}
+
+#[test]
+fn an_angle_that_cannot_be_the_tools() {
+    let mut s = insert(0);
+    s.nose.epsilon_deg = 55.0;
+    let wrong = said(&s, &tool());
+    assert!(wrong.contains("epsilon_r_deg is 60") && wrong.contains("--tool"), "{wrong}");
+}
+
+/// A frame whose place (row, column) shows what `from` has at another.
+fn moved(frame: &Frame, size: (usize, usize), from: impl Fn(usize, usize) -> (usize, usize)) -> Frame {
+    let view = frame.view();
+    let Pixels::U16(pixels) = view.pixels() else { panic!("a 12-bit frame") };
+    let (rows, columns) = size;
+    let at = |k: usize| {
+        let (row, column) = from(k / columns, k % columns);
+        pixels[row * view.columns() + column]
+    };
+    let buffer = Buffer::U16((0..rows * columns).map(at).collect());
+    Frame::new(buffer, PixelFormat::Mono12, rows, columns, FrameMeta::default()).unwrap()
+}
+
+#[test]
+fn rotated_and_mirrored_pictures() {
+    let (frame, _) = render_insert(&insert(0), (1, 0), true).unwrap();
+    let (rows, columns) = (420, 520);
+    let across = moved(&frame, (rows, columns), |r, c| (r, columns - 1 - c));
+    let down = moved(&frame, (rows, columns), |r, c| (rows - 1 - r, c));
+    let turned = moved(&frame, (columns, rows), |r, c| (c, columns - 1 - r));
+    for (picture, how) in
+        [(across, "mirrored left to right"), (down, "mirrored top to bottom"), (turned, "rotated by 90")]
+    {
+        let said = measure_nose(&picture.view(), &tool()).unwrap_err().to_string();
+        assert!(said.contains(how) && said.contains("plus_x_deg"), "{how}: {said}");
+    }
+}
