@@ -36,9 +36,10 @@ fn the_simulated_head_conforms_and_its_frames_are_those_of_render() {
 
 #[test]
 fn live_frames_come_scan_after_scan_no_faster_than_the_camera() {
-    let mut live = Live::new(head(2, HeadPace::Live), settings(Policy::Block)).unwrap();
     let period = Duration::from_secs_f64(job(2).camera.period_ms() * 1e-3);
+    // frames are rendered ahead from here on
     let begun = Instant::now();
+    let mut live = Live::new(head(2, HeadPace::Live), settings(Policy::Block)).unwrap();
     for number in 0..5 {
         let Event::Frame(frame) = live.next_event(SOON) else { panic!("a frame") };
         let meta = &frame.meta;

@@ -48,7 +48,7 @@ fn two_inserts() {
 #[test]
 fn a_nose_outside_of_the_field() {
     let mut s = insert(0);
-    s.nose.centre_px = [260.0, 470.0];
+    s.nose.centre_px = [130.0, 470.0];
     let outside = said(&s, &NoseSettings::default());
     assert!(outside.contains("outside of the field") && outside.contains("move the tool"), "{outside}");
 }
