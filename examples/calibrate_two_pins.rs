@@ -35,7 +35,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         _ => return Err("give no argument, or PIN1.png MM PIN2.png MM PART.png".into()),
     };
 
-    // A master: its certificate, and the edges of the frames that show it (more than one is better).
+    // A master: its certificate, and the edges of the frames that show it (more than one is
+    // better).
     let gauge = Gauge::new(GaugeSettings::default())?;
     let mut masters = Vec::new();
     for (frame, diameter_mm) in &pins {

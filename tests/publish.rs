@@ -169,6 +169,9 @@ fn ctrl_c_ends_the_head_with_0_and_frees_its_address() {
     let mut head = published(4);
     let mut client = client(&head);
     client.take_control(2).unwrap();
+    // six packets a frame: a busy receiver's socket buffer holds them
+    client.set("Width", 256);
+    client.set("Height", 128);
     client.open_stream(9000);
     client.set("AcquisitionStart", 1);
     assert!(client.frame(LONG).is_some());

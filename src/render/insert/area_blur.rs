@@ -74,8 +74,8 @@ impl AreaBlur {
         self.energy[k] + t * (self.energy[k + 1] - self.energy[k])
     }
 
-    /// What a piece of the contour from `a` to `b` (from the place) adds to the angle under which the
-    /// shadow is seen, beyond that of a sharp image, rad; and its distance, px.
+    /// What a piece of the contour from `a` to `b` (from the place) adds to the angle under which
+    /// the shadow is seen, beyond that of a sharp image, rad; and its distance, px.
     fn of_piece(&self, a: DVec2, b: DVec2) -> (f64, f64) {
         let along = b - a;
         let t = (-a.dot(along) / along.length_squared()).clamp(0.0, 1.0);

@@ -115,7 +115,7 @@ impl<'a> Scene<'a> {
         self.settings.light.field.factor(u / half, v / half)
     }
 
-    /// Whether insert or dirt covers a place.
+    /// Whether insert or contamination covers a place.
     fn covers(&self, p: DVec2) -> bool {
         self.specks.iter().any(|(c, r)| p.distance(*c) < *r) || self.shape.contains(p)
     }

@@ -62,7 +62,7 @@ fn every_family_draws_a_nose_between_shadow_and_light() {
         Esf::Measured(measured),
     ];
     for esf in families {
-        // a small field: the fringes of laser light reach far, and every place within their reach counts
+        // a small field: the fringes of laser light reach far
         let mut s = insert(0);
         (s.camera.columns, s.camera.rows) = (130, 105);
         s.nose.radius_mm = 0.05;
@@ -74,7 +74,8 @@ fn every_family_draws_a_nose_between_shadow_and_light() {
             continue;
         }
         let values = counts(&s, false);
-        // the corner away from the nose, and that to which it points
+        // the corner away from the nose, and that to which it points: a coherent edge overshoots
+        // by 0.37 at most
         let shadow = values[129];
         assert!(
             (shadow - s.light.shadow_counts).abs() < 0.15 * s.light.bright_counts,
@@ -82,7 +83,7 @@ fn every_family_draws_a_nose_between_shadow_and_light() {
         );
         let lit = values[104 * 130];
         assert!(
-            (lit - s.light.bright_counts).abs() < 0.15 * s.light.bright_counts,
+            (lit - s.light.bright_counts).abs() < 0.37 * s.light.bright_counts,
             "{esf:?}: {lit} in the light"
         );
     }
