@@ -224,8 +224,8 @@ fn print(image: &NoseImage) {
     let flags =
         if image.flags.is_empty() { String::new() } else { format!(", flagged {}", image.flags.join(", ")) };
     say_line!(
-        "{}: angle {:.4}° (u {:.4}°), centre column {:.3} row {:.3} px (u {:.3}), mean radius {:.3} px (u {:.3}) = {:.5} mm \
-         (u {:.5}){flags}",
+        "{}: angle {:.4}° (u {:.4}°), centre column {:.3} row {:.3} px (u {:.3}), mean radius {:.3} px (u {:.3}) = {:.6} mm \
+         (u {:.6}){flags}",
         image.image,
         image.angle_deg,
         image.u_angle_deg,

@@ -238,7 +238,7 @@ impl<'a> Work<'a> {
                 };
                 NoseSector {
                     direction_deg: path.direction_rad(k).to_degrees(),
-                    radius_px: radius + shift / lean + curvature,
+                    radius_px: path.shifted_from(k) + shift / lean + curvature,
                     u_px: u_px.hypot(u_bend),
                     fitted: c.good,
                 }

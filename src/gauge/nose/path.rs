@@ -51,32 +51,50 @@ impl Path {
     /// parabola of least squares through seven sectors (A. Savitzky, M. J. E. Golay, Anal. Chem. 36
     /// (1964) 1627): a narrower one would add its noise to the sector's own.
     pub(super) fn curvature(&self, k: usize) -> f64 {
-        let (step, middle) = (self.step_rad(), (k as f64 + 0.5) * self.step_rad());
-        let r: [f64; 7] = std::array::from_fn(|i| self.radius(middle + (i as f64 - 3.0) * step).0);
+        let [r, slope, second] = self.parabola(k);
+        let square = r * r + slope * slope;
+        (square + slope * slope - r * second) / (square * square.sqrt())
+    }
+
+    /// Radius of sector k, and the first and second derivative by the direction of the parabola
+    /// through seven.
+    fn parabola(&self, k: usize) -> [f64; 3] {
+        let step = self.step_rad();
+        let r: [f64; 7] = std::array::from_fn(|i| self.value(k as isize + i as isize - 3));
         let sum = |by: [f64; 7]| by.iter().zip(&r).map(|(b, r)| b * r).sum::<f64>();
         let slope = sum([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0]) / (28.0 * step);
         let second = sum([5.0, 0.0, -3.0, -4.0, -3.0, 0.0, 5.0]) / (42.0 * step * step);
-        let r = r[3];
-        let square = r * r + slope * slope;
-        (square + slope * slope - r * second) / (square * square.sqrt())
+        [r[3], slope, second]
+    }
+
+    /// The radius to which the shift of sector k refers, px. A shift is a mean over its sector: it
+    /// counts from the mean of the cubic there (its integral over the sector), from which the
+    /// middle of the parabola differs by r″·step²/24. From the cubic's own middle the shift would
+    /// take a part of its noise twice, since the cubic follows the radii of the round before.
+    pub(super) fn shifted_from(&self, k: usize) -> f64 {
+        let at = |by: isize| self.value(k as isize + by);
+        let mean = (322.0 * at(0) + 36.0 * (at(-1) + at(1)) - 5.0 * (at(-2) + at(2))) / 384.0;
+        mean - self.parabola(k)[2] * self.step_rad().powi(2) / 24.0
+    }
+
+    /// Radius at the middle of sector k; the lines beyond the ends.
+    fn value(&self, k: isize) -> f64 {
+        let (n, beyond) = (self.radii.len() as isize, (k as f64 + 0.5) * self.step_rad());
+        match k {
+            k if k < 0 => self.nominal_px / beyond.cos(),
+            k if k >= n => self.nominal_px / (self.sweep_rad - beyond).cos(),
+            k => self.radii[k as usize],
+        }
     }
 
     /// Radius and its derivative by the direction, `turn` rad after the first edge's normal: a
     /// cubic through the sectors' middles, the lines beyond the ends.
     pub(super) fn radius(&self, turn: f64) -> (f64, f64) {
-        let (n, step) = (self.radii.len() as isize, self.step_rad());
-        let value = |k: isize| {
-            let beyond = (k as f64 + 0.5) * step;
-            match k {
-                k if k < 0 => self.nominal_px / beyond.cos(),
-                k if k >= n => self.nominal_px / (self.sweep_rad - beyond).cos(),
-                k => self.radii[k as usize],
-            }
-        };
+        let step = self.step_rad();
         let place = turn / step - 0.5;
         let k = place.floor() as isize;
         let t = place - k as f64;
-        let [a, b, c, d] = [value(k - 1), value(k), value(k + 1), value(k + 2)];
+        let [a, b, c, d] = [-1, 0, 1, 2].map(|by| self.value(k + by));
         let (m, o) = (0.5 * (c - a), 0.5 * (d - b));
         let (q, r) = (3.0 * (c - b) - 2.0 * m - o, 2.0 * (b - c) + m + o);
         (b + t * (m + t * (q + t * r)), (m + t * (2.0 * q + t * 3.0 * r)) / step)

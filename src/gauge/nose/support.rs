@@ -60,6 +60,7 @@ pub(super) fn support(path: &Path, sectors: &[NoseSector], noise: &[SectorNoise]
     // of what is taken off for bias half stays uncertain: it is that of the smooth contour
     let mut covariance = products / draws as f64 - &bias * bias.transpose() * 0.75;
     add_edges(path, &hull, &mut covariance);
+    add_corners(&hull, &departures, noise, &mut covariance);
     let values = (0..m).map(|i| SupportValue {
         direction_deg: hull.direction_rad(i).to_degrees(),
         h_px: plain[i] - bias[i],
@@ -87,6 +88,31 @@ fn add_edges(path: &Path, hull: &Hull<'_>, covariance: &mut DMatrix<f64>) {
     let last = hull.count - 1;
     for (i, line) in [(0, &path.lines[0]), (last, &path.lines[1])] {
         covariance[(i, i)] += line.u_at(path.centre + line.normal * path.nominal_px).0.powi(2);
+    }
+}
+
+/// What a sector hides of a corner within it (the end of a flat, the rim of a chip). Its radius is a
+/// mean over the sector: of two straight pieces whose slopes differ by s it lies s·step/8 below the
+/// corner in its middle, and s·step is the second difference of the radii there, but for noise, of
+/// variance 6u².
+fn add_corners(
+    hull: &Hull<'_>,
+    departures: &DVector<f64>,
+    noise: &[SectorNoise],
+    covariance: &mut DMatrix<f64>,
+) {
+    let n = departures.len();
+    let hidden: Vec<f64> = (0..n)
+        .map(|k| {
+            let (before, after) = (departures[k.max(1) - 1], departures[(k + 1).min(n - 1)]);
+            let second = before - 2.0 * departures[k] + after;
+            (second * second - 6.0 * noise[k].own.powi(2)).max(0.0).sqrt() / 8.0
+        })
+        .collect();
+    for (i, k) in hull.touching(departures).into_iter().enumerate() {
+        let beside = &hidden[k.max(1) - 1..=(k + 1).min(n - 1)];
+        let most = beside.iter().fold(0.0_f64, |a, b| a.max(*b));
+        covariance[(i, i)] += most * most;
     }
 }
 
@@ -134,27 +160,43 @@ impl<'a> Hull<'a> {
         self.path.from_rad + self.path.sweep_rad * i as f64 / (self.count - 1) as f64
     }
 
-    /// h about the centre in every direction: the farthest of the contour's places. Beyond the nose
-    /// stand the edges, at the nominal radius.
-    fn values(&self, departures: &DVector<f64>) -> DVector<f64> {
+    /// Places of the contour about the centre.
+    fn places(&self, departures: &DVector<f64>) -> Vec<DVec2> {
         let path = self.path;
         let radii = departures.iter().map(|d| path.nominal_px + d).collect();
         let shape = Path { radii, ..path.clone() };
         let count = NoseLimits::get().fine * path.radii.len();
-        let places: Vec<DVec2> = (0..=count)
-            .map(|k| {
-                let turn = path.sweep_rad * k as f64 / count as f64;
-                DVec2::from_angle(path.from_rad + turn) * shape.radius(turn).0
-            })
-            .collect();
+        let place = |k: usize| {
+            let turn = path.sweep_rad * k as f64 / count as f64;
+            DVec2::from_angle(path.from_rad + turn) * shape.radius(turn).0
+        };
+        (0..=count).map(place).collect()
+    }
+
+    /// h about the centre in every direction: the farthest of the contour's places. Beyond the nose
+    /// stand the edges, at the nominal radius.
+    fn values(&self, departures: &DVector<f64>) -> DVector<f64> {
+        let places = self.places(departures);
         DVector::from_iterator(
             self.count,
             (0..self.count).map(|i| {
                 let n = DVec2::from_angle(self.direction_rad(i));
                 let farthest = places.iter().map(|p| p.dot(n)).fold(f64::NEG_INFINITY, f64::max);
                 let at_edge = i == 0 || i + 1 == self.count;
-                if at_edge { farthest.max(path.nominal_px) } else { farthest }
+                if at_edge { farthest.max(self.path.nominal_px) } else { farthest }
             }),
         )
+    }
+
+    /// The sector of the farthest place in every direction.
+    fn touching(&self, departures: &DVector<f64>) -> Vec<usize> {
+        let places = self.places(departures);
+        let (fine, last) = (NoseLimits::get().fine, departures.len() - 1);
+        let of = |i: usize| {
+            let n = DVec2::from_angle(self.direction_rad(i));
+            let farthest = (0..places.len()).max_by(|a, b| places[*a].dot(n).total_cmp(&places[*b].dot(n)));
+            (farthest.unwrap_or(0) / fine).min(last)
+        };
+        (0..self.count).map(of).collect()
     }
 }

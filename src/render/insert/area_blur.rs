@@ -119,7 +119,7 @@ const FAR_PX: f64 = 8.0;
 pub(super) struct Contours {
     cell_px: f64,
     places: Vec<DVec2>,
-    /// Places of the contour from the first to the last of each block.
+    /// Places of the contour from the first to the last of each block in a cell or beside it.
     cells: HashMap<(i32, i32), Vec<(usize, usize)>>,
 }
 
@@ -133,8 +133,10 @@ impl Contours {
             let end = all.places.len().saturating_sub(1);
             for first in (from..end).step_by(BLOCK) {
                 let last = end.min(first + BLOCK);
-                let key = all.key(0.5 * (all.places[first] + all.places[last]));
-                all.cells.entry(key).or_default().push((first, last));
+                let (i, j) = all.key(0.5 * (all.places[first] + all.places[last]));
+                for (di, dj) in (-1..=1).flat_map(|di| (-1..=1).map(move |dj| (di, dj))) {
+                    all.cells.entry((i + di, j + dj)).or_default().push((first, last));
+                }
             }
         }
         all
@@ -146,9 +148,7 @@ impl Contours {
 
     /// The blocks that may lie within the reach of a place.
     fn near(&self, p: DVec2) -> impl Iterator<Item = (usize, usize)> {
-        let (i, j) = self.key(p);
-        let cells = (-1..=1).flat_map(move |di| (-1..=1).map(move |dj| (i + di, j + dj)));
-        cells.filter_map(|key| self.cells.get(&key)).flatten().copied()
+        self.cells.get(&self.key(p)).into_iter().flatten().copied()
     }
 
     /// Distance from a place to the nearest block within its reach, to a px; `None` without one.

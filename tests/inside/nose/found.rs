@@ -46,7 +46,8 @@ fn angle_centre_radius_and_sectors_are_within_their_uncertainty() {
         assert!((square / n).sqrt() < 1.75, "{squares:?}");
     }
     let share = inside as f64 / sectors as f64;
-    assert!((0.85..=0.985).contains(&share), "{share} of the sectors within 1.96 u");
+    // 1440 sectors: 95 % ± 0.6 %, correlated within a pose
+    assert!((0.925..=0.975).contains(&share), "{share} of the sectors within 1.96 u");
 }
 
 #[test]
