@@ -154,6 +154,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge study machine configs/machine_001.toml --at 50,20 --at 50,80 --json",
         ],
     ),
+    ("study nose", &["shadowgauge study nose --noses 10", "shadowgauge study nose insert.toml --json"]),
     ("study factor", &["shadowgauge study factor", "shadowgauge study factor my.toml --forces forces.csv"]),
     (
         "study head",

@@ -13,6 +13,7 @@ mod in_process;
 mod limits;
 mod line_camera;
 mod machine;
+mod nose;
 mod parts;
 mod stability;
 mod uncertainty;
@@ -30,6 +31,7 @@ use self::in_process::StudyInProcessArgs;
 use self::limits::StudyLimitsArgs;
 use self::line_camera::StudyLineCameraArgs;
 use self::machine::StudyMachineArgs;
+use self::nose::StudyNoseArgs;
 use self::parts::StudyPartsArgs;
 use self::stability::StudyStabilityArgs;
 use self::uncertainty::StudyUncertaintyArgs;
@@ -56,6 +58,9 @@ pub(crate) enum Study {
     LineCamera(StudyLineCameraArgs),
     /// The 21 errors of a lathe over its working space, their budget, and what heads make of them.
     Machine(StudyMachineArgs),
+    /// Noses of rendered inserts, measured: errors beside their stated uncertainties, by kind of
+    /// wear.
+    Nose(StudyNoseArgs),
     /// One cutting variable at a time against the size error.
     Factor(StudyFactorArgs),
     /// What heads will measure a part to, and how fast, from their configs alone: side by side.
@@ -87,6 +92,7 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::InProcess(args) => in_process::run(args),
         Study::LineCamera(args) => line_camera::run(args),
         Study::Machine(args) => machine::run(args),
+        Study::Nose(args) => nose::run(args),
         Study::Factor(args) => factor::run(args),
         Study::Head(args) => head::run(args),
         Study::Limits(args) => limits::run(args),

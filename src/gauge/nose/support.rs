@@ -91,10 +91,10 @@ fn add_edges(path: &Path, hull: &Hull<'_>, covariance: &mut DMatrix<f64>) {
     }
 }
 
-/// What a sector hides of a corner within it (the end of a flat, the rim of a chip). Its radius is a
-/// mean over the sector: of two straight pieces whose slopes differ by s it lies s·step/8 below the
-/// corner in its middle, and s·step is the second difference of the radii there, but for noise, of
-/// variance 6u².
+/// What a sector hides of a corner within it (the end of a flat, the rim of a chip). Its radius is
+/// a mean over the sector: of two straight pieces whose slopes differ by s it lies s·step/8 below
+/// the corner in its middle, and s·step is the second difference of the radii there, but for noise,
+/// of variance 6u².
 fn add_corners(
     hull: &Hull<'_>,
     departures: &DVector<f64>,

@@ -13,8 +13,8 @@ pub(crate) mod settings;
 mod shape;
 
 pub(crate) use insert_frame::render_insert;
+#[cfg(test)]
+pub(crate) use settings::Dirt;
 pub(crate) use settings::InsertSettings;
-#[cfg(test)]
-pub(crate) use settings::{Dirt, Wear};
-#[cfg(test)]
+pub(crate) use settings::Wear;
 pub(crate) use shape::Truth;
