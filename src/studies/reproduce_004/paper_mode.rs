@@ -79,9 +79,9 @@ pub(super) fn projected_angle(epsilon_rad: f64, leading_rad: f64, slopes: DVec2)
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
         if leading.angle_between(edge(leading_rad + middle)) < epsilon_rad {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     0.5 * (low + high)
