@@ -75,6 +75,7 @@ fi
 # -- papers
 study reproduce_003 "$bin" reproduce 003
 study reproduce_000 "$bin" reproduce 000
+study reproduce_004 "$bin" reproduce 004
 study stability "$bin" study stability
 study controllers "$bin" study controllers --out "$out/controllers"
 grep -v -e '^repeatability_um' -e '^stock_form_um' -e '^force_spread' configs/controllers.toml > "$out/steady.toml"

@@ -115,6 +115,42 @@ fn reproduction_of_000_is_computed_when_asked() {
     assert_refused(&["reproduce", "000", "--unit-mm", "0"], 2, &["positive"]);
 }
 
+#[test]
+fn reproduction_of_004_prints_rows_and_fills_a_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("004");
+    let rows = |more: &[&str]| -> Vec<serde_json::Value> {
+        let output = shadowgauge([&["reproduce", "004", "--json"], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("JSON rows")
+    };
+    let verdict = |rows: &[serde_json::Value], id: &str| {
+        rows.iter().find(|r| r["id"] == id).unwrap_or_else(|| panic!("{id}"))["verdict"].clone()
+    };
+    let plain = rows(&["--out", &out.to_string_lossy()]);
+    assert_eq!(verdict(&plain, "nose.r"), "consistent");
+    assert_eq!(verdict(&plain, "c01.part1.dz"), "undetermined");
+    assert_eq!(verdict(&plain, "c07.radius"), "contradiction");
+    for name in ["report.html", "rows.csv", "e_of_a.svg", "workpieces.svg"] {
+        assert!(out.join(name).metadata().is_ok_and(|m| m.len() > 1000), "{name}");
+    }
+    let csv = std::fs::read_to_string(out.join("rows.csv")).expect("rows");
+    assert_eq!(csv.lines().count(), plain.len() + 1);
+    // every row stands in one table of the page
+    let page = std::fs::read_to_string(out.join("report.html")).expect("the page");
+    for row in &plain {
+        let id = row["id"].as_str().expect("an id");
+        assert_eq!(page.matches(&format!(">{id}: ")).count(), 1, "{id}");
+    }
+    let stated = rows(&["--cone-deg", "24,37.6"]);
+    assert_eq!(verdict(&stated, "c01.part1.dz"), "consistent");
+    let text = shadowgauge(["reproduce", "004"]);
+    assert!(String::from_utf8_lossy(&text.stdout).contains(&format!("{} rows: ", plain.len())));
+    assert_refused(&["reproduce", "004", "--cone-deg", "24"], 2, &["two half angles", "1 given"]);
+    assert_refused(&["reproduce", "004", "--cone-deg", "24,95"], 2, &["part 2", "95", "1 to 89"]);
+    assert_refused(&["reproduce", "004", "--out", &out.to_string_lossy()], 2, &["not empty"]);
+}
+
 /// A finished run of two passes with a barrel as offset, or a line.
 fn run_folder(folder: &Path, offset_mm: impl Fn(f64) -> f64) -> String {
     let run = folder.join("run");

@@ -33,17 +33,15 @@ mod ways;
 pub(crate) use chain::Element;
 pub(crate) use document::{Document, LargestLeft, Measured, WayResult, measured};
 pub(crate) use error::ToolError;
-pub(crate) use left::{Remainder, Tool, remainders};
 #[cfg(test)]
-pub(crate) use left::{largest, moves_of};
+pub(crate) use left::moves_of;
+pub(crate) use left::{Remainder, Tool, largest, remainders};
 pub(crate) use nose_file::read_nose;
-pub(crate) use register::Setting;
-#[cfg(test)]
-pub(crate) use register::Stated;
+pub(crate) use register::{Setting, Stated};
 #[cfg(test)]
 pub(crate) use settings::ImageAxes;
 pub(crate) use settings::{OutlineFile, ToolFile};
-pub(crate) use sizes::PieceChange;
 #[cfg(test)]
-pub(crate) use sizes::{Kind, changes};
+pub(crate) use sizes::Kind;
+pub(crate) use sizes::{PieceChange, changes};
 pub(crate) use ways::{Compensated, Compensator, Way};

@@ -96,6 +96,10 @@ const EXAMPLES: &[Examples] = &[
     ),
     ("reproduce 003", &["shadowgauge reproduce 003 --json", "shadowgauge reproduce 003 --out out/003"]),
     (
+        "reproduce 004",
+        &["shadowgauge reproduce 004 --out out/004", "shadowgauge reproduce 004 --cone-deg 24,37.6 --json"],
+    ),
+    (
         "tool",
         &[
             "shadowgauge tool nose worn.png --um-per-px 2.415 --tool tool.toml --out nose.json",

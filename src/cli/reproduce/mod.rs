@@ -1,18 +1,20 @@
 //! `shadowgauge reproduce …`: a paper's figures beside ours.
 //!
-//! Each paper has a file with its arguments and its run (`paper_000`, `paper_003`; `paper_003_page`
-//! writes its pages); `tables` prints rows and puts them on a page. A new paper is a file here, a
-//! variant of [`Paper`], and its rows in `studies`.
+//! Each paper has a file with its arguments and its run (`paper_000`, `paper_003`, `paper_004`;
+//! `paper_003_page` writes its pages); `tables` prints rows and puts them on a page. A new paper is
+//! a file here, a variant of [`Paper`], and its rows in `studies`.
 
 mod paper_000;
 mod paper_003;
 mod paper_003_page;
+mod paper_004;
 mod tables;
 
 use clap::Subcommand;
 
 use self::paper_000::Reproduce000Args;
 use self::paper_003::Reproduce003Args;
+use self::paper_004::Reproduce004Args;
 use crate::cli::failure::CommandResult;
 
 /// The papers.
@@ -25,6 +27,9 @@ pub(crate) enum Paper {
     /// Xue 2023).
     #[command(name = "003")]
     P003(Reproduce003Args),
+    /// Tool wear by vision and compensation of the program (Zhang, Lu, Xia, Zhang, Zhu 2025).
+    #[command(name = "004")]
+    P004(Reproduce004Args),
 }
 
 /// Reproduces a paper.
@@ -35,5 +40,6 @@ pub(crate) fn run(paper: &Paper) -> CommandResult {
     match paper {
         Paper::P000(args) => paper_000::run(args),
         Paper::P003(args) => paper_003::run(args),
+        Paper::P004(args) => paper_004::run(args),
     }
 }

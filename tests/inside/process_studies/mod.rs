@@ -7,3 +7,4 @@ mod constants;
 mod optimize;
 use crate::inside::support::program;
 mod reproduce;
+mod tool_wear;

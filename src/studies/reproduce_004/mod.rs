@@ -1,0 +1,50 @@
+//! Reproduction of the paper on tool wear by vision (Zhang, Lu, Xia, Zhang, Zhu 2025): the figures
+//! of its nose, compensation and workpieces beside ours. Its flank is left out.
+//!
+//! In: [`Inputs`], what the paper prints, and the angles of the cones where they are stated. Out:
+//! rows with verdicts ([`super::reproduction`]) and curves. `paper_mode` holds the paper's way of
+//! measuring as functions, `nose_rows` scale, radii and line detector, `parts` Table 4, `lathe`
+//! Table 2, `contradictions` thirteen places where the paper disagrees with itself (c01 to c13),
+//! `model` the paper's nose in e(a) of `tool`. A further figure is a row in the file of its
+//! subject.
+
+mod contradictions;
+mod curves;
+mod error;
+mod inputs;
+mod lathe;
+mod model;
+mod nose_rows;
+mod paper_mode;
+mod parts;
+
+pub(crate) use curves::{Curve, Curves, PartError};
+pub(crate) use error::ReproductionError;
+pub(crate) use inputs::Inputs;
+
+use super::reproduction::Row;
+
+/// Rows and curves.
+#[derive(Clone, Debug)]
+pub(crate) struct Reproduction {
+    /// Every figure of the paper beside ours.
+    pub rows: Vec<Row>,
+    /// Curves for plots.
+    pub curves: Curves,
+}
+
+/// Computes every row and curve.
+///
+/// # Errors
+/// Inputs that are refused.
+pub(crate) fn run(inputs: &Inputs) -> Result<Reproduction, ReproductionError> {
+    inputs.check()?;
+    let model = model::Model::new(inputs)?;
+    let mut rows = nose_rows::rows(inputs, &model::geometry(inputs));
+    rows.extend(parts::rows(inputs));
+    rows.extend(lathe::rows());
+    rows.extend(contradictions::rows(inputs, &model.round()?));
+    let (own, curves) = model.rows()?;
+    rows.extend(own);
+    Ok(Reproduction { rows, curves })
+}
