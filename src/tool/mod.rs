@@ -33,9 +33,9 @@ mod ways;
 pub(crate) use chain::Element;
 pub(crate) use document::{Document, LargestLeft, Measured, WayResult, measured};
 pub(crate) use error::ToolError;
-pub(crate) use left::{Remainder, Tool, remainders};
 #[cfg(test)]
-pub(crate) use left::{largest, moves_of};
+pub(crate) use left::largest;
+pub(crate) use left::{Remainder, Tool, moves_of, remainders};
 pub(crate) use nose_file::read_nose;
 pub(crate) use register::Setting;
 #[cfg(test)]
