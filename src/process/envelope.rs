@@ -36,9 +36,12 @@ const STEP_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 /// Distance of the first knots, mm: a tenth of the smallest nose radius of ISO 3685, so that every
 /// fillet has several.
 const FIRST_MM: f64 = 0.04;
-/// Least distance of knots, mm: nearer than this a step of the radius is a shoulder.
-const LEAST_MM: f64 = 1e-6;
-/// Largest departure of the line between knots, mm: a fiftieth of the best uncertainty of a gauge.
+/// Least distance of knots, mm: five times the departure, so that a jump is divided down to it.
+const LEAST_MM: f64 = 1e-5;
+/// Rise over that length from which it is a shoulder, mm: the chord next to the steepest point of
+/// the nose's edge rises by 1/tan(STEP/2) as much, .011 mm.
+const SHOULDER_MM: f64 = 0.02;
+/// Largest distance of the surface from the line between knots, mm: a fiftieth of the best uncertainty of a gauge.
 const CHORD_MM: f64 = 2e-6;
 /// Cosine below which a move runs along X and has no length in z.
 const ALONG_X: f64 = 1e-9;
@@ -105,7 +108,7 @@ impl NosePath {
     fn refine(&self, (a, b): ((f64, f64), (f64, f64)), into: &mut Vec<(f64, f64)>) -> Result<(), f64> {
         let knot = |z: f64| self.radius_mm(z).map(|r| (z, r)).ok_or(z);
         if b.0 - a.0 <= LEAST_MM {
-            if (b.1 - a.1).abs() > b.0 - a.0 {
+            if (b.1 - a.1).abs() > SHOULDER_MM {
                 let z = 0.5 * (a.0 + b.0);
                 into.extend([(z, a.1), (z, b.1)]);
             }
@@ -130,10 +133,10 @@ fn touching(nose: &NoseProfile, way: DVec2) -> Option<DVec2> {
     (n.x > ALONG_X).then(|| -nose.contact(n.to_angle()))
 }
 
-/// How far a knot lies from the line between two, along the radius, mm.
+/// How far a knot lies from the line between two, mm.
 fn away(knot: (f64, f64), a: (f64, f64), b: (f64, f64)) -> f64 {
-    let share = if b.0 > a.0 { (knot.0 - a.0) / (b.0 - a.0) } else { 0.0 };
-    (knot.1 - a.1 - share * (b.1 - a.1)).abs()
+    let (along, to) = (DVec2::new(b.0 - a.0, b.1 - a.1), DVec2::new(knot.0 - a.0, knot.1 - a.1));
+    along.perp_dot(to).abs() / along.length().max(f64::MIN_POSITIVE)
 }
 
 /// The knots without those that lie on the line between others (Douglas and Peucker 1973).
