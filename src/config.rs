@@ -179,7 +179,8 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
     Ok(())
 }
 
-/// Reads the files of `[tool]`, beside the config that names them; their contents replace the names.
+/// Reads the files of `[tool]`, beside the config that names them; their contents replace the
+/// names.
 fn read_tool(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
     let Some(tool) = &mut job.tool else { return Ok(()) };
     let read = |key: &str, name: &str| {

@@ -74,7 +74,7 @@ impl RunTool {
         Ok(())
     }
 
-    /// Fills `[process.tool]` from the tool; `is_set` says which of its keys the config sets itself.
+    /// Fills `[process.tool]` from the tool; `is_set` is whether the config sets a key itself.
     ///
     /// # Errors
     /// A key that contradicts the tool's.

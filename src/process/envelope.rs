@@ -31,7 +31,8 @@ struct Move {
     touching: Option<DVec2>,
 }
 
-/// Distance of the directions that give the nose's edge, rad: 0.1° leave r·Δ²/8 = 0.15 nm of 0.4 mm.
+/// Distance of the directions that give the nose's edge, rad: 0.1° leave r·Δ²/8 = 0.15 nm of
+/// 0.4 mm.
 const STEP_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 /// Distance of the first knots, mm: a tenth of the smallest nose radius of ISO 3685, so that every
 /// fillet has several.
@@ -41,7 +42,8 @@ const LEAST_MM: f64 = 1e-5;
 /// Rise over that length from which it is a shoulder, mm: the chord next to the steepest point of
 /// the nose's edge rises by 1/tan(STEP/2) as much, .011 mm.
 const SHOULDER_MM: f64 = 0.02;
-/// Largest distance of the surface from the line between knots, mm: a fiftieth of the best uncertainty of a gauge.
+/// Largest distance of the surface from the line between knots, mm: a fiftieth of the best
+/// uncertainty of a gauge.
 const CHORD_MM: f64 = 2e-6;
 /// Cosine below which a move runs along X and has no length in z.
 const ALONG_X: f64 = 1e-9;

@@ -11,18 +11,23 @@ use crate::job::Job;
 use crate::render::{BackendChoice, Renderer};
 use crate::tool::Way;
 
-const CONE_DEG: f64 = 24.0;
+/// Half angle of the cone: .25 mm of radius a millimetre.
+fn cone_rad() -> f64 {
+    0.25_f64.atan()
+}
 
 fn job(way: Way) -> Job {
     let mut job = config::load(Path::new("configs/worn_nose.toml")).unwrap();
     job.tool.as_mut().unwrap().way = way;
+    // so stiff that nothing bends: what is left is the nose's
+    job.process.material.youngs_modulus_n_per_mm2 = Some(1e9);
     job
 }
 
 /// e(a) of the example: R and both extents are those of the new nose, so that what is left is what
 /// the nose has lost.
-fn left_mm(deg: f64) -> f64 {
-    0.4 - papers_support(deg.to_radians())
+fn left_mm(a_rad: f64) -> f64 {
+    0.4 - papers_support(a_rad)
 }
 
 fn last_pass(job: &Job) -> PassResult {
@@ -40,13 +45,13 @@ fn the_contour_is_what_the_closed_forms_say() {
     let more = |z: f64| {
         worn.relative_mm(z, crate::plan::Side::Chuck) - drawn.relative_mm(z, crate::plan::Side::Chuck)
     };
-    let cone = 2.0 * left_mm(CONE_DEG) / CONE_DEG.to_radians().cos();
-    for (z, wanted) in [(10.0, 2.0 * left_mm(0.0)), (21.5, cone), (30.0, 2.0 * left_mm(0.0)), (50.0, 0.027)] {
+    let cone = 2.0 * left_mm(cone_rad()) / cone_rad().cos();
+    for (z, wanted) in [(10.0, 2.0 * left_mm(0.0)), (23.0, cone), (30.0, 2.0 * left_mm(0.0)), (50.0, 0.027)] {
         assert!((more(z) - wanted).abs() < 6e-5, "z {z}: {} instead of {wanted}", more(z));
     }
     let (drawn, mended) = job(Way::Path).contours().unwrap();
     let (drawn, mended) = (drawn.unwrap(), mended.unwrap());
-    for z in [10.0, 21.5, 30.0, 39.4, 50.0] {
+    for z in [10.0, 23.0, 30.0, 39.4, 50.0] {
         let of = |c: &crate::plan::Contour| c.relative_mm(z, crate::plan::Side::Chuck);
         // the drawn arc is in chords of .1 µm, twice that on the diameter
         assert!((of(&mended) - of(&drawn)).abs() < 3e-4, "z {z}: {}", of(&mended) - of(&drawn));
@@ -55,7 +60,7 @@ fn the_contour_is_what_the_closed_forms_say() {
 
 /// Mean of the readings between two z less the drawn diameter there, mm.
 fn cone_error_mm(pass: &PassResult, (from, to): (f64, f64)) -> f64 {
-    let drawn = |z: f64| 12.0 - 2.0 * (z - 20.0) * CONE_DEG.to_radians().tan();
+    let drawn = |z: f64| 12.0 - 2.0 * (z - 20.0) * 0.25;
     let read: Vec<f64> = pass
         .readings
         .iter()
@@ -91,7 +96,7 @@ fn the_gauge_measures_what_the_nose_leaves_and_the_path_mends_it() {
     }
     assert!(seen >= 20, "{seen} stations");
     let clear = worn.plan.form.contour().unwrap().tapers[0].clear_mm;
-    let cone = 2.0 * left_mm(CONE_DEG) / CONE_DEG.to_radians().cos();
+    let cone = 2.0 * left_mm(cone_rad()) / cone_rad().cos();
     let (before, after) = (cone_error_mm(&worn, clear), cone_error_mm(&mended, clear));
     println!("cone: {:.2} µm before, {:.2} after; {:.2} by e", 1e3 * before, 1e3 * after, 1e3 * cone);
     // what the gauge itself errs on a cone is common to both
