@@ -142,6 +142,7 @@ fn load_checked(
     let file = path.display().to_string();
     let mut job: Job = parse_numbers(&text, &file)?;
     read_named_files(&mut job, path.parent().unwrap_or(Path::new("")))
+        .and_then(|()| fill_tool(&mut job, &text))
         .and_then(|()| check(&job, &text))
         .map_err(|e| value_error(&text, &file, e))?;
     Ok(job)
@@ -164,6 +165,7 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
             .map_err(|e| SettingError::at(key, format!("{}: cannot be read: {e}", path.display())))
     };
     read_measured_edge(&mut job.optics.esf, folder)?;
+    read_tool(job, folder)?;
     if let Some(name) = job.shaft.contour_file.take() {
         if !job.shaft.contour.is_empty() {
             return Err(SettingError::at(
@@ -175,6 +177,40 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
         job.shaft.contour = read_contour(file).map_err(crate::job::from_render)?;
     }
     Ok(())
+}
+
+/// Reads the files of `[tool]`, beside the config that names them; their contents replace the
+/// names.
+fn read_tool(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
+    let Some(tool) = &mut job.tool else { return Ok(()) };
+    let read = |key: &str, name: &str| {
+        let path = folder.join(name);
+        std::fs::read_to_string(&path)
+            .map_err(|e| SettingError::at(key, format!("{}: cannot be read: {e}", path.display())))
+    };
+    if let Some(name) = tool.file.take() {
+        if tool.stated.is_some() {
+            return Err(SettingError::at("tool.file", "stands beside tool.stated; give one of them"));
+        }
+        let text = read("tool.file", &name)?;
+        let path = folder.join(&name).display().to_string();
+        let found = parse_as(&text, &path).map_err(|e| SettingError::at("tool.file", e.to_string()))?;
+        tool.stated = Some(found);
+    }
+    if let Some(name) = tool.nose.clone() {
+        if !tool.support.is_empty() {
+            return Err(SettingError::at("tool.nose", "stands beside tool.support; give one of them"));
+        }
+        let text = read("tool.nose", &name)?;
+        tool.take_nose(&text)?;
+    }
+    Ok(())
+}
+
+/// Fills `[process.tool]` from the tool's file where the text leaves its keys out.
+fn fill_tool(job: &mut Job, text: &str) -> Result<(), SettingError> {
+    let Some(tool) = &job.tool else { return Ok(()) };
+    tool.fill(&mut job.process.tool, |key| place::of_key(text, key).is_set)
 }
 
 /// Reads the file of a measured edge, beside the config that names it; its samples replace the
@@ -197,8 +233,9 @@ pub(crate) fn read_measured_edge(esf: &mut Esf, folder: &Path) -> Result<(), Set
 /// # Errors
 /// As [`load`].
 pub(crate) fn parse(text: &str, file: &str) -> Result<Job, ConfigError> {
-    let job = parse_numbers(text, file)?;
-    job.check().map_err(|e| value_error(text, file, e))?;
+    let mut job = parse_numbers(text, file)?;
+    let filled = fill_tool(&mut job, text).and_then(|()| job.check());
+    filled.map_err(|e| value_error(text, file, e))?;
     Ok(job)
 }
 

@@ -10,11 +10,11 @@
 //!
 //! `part` (with `part_section`), `scan`, `nc_job`, `probe` and `follow` are tables and plans of the
 //! loop; `stations` are a function of its part, `sections` make of a drawing a contour that can be
-//! turned; `simulated` is the whole job, `drawn` what a picture of it needs,
-//! `workpiece` what the model-based controller takes from it, `edge` and `gauge_settings` give the
-//! gauge the edge of the job's own optics; `error` is what a check refuses. A new table of the loop
-//! is a field of both with a check of its own, called in [`LoopJob::check`]; one of the simulation
-//! a field of [`Job`] alone.
+//! turned; `simulated` is the whole job, `run_tool` its tool with a worn nose, `drawn` what a
+//! picture of it needs, `workpiece` what the model-based controller takes from it, `edge` and
+//! `gauge_settings` give the gauge the edge of the job's own optics; `error` is what a check
+//! refuses. A new table of the loop is a field of both with a check of its own, called in
+//! [`LoopJob::check`]; one of the simulation a field of [`Job`] alone.
 
 #[cfg(feature = "render")]
 mod drawn;
@@ -32,6 +32,8 @@ mod part;
 mod part_facts;
 mod part_section;
 mod probe;
+#[cfg(feature = "render")]
+mod run_tool;
 mod scan;
 mod sections;
 #[cfg(feature = "render")]
@@ -55,5 +57,7 @@ pub(crate) use edge::NominalEdge;
 pub(crate) use edge::sampled_edge;
 #[cfg(feature = "render")]
 pub(crate) use error::from_render;
+#[cfg(feature = "render")]
+pub use run_tool::RunTool;
 #[cfg(feature = "render")]
 pub use simulated::Job;

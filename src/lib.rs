@@ -64,7 +64,7 @@ pub mod process;
 #[cfg(feature = "render")]
 pub mod render;
 pub mod source;
-#[cfg(feature = "cli")]
+#[cfg(feature = "render")]
 pub(crate) mod tool;
 // -- 2 composition: where stages meet
 pub mod cell;

@@ -106,8 +106,10 @@ fn formed(job: &Job) -> Result<Shaft, RenderError> {
 }
 
 fn base_form_of(job: &Job, formed: &Shaft) -> Result<BaseForm, RenderError> {
+    let (contour, worn) = job.contours()?;
     Ok(BaseForm {
-        contour: job.loop_job().contour_to_turn()?,
+        contour,
+        worn,
         lobes: formed.lobes.clone(),
         eccentricity: formed.eccentricity,
         bow: formed.bow.clone(),

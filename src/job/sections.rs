@@ -297,6 +297,18 @@ fn check_entry(entry: &PartSection, piece: &Piece, key: &dyn Fn(&str) -> String)
     ))
 }
 
+/// A contour whose surface is another one than the drawn one, given by knots (z, radius) in mm of
+/// the drawing without its aims. Beside a shoulder that is moved the aims step where the drawn one
+/// stands, some micrometres away.
+#[cfg(feature = "render")]
+pub(super) fn with_surface(drawn: &Contour, points: &[ContourPoint], knots: &[(f64, f64)]) -> Contour {
+    let largest = points.iter().map(|p| p.diameter_mm).fold(0.0, f64::max);
+    let knot = |&(z_mm, radius): &(f64, f64)| ContourKnot { z_mm, relative_mm: 2.0 * radius - largest };
+    let mut made = Contour { knots: knots.iter().map(knot).collect(), ..drawn.clone() };
+    raise_by_aims(&mut made);
+    made
+}
+
 /// Raises the contour by the aims: constant over a section, linear from one to the next.
 fn raise_by_aims(contour: &mut Contour) {
     let mut aims = Vec::new();

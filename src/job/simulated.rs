@@ -8,12 +8,13 @@ use super::field_of_view::FieldOfView;
 use super::loop_job::LoopJob;
 use super::nc_job::NcJob;
 use super::part::Part;
+use super::run_tool::{self, RunTool};
 use super::scan::{Masters, Scan, ScanWhen};
 use super::workpiece;
 use crate::control::{ControlSettings, ControllerName};
 use crate::gauge::GaugeSettings;
 use crate::gauge::calibration::Conditions;
-use crate::plan::CuttingData;
+use crate::plan::{Contour, CuttingData};
 use crate::probe::ProbeSettings;
 use crate::process::ProcessSettings;
 use crate::render::contamination::Contamination;
@@ -62,6 +63,9 @@ pub struct Job {
     pub departures: SetupDeviations,
     /// The turning process.
     pub process: ProcessSettings,
+    /// The tool by its file, and its measured nose: what a worn one leaves is what is cut.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tool: Option<RunTool>,
     /// The gauge.
     pub gauge: GaugeSettings,
     /// A touch probe: where it stands, the loop takes its diameters from it in place of the camera.
@@ -94,6 +98,7 @@ impl Default for Job {
             contamination: Contamination::default(),
             departures: SetupDeviations::default(),
             process: ProcessSettings::default(),
+            tool: None,
             gauge: GaugeSettings::default(),
             probe: None,
             control: ControlSettings::default(),
@@ -152,6 +157,20 @@ impl Job {
         Ok(LoopJob { gauge: self.gauge_settings()?, ..self.loop_job() })
     }
 
+    /// The contour to be turned, and the one that the tool's worn nose leaves in its place; none
+    /// of a plain shaft.
+    ///
+    /// # Errors
+    /// A contour that cannot be turned, a nose that cannot turn it.
+    pub(crate) fn contours(&self) -> Result<(Option<Contour>, Option<Contour>), SettingError> {
+        let part = self.loop_job();
+        let drawn = part.contour_to_turn()?;
+        let path = self.tool.as_ref().map(|tool| tool.path(&part, self.nc.as_ref())).transpose()?.flatten();
+        let worn = drawn.as_ref().zip(path).map(|(drawn, path)| run_tool::worn(&part, drawn, &path));
+        let worn = worn.transpose()?;
+        Ok((drawn, worn))
+    }
+
     /// The camera's data sheet.
     fn field_of_view(&self) -> FieldOfView {
         FieldOfView {
@@ -197,6 +216,7 @@ impl Job {
         self.check_setup()?;
         self.process.validate()?;
         in_loop.check_stages()?;
+        self.tool.as_ref().map_or(Ok(None), |tool| tool.path(&in_loop, self.nc.as_ref()))?;
         in_loop.check_instrument()
     }
 

@@ -8,15 +8,17 @@
 //! From the tool to the part: `tool` and `tool_factors`, `material`, the force laws (`force`,
 //! `kienzle`, with `force_components`), the beam (`beam`, `line`, `fem`, `stepped`: different
 //! methods), `bending` (the supported shaft under all loads), `disturbance`, `texture`, `grid` (the
-//! nodes along plain and stepped shafts) and `turning`, which joins them in a pass. `settings` is
-//! the `[process]` table. A new force law is a variant of `ForceLaw`; a new cause of error a table
-//! of `settings` and a term in `turning`.
+//! nodes along plain and stepped shafts), `envelope` (the surface that a measured nose leaves on
+//! its path) and `turning`, which joins them in a pass. `settings` is the `[process]` table. A new
+//! force law is a variant of `ForceLaw`; a new cause of error a table of `settings` and a term in
+//! `turning`.
 
 pub(crate) mod beam;
 pub(crate) mod bending;
 mod check;
 mod cut;
 mod disturbance;
+mod envelope;
 pub(crate) mod fem;
 pub(crate) mod fit;
 mod force;
@@ -44,6 +46,7 @@ pub use self::{
     turning::{BaseForm, ProcessError, Stock, TurningProcess},
 };
 pub(crate) use crate::plan::FeedDirection;
+pub(crate) use envelope::NosePath;
 #[cfg(test)]
 pub(crate) use force::DepthLaw;
 pub(crate) use force::FITTED_TO;

@@ -105,6 +105,9 @@ pub struct BaseForm {
     pub pose: Pose,
     /// The contour of a stepped shaft: the blank has it with the allowance of all passes.
     pub(crate) contour: Option<Contour>,
+    /// The same contour as a worn nose leaves it; every pass leaves this one. None where the tool
+    /// leaves the contour itself.
+    pub(crate) worn: Option<Contour>,
 }
 
 /// A workpiece in the machine, pass after pass.
@@ -118,6 +121,10 @@ pub struct TurningProcess {
     diameter_mm: Vec<f64>,
     force_factor: f64,
     cuts: u32,
+    /// Whether this blank has been cut.
+    turned: bool,
+    /// What the worn nose adds to the diameter at every node, mm.
+    left_mm: Vec<f64>,
     /// Passes since the machine was cold.
     since_cold: u32,
     /// Recession of the edge when the next pass starts, mm (radial).
@@ -162,9 +169,11 @@ impl TurningProcess {
             form: form.clone(),
             seed,
             diameter_mm: blank,
+            left_mm: left_by_nose_mm(&grid, form),
             grid,
             force_factor: settings.disturbance.force_factor(seed),
             cuts: 0,
+            turned: false,
             since_cold: 0,
             wear_mm: 0.0,
             last_cut: None,
@@ -201,14 +210,12 @@ impl TurningProcess {
     /// and chamfers are finer than the nodes) between them.
     fn profile(&self) -> Vec<ProfileKnot> {
         let knot = |(z_mm, diameter): (f64, &f64)| ProfileKnot { z_mm, radius_mm: 0.5 * diameter };
-        let Some(contour) = &self.form.contour else {
+        let Some((contour, relative)) = self.surface() else {
             return self.node_z_mm().zip(&self.diameter_mm).map(knot).collect();
         };
-        let excess: Vec<(f64, f64)> = self
-            .node_z_mm()
-            .zip(self.diameter_mm.iter().zip(self.grid.relative_mm()))
-            .map(|(z, (d, relative))| (z, d - relative))
-            .collect();
+        let over = |(z, (d, relative)): (f64, (&f64, f64))| (z, d - relative);
+        let excess: Vec<(f64, f64)> =
+            self.node_z_mm().zip(self.diameter_mm.iter().zip(relative)).map(over).collect();
         let mut places: Vec<(f64, Side)> = Vec::new();
         let own = contour.knots.iter().map(|k| k.z_mm);
         let mut z_mm: Vec<f64> = own.chain(self.node_z_mm()).collect();
@@ -224,6 +231,18 @@ impl TurningProcess {
         let mut knots: Vec<ProfileKnot> = places.into_iter().map(at).collect();
         knots.dedup();
         knots
+    }
+
+    /// The contour that the surface has now, and its diameter at every node less the largest one,
+    /// mm; none of a plain shaft.
+    fn surface(&self) -> Option<(&Contour, Vec<f64>)> {
+        let relative = self.grid.relative_mm();
+        match &self.form.worn {
+            Some(worn) if self.turned => {
+                Some((worn, relative.iter().zip(&self.left_mm).map(|(r, left)| r + left).collect()))
+            }
+            _ => Some((self.form.contour.as_ref()?, relative.to_vec())),
+        }
     }
 
     /// What the last pass cut.
@@ -275,6 +294,7 @@ impl TurningProcess {
         self.diameter_mm = nodes.iter().map(|n| n.after).collect();
         self.wear_mm += 1e-3 * self.settings.disturbance.wear_um_per_pass;
         self.cuts += 1;
+        self.turned = true;
         self.since_cold += 1;
         Ok(self.last_cut.insert(summary))
     }
@@ -388,13 +408,9 @@ impl TurningProcess {
         let contour = plan.form.contour()?;
         let offsets = contour.offset_knots(&plan.station_z_mm, &plan.offset.o_mm);
         let z = self.grid.z_mm();
-        // The first of two nodes at a shoulder is the side of the chuck.
-        let side = |node: usize| {
-            if node > 0 && z[node - 1] == z[node] { Side::Tailstock } else { Side::Chuck }
-        };
         let at = |node: usize| {
-            let offset = value_at(&offsets, z[node], side(node), |o| *o);
-            plan.nominal_mm + self.grid.relative_mm()[node] - offset
+            let offset = value_at(&offsets, z[node], grid_side(z, node), |o| *o);
+            plan.nominal_mm + self.grid.relative_mm()[node] + self.left_mm[node] - offset
         };
         Some((0..z.len()).map(at).collect())
     }
@@ -474,6 +490,30 @@ fn stock_diameters_mm(grid: &Grid, diameter_mm: f64, (form_mm, step_mm): (&[f64]
         .zip(grid.relative_mm())
         .map(|(z, relative)| diameter_mm + relative + form(*z))
         .collect()
+}
+
+/// What a worn nose adds to the diameter at every node, mm: in the middle of a section or taper it
+/// is that of its whole surface, and over whatever lies between two of them it is taken linear. The
+/// surface beside corners follows from the contour, not from the nodes.
+fn left_by_nose_mm(grid: &Grid, form: &BaseForm) -> Vec<f64> {
+    let (Some(drawn), Some(worn)) = (&form.contour, &form.worn) else {
+        return vec![0.0; grid.z_mm().len()];
+    };
+    let sections = drawn.sections.iter().map(|s| (s.ends_mm, s.clear_mm));
+    let mut left: Vec<(f64, f64)> = Vec::new();
+    for (ends, clear) in sections.chain(drawn.tapers.iter().map(|t| (t.ends_mm, t.clear_mm))) {
+        let z = 0.5 * (clear.0 + clear.1);
+        let more = worn.relative_mm(z, Side::Chuck) - drawn.relative_mm(z, Side::Chuck);
+        left.extend([(ends.0, more), (ends.1, more)]);
+    }
+    left.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let z = grid.z_mm();
+    (0..z.len()).map(|node| value_at(&left, z[node], grid_side(z, node), |l| *l)).collect()
+}
+
+/// The side of a node: the first of two at a shoulder is the side of the chuck.
+fn grid_side(z_mm: &[f64], node: usize) -> Side {
+    if node > 0 && z_mm[node - 1] == z_mm[node] { Side::Tailstock } else { Side::Chuck }
 }
 
 /// Value at `z` on the line through knots `upper - 1` and `upper`; the only value where there is

@@ -26,7 +26,6 @@ pub mod optimize;
 pub(crate) mod parts;
 pub(crate) mod reproduce_000;
 pub(crate) mod reproduce_003;
-#[cfg(feature = "cli")]
 pub(crate) mod reproduce_004;
 pub(crate) mod reproduction;
 pub(crate) mod stability;

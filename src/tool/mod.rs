@@ -33,9 +33,7 @@ mod ways;
 pub(crate) use chain::Element;
 pub(crate) use document::{Document, LargestLeft, Measured, WayResult, measured};
 pub(crate) use error::ToolError;
-#[cfg(test)]
-pub(crate) use left::moves_of;
-pub(crate) use left::{Remainder, Tool, largest, remainders};
+pub(crate) use left::{Remainder, Tool, largest, moves_of, remainders};
 pub(crate) use nose_file::read_nose;
 pub(crate) use register::{Setting, Stated};
 #[cfg(test)]

@@ -10,10 +10,13 @@ use crate::nose::ToolGeometry;
 use crate::outline::Outline;
 
 /// What a program changes about a worn nose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Way {
     /// The drawing's contour with G41 or G42 and the register as it is.
+    #[default]
     Register,
     /// The drawing's contour with the register radius that leaves least on this part.
     BestRegister,

@@ -117,6 +117,7 @@ impl TurningProcess {
         let (passed, law) = self.passed(plan)?;
         let mut left = self.clone();
         left.diameter_mm = passed.nodes.iter().map(|n| n.after).collect();
+        left.turned = true;
         Ok(FollowedPass { process: self.clone(), surface: left.shaft(plan), nodes: passed.nodes, law })
     }
 }

@@ -7,3 +7,4 @@ mod followed;
 mod force;
 mod line;
 mod pass;
+mod worn;

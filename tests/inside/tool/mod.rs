@@ -1,7 +1,9 @@
 //! Worn noses and what they leave: closed forms, envelopes by brute force, paths and programs.
 
 mod compensation;
+mod cut;
 mod envelope;
 mod parts;
 mod profile;
 mod program;
+mod worn_part;
