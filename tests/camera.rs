@@ -127,7 +127,8 @@ fn what_is_set_is_restored_at_the_end() {
             let exposure = &frame["exposure_us"];
             assert_eq!((&exposure["value"], &exposure["from"]), (&40.0.into(), &"chunk".into()), "{frame}");
             assert_eq!(&frame["angle_deg"]["from"], "chunk", "{frame}");
-            assert!(frame["exposed_host_t_ns"].as_u64() <= frame["host_t_ns"].as_u64(), "{frame}");
+            let [exposed, host] = ["exposed_host_t_ns", "host_t_ns"].map(|key| frame[key].as_u64().unwrap());
+            assert!(exposed < host && host - exposed < 10_000_000_000, "{frame}");
         }
         assert_eq!((client.float("ExposureTime"), client.get("ChunkModeActive")), (40.0, 1));
         // a second client is refused, the first one loses nothing
@@ -136,8 +137,6 @@ fn what_is_set_is_restored_at_the_end() {
         interrupt(&running);
         running.end();
         assert_eq!((client.float("ExposureTime"), client.get("ChunkModeActive")), (50.0, 0), "{command}");
-        client.take_control(2).unwrap();
-        client.write_register(0x0A00, 0).unwrap();
     }
 }
 

@@ -21,7 +21,8 @@ const LATCH: u32 = 2;
 /// Longest time from latch to latch: by then the rate is that of 10 s or more, within 4 parts per
 /// million at a bound of 20 µs.
 const LONGEST: Duration = Duration::from_secs(10);
-/// Time to the second latch: a loaded host's bound of 1 ms is a quarter of the rate that is refused.
+/// Time to the second latch: a loaded host's bound of 1 ms is a quarter of the rate that is
+/// refused.
 const SHORTEST: Duration = Duration::from_secs(4);
 
 /// The clock of a camera.

@@ -7,7 +7,7 @@
 //! `find` is discovery, `features` access by name, `guard` what alters grey values and is set off,
 //! refused and restored, `image` the seven pixel formats, `ids` block ids to numbers, `chunks` and
 //! `clock` what comes beside the pixels, `watchdog` when a silent camera is asked; `session` joins
-//! them from opening to closing, `camera` opens again a camera that was away. One more feature
+//! them from opening to closing, `live_camera` opens again a camera that was away. One more feature
 //! that alters grey values is a line in `guard`.
 
 #![cfg_attr(
@@ -15,7 +15,6 @@
     allow(dead_code, unused_imports, reason = "the program opens cameras; the library alone does not")
 )]
 
-mod camera;
 mod chunks;
 mod clock;
 mod error;
@@ -24,7 +23,10 @@ mod find;
 mod guard;
 mod ids;
 mod image;
+mod live_camera;
 mod session;
+mod settings;
 mod watchdog;
 
-pub(crate) use self::camera::{Camera, CameraSettings, WhenGone};
+pub(crate) use self::live_camera::Camera;
+pub(crate) use self::settings::{CameraSettings, WhenGone};

@@ -6,13 +6,13 @@ use viva_genicam::gencp::StatusCode;
 use viva_genicam::gige::{DeviceInfo, GigeError, GigeStatus};
 use viva_genicam::{ControlState, Frame as Block, FrameStream, GenicamError, StreamOptions, blocking};
 
-use super::camera::CameraSettings;
 use super::chunks::{ChunkValues, Chunks};
 use super::clock::DeviceClock;
 use super::error::CameraError;
 use super::features::{Device, Features};
 use super::guard::{Restore, guard};
 use super::image::ImageLayout;
+use super::settings::CameraSettings;
 use crate::frame::Roi;
 use crate::source::live::{Known, Provenance};
 

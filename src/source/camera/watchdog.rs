@@ -12,8 +12,8 @@ const SILENCE: Duration = Duration::from_millis(400);
 const PERIODS: u32 = 3;
 /// Longest wait for an answer to a discovery: a thousand times what it takes on a free link.
 pub(super) const ANSWER: Duration = Duration::from_millis(250);
-/// Silence of the stream, while the camera answers, that has a cause: twenty times [`SILENCE`], so that
-/// a head that is slow to take its first frame is not meant.
+/// Silence of the stream, while the camera answers, that has a cause: twenty times [`SILENCE`], so
+/// that a head that is slow to take its first frame is not meant.
 const BLOCKED: Duration = Duration::from_secs(8);
 
 /// What is to be done.

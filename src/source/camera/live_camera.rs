@@ -11,6 +11,7 @@ use super::guard::Restore;
 use super::ids::Ids;
 use super::image::ImageLayout;
 use super::session::Session;
+use super::settings::{CameraSettings, WhenGone};
 use super::watchdog::{ANSWER, Watch, Watchdog};
 use crate::frame::{Frame, FrameMeta};
 use crate::source::host_clock::host_t_ns;
@@ -22,26 +23,6 @@ use crate::source::spare::Spare;
 const PAUSE: Duration = Duration::from_millis(250);
 /// Memory of frames that is kept: one that is made and one that comes back.
 const SPARE: usize = 2;
-
-/// What becomes of a camera that is gone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum WhenGone {
-    /// It ends the source with the reason: a series of measurements is cut short.
-    Ends,
-    /// It is looked for until it is back.
-    Returns,
-}
-
-/// What a camera is opened with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CameraSettings {
-    /// Exposure time to set, µs; `None` leaves the camera's.
-    pub exposure_us: Option<f64>,
-    /// Gain to set, dB; `None` leaves the camera's.
-    pub gain_db: Option<f64>,
-    /// What becomes of a camera that is gone.
-    pub when_gone: WhenGone,
-}
 
 /// A GigE Vision camera.
 pub(crate) struct Camera {
