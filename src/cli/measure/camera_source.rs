@@ -7,6 +7,10 @@ use crate::source::live::Producer;
 
 /// A camera as it is asked for.
 #[derive(Debug)]
+#[cfg_attr(
+    not(feature = "camera"),
+    allow(dead_code, reason = "a program without cameras refuses it by its name")
+)]
 pub(crate) struct CameraSource {
     /// IPv4 address, serial number or user-defined name.
     pub(super) name: String,
@@ -35,7 +39,7 @@ impl CameraSource {
     /// Always.
     #[cfg(not(feature = "camera"))]
     pub(super) fn producer(self, _returns: bool) -> Result<Box<dyn Producer>, Failure> {
-        let Self { name, exposure_us: _, gain_db: _ } = self;
+        let name = self.name;
         Err(Failure::refuse(format!(
             "gige:{name}: this program was built without the feature camera; build it with it, pipe the camera's frames \
              into raw:- or follow the folder that it writes to"
