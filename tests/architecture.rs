@@ -113,6 +113,9 @@ fn violations(source: &Source) -> Vec<String> {
         if first == Some("wgpu") && !source.file.starts_with("src/render/gpu") {
             bad.push(format!("{file}: wgpu belongs under src/render/gpu: {text}"));
         }
+        if first == Some("viva_genicam") && !source.file.starts_with("src/source/camera") {
+            bad.push(format!("{file}: viva_genicam belongs under src/source/camera: {text}"));
+        }
         let is_fs =
             path.len() > 1 && path[0] == "std" && path[1] == "fs" || first == Some("fs") && path.len() > 1;
         if is_fs && !FILE_SYSTEM_ROOMS.contains(&room) {
@@ -208,7 +211,7 @@ fn findings(files: &[(&str, &str)]) -> Vec<String> {
 }
 
 /// A planted file, and the violation that must be found.
-const PLANTED: [(&str, &str); 26] = [
+const PLANTED: [(&str, &str); 27] = [
     ("src/gauge/edges.rs", "use crate::render::Renderer;"),
     ("src/gauge/edges.rs", "fn f() { let x = crate::truth::station(); }"),
     ("src/gauge/edges.rs", "use crate::shaft::Shaft;"),
@@ -223,6 +226,7 @@ const PLANTED: [(&str, &str); 26] = [
     ("src/frame.rs", "use crate::gauge::Gauge;"),
     ("src/frame.rs", "use crate::plan::ScanPlan;"),
     ("src/render/twin.rs", "use wgpu::Device;"),
+    ("src/source/follow.rs", "fn f() { viva_genicam::blocking::discover(wait()); }"),
     ("src/render/kernel/cpu.rs", "use super::super::scene::Scene;"),
     ("src/render/kernel/cpu.rs", "use crate::render::FrameRequest;"),
     ("src/render/optics/lens/mod.rs", "macro_rules! m { () => { $crate::render::gpu::open() } }"),

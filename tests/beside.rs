@@ -89,7 +89,18 @@ fn judge_series(document: &str) {
 fn judge_tree(text: &str) {
     let names: Vec<&str> = text.lines().filter_map(|line| line.split(' ').next()).collect();
     assert!(names.contains(&"shadowgauge") && names.contains(&"nalgebra"), "{text}");
-    for name in ["wgpu", "naga", "clap", "plotters", "parquet", "indicatif", "miette", "toml"] {
+    for name in [
+        "wgpu",
+        "naga",
+        "clap",
+        "plotters",
+        "parquet",
+        "indicatif",
+        "miette",
+        "toml",
+        "viva-genicam",
+        "tokio",
+    ] {
         assert!(!names.contains(&name), "{name} is pulled in:\n{text}");
     }
 }

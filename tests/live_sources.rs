@@ -147,7 +147,9 @@ fn the_simulated_head_is_measured_scan_by_scan() {
 fn what_is_no_source_is_refused_with_what_would_be_right() {
     for (arguments, word) in [
         (&["measure", "usb:0"][..], "gige:NAME"),
-        (&["measure", "gige:10.0.0.7"], "no client"),
+        (&["measure", "gige:"], "IP address"),
+        (&["measure", "raw:a.bin", "--raw", "4x4:mono8", "--exposure-us", "50"], "sets a camera"),
+        (&["watch", "gige:head", "--exposure-us", "0"], "above 0"),
         (&["measure", "replay:a.mcap"], "MCAP"),
         (&["measure", "raw:a.bin"], "--raw WIDTHxHEIGHT:FORMAT"),
         (&["measure", "raw:"], "missing"),
@@ -156,7 +158,6 @@ fn what_is_no_source_is_refused_with_what_would_be_right() {
         (&["measure", "raw:a.bin", "b.png", "--raw", "4x4:mono8"], "stands alone"),
         (&["measure", "--follow", ".", "--raw", "4x4:mono8"], "--follow"),
         (&["measure", "raw:a.bin", "--raw", "4x4:mono8", "--bench", "3"], "--bench"),
-        (&["watch", "gige:head"], "no client"),
         (&["watch", "raw:a.bin"], "--raw"),
         (&["watch", "a.png", "--um-per-px", "file"], "17.4"),
         (&["watch", "a.png", "--tolerance", "25 h6"], "--um-per-px"),
@@ -173,5 +174,15 @@ fn what_is_no_source_is_refused_with_what_would_be_right() {
         let output = shadowgauge(&arguments);
         let words = said(&output);
         assert!(!output.status.success() && words.contains("nowhere"), "{source}: {words}");
+    }
+}
+
+#[cfg(not(feature = "camera"))]
+#[test]
+fn a_program_without_cameras_refuses_them_by_its_feature() {
+    for command in ["measure", "watch"] {
+        let output = shadowgauge([command, "gige:10.0.0.7"]);
+        let words = said(&output);
+        assert!(output.status.code() == Some(2) && words.contains("without the feature camera"), "{words}");
     }
 }

@@ -56,6 +56,7 @@ impl SimulatedHead {
         LiveMeta {
             sequence: of.frame_id,
             device_t: Some(Timestamp { t_ns: of.t_ns, clock: Clock::Simulated }),
+            exposed_t: None,
             host_t: Some(Timestamp { t_ns: host_t_ns(), clock: Clock::Host }),
             exposure_us: Some(Known::simulated(of.exposure_us)),
             gain_db: None,

@@ -1,5 +1,5 @@
 //! Where the frames of a command come from: files, a folder that is followed, or a stream: stdin,
-//! raw pixels, Y4M, the simulated head.
+//! raw pixels, Y4M, the simulated head, a camera.
 //!
 //! One more kind of source is a variant of [`Address`](crate::source) and an arm of
 //! [`StreamSource`]: images to be decoded are an iterator, a source with events of its own (a
@@ -12,6 +12,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use super::camera_source::CameraSource;
+use super::closing::Closing;
 use super::frames::paths;
 use crate::cell::{HeadPace, SimulatedHead};
 use crate::cli::failure::Failure;
@@ -27,6 +29,9 @@ use crate::source::{Address, Ahead, Channel, FileFrames, Follow, Piped, Spare, T
 const PIPE: usize = 1 << 16;
 /// Frames of a live source that wait while one is measured: as many as are decoded ahead at least.
 const WAITING: usize = 4;
+/// Frames of a camera that wait: a camera does not wait itself, and half a second at 30 frames/s
+/// covers what a loaded machine does beside.
+const OF_CAMERA: usize = 16;
 
 /// Images to be decoded on other threads.
 type Images = Box<dyn Iterator<Item = Taken> + Send>;
@@ -37,11 +42,13 @@ pub(crate) struct InputArgs {
     /// Images, stacks or folders of images (grey PNG, TIFF, JPEG, BMP, PGM), in this order; a
     /// folder's by the numbers in their names. Or one stream: `-` is images one after another on
     /// stdin (PNG, raw PGM and its kin, BMP, JPEG) or Y4M, FILE.y4m its grey frames, `raw:-` and
-    /// `raw:FILE` pixels as --raw states them, `sim:CONFIG.toml` one scan of a config's shaft.
+    /// `raw:FILE` pixels as --raw states them, `sim:CONFIG.toml` one scan of a config's shaft,
+    /// `gige:IP` and `gige:NAME` (serial number or user-defined name) a GigE Vision camera until
+    /// Ctrl-C.
     #[arg(required_unless_present = "follow", conflicts_with = "follow")]
     input: Vec<PathBuf>,
     #[command(flatten)]
-    raw: RawArgs,
+    stream: StreamArgs,
     /// Folder that a camera drops images into: each is measured once, as soon as it is whole. Ends
     /// on Ctrl-C or by --idle-s.
     #[arg(long, value_name = "DIR")]
@@ -51,13 +58,29 @@ pub(crate) struct InputArgs {
     idle_s: Option<Duration>,
 }
 
-/// The layout of raw pixels.
+/// What a stream needs besides its name.
 #[derive(Debug, clap::Args)]
-pub(crate) struct RawArgs {
+pub(crate) struct StreamArgs {
     /// Size and pixel format of `raw:-` and `raw:FILE`: mono8, mono10, mono12, mono16 (little
     /// endian), mono10p, mono12p, mono12packed.
     #[arg(long, value_name = "WIDTHxHEIGHT:FORMAT")]
     raw: Option<RawLayout>,
+    /// Exposure time that a camera (`gige:`) is set to, µs; it has its own back at the end. Without
+    /// it the camera's own is left.
+    #[arg(long, value_name = "US", value_parser = exposure_us)]
+    exposure_us: Option<f64>,
+    /// Gain that a camera (`gige:`) is set to, dB; it has its own back at the end. Without it the
+    /// camera's own is left.
+    #[arg(long, value_name = "DB", value_parser = gain_db, allow_negative_numbers = true)]
+    gain_db: Option<f64>,
+}
+
+impl StreamArgs {
+    /// The option of a camera that is given, for messages.
+    fn of_camera(&self) -> Option<&'static str> {
+        let exposure = self.exposure_us.map(|_| "--exposure-us");
+        exposure.or(self.gain_db.map(|_| "--gain-db"))
+    }
 }
 
 impl InputArgs {
@@ -77,6 +100,24 @@ pub(crate) fn seconds(text: &str) -> Result<Duration, String> {
     Some(value).filter(|s| *s > 0.0).and_then(|s| Duration::try_from_secs_f64(s).ok()).ok_or_else(right)
 }
 
+/// Parses an exposure time.
+///
+/// # Errors
+/// What is no time above 0.
+fn exposure_us(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|us: &f64| us.is_finite() && *us > 0.0);
+    value.ok_or_else(|| "a time above 0 is needed, in µs, for instance 50".to_owned())
+}
+
+/// Parses a gain.
+///
+/// # Errors
+/// What is no number.
+fn gain_db(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|db: &f64| db.is_finite());
+    value.ok_or_else(|| "a number of dB is needed, for instance 6".to_owned())
+}
+
 /// A source whose frames come one after another, their number unknown.
 #[derive(Debug)]
 pub(crate) enum StreamSource {
@@ -90,6 +131,8 @@ pub(crate) enum StreamSource {
     Y4m(PathBuf),
     /// The simulated head of a config.
     Simulation(PathBuf),
+    /// A camera, by its address or name.
+    Camera(CameraSource),
 }
 
 impl StreamSource {
@@ -98,10 +141,10 @@ impl StreamSource {
     /// # Errors
     /// Exit 2 for a source that there is not in this build, a terminal, raw pixels without a layout
     /// and a layout without raw pixels.
-    pub(crate) fn of(text: &Path, raw: &RawArgs) -> Result<Option<Self>, Failure> {
+    pub(crate) fn of(text: &Path, args: &StreamArgs) -> Result<Option<Self>, Failure> {
         let address = Address::of(text).map_err(Failure::refuse)?;
         let layout = || {
-            raw.raw.ok_or_else(|| {
+            args.raw.ok_or_else(|| {
                 let shown = text.display();
                 Failure::refuse(format!(
                     "{shown} states no size: give --raw WIDTHxHEIGHT:FORMAT, for instance 2448x2048:mono12"
@@ -116,10 +159,8 @@ impl StreamSource {
             Address::Y4m(path) => Some(Self::Y4m(path)),
             Address::Simulation(path) => Some(Self::Simulation(path)),
             Address::Camera(name) => {
-                return Err(Failure::refuse(format!(
-                    "gige:{name}: this build has no client for GigE Vision cameras; pipe the camera's frames into raw:- \
-                     or follow the folder that it writes to"
-                )));
+                let (exposure_us, gain_db) = (args.exposure_us, args.gain_db);
+                Some(Self::Camera(CameraSource { name, exposure_us, gain_db }))
             }
             Address::Recording(path) => {
                 return Err(Failure::refuse(format!(
@@ -128,7 +169,13 @@ impl StreamSource {
                 )));
             }
         };
-        if raw.raw.is_some() && !matches!(stream, Some(Self::RawStdin(_) | Self::RawFile(..))) {
+        if let Some(option) = args.of_camera().filter(|_| !matches!(stream, Some(Self::Camera(_)))) {
+            return Err(Failure::refuse(format!(
+                "{option} sets a camera (gige:IP, gige:NAME), and {} is none",
+                text.display()
+            )));
+        }
+        if args.raw.is_some() && !matches!(stream, Some(Self::RawStdin(_) | Self::RawFile(..))) {
             return Err(Failure::refuse(format!(
                 "--raw states the size of raw:- and raw:FILE; {} has its own",
                 text.display()
@@ -154,13 +201,21 @@ impl StreamSource {
     /// # Errors
     /// A file that cannot be opened, a config that is refused; a system that refuses threads.
     pub(crate) fn ahead(self, read: &Reading) -> Result<Ahead, Failure> {
-        if let Self::Simulation(config) = self {
-            let settings = LiveSettings { policy: Policy::Block, waiting: WAITING, held: 1 };
-            let live = Live::new(head(&config, HeadPace::Scan)?, settings).map_err(Failure::fail)?;
-            let name = format!("sim:{}", config.display());
-            return read.ahead(taken(live, name, read.stop.clone().unwrap_or_default()));
-        }
-        read.ahead(self.images(read)?)
+        let (producer, policy, waiting, name) = match self {
+            Self::Simulation(config) => {
+                let name = format!("sim:{}", config.display());
+                (head(&config, HeadPace::Scan)?, Policy::Block, WAITING, name)
+            }
+            Self::Camera(camera) => {
+                let name = format!("gige:{}", camera.name);
+                (camera.producer(false)?, Policy::DropNewest, OF_CAMERA, name)
+            }
+            other => return read.ahead(other.images(read)?),
+        };
+        let settings = LiveSettings { policy, waiting, held: 1 };
+        let live = Live::new(producer, settings).map_err(Failure::fail)?;
+        let frames = taken(live, name, read.stop.clone().unwrap_or_default());
+        read.ahead(read.closing.guarded(frames))
     }
 
     /// The source as a producer of live frames.
@@ -170,6 +225,7 @@ impl StreamSource {
     pub(crate) fn producer(self, read: &Reading) -> Result<Box<dyn Producer>, Failure> {
         match self {
             Self::Simulation(config) => head(&config, HeadPace::Live),
+            Self::Camera(camera) => camera.producer(true),
             other => Ok(Box::new(StoredProducer::new(read.ahead(other.images(read)?)?))),
         }
     }
@@ -207,7 +263,8 @@ impl StreamSource {
                 let name = path.display().to_string();
                 Box::new(RawStream::y4m(buffered(opened(&path)?), name).reusing(spare))
             }
-            Self::Simulation(_) => Box::new(std::iter::empty()),
+            // Sources with events of their own.
+            Self::Simulation(_) | Self::Camera(_) => Box::new(std::iter::empty()),
         })
     }
 }
@@ -235,13 +292,14 @@ pub(crate) struct Reading {
     threads: usize,
     spare: Spare,
     stop: Option<Arc<AtomicBool>>,
+    closing: Closing,
 }
 
 impl Reading {
     /// On so many threads, of colour images this channel; a stream ends at Ctrl-C.
     pub(crate) fn new(channel: Option<Channel>, threads: usize, is_stream: bool) -> Self {
         let stop = is_stream.then(interrupt::requested);
-        Self { channel, threads, spare: Ahead::spare(threads), stop }
+        Self { channel, threads, spare: Ahead::spare(threads), stop, closing: Closing::new() }
     }
 
     /// Begins to read images and to decode them.
@@ -287,6 +345,8 @@ pub(crate) struct Opened {
     pub(crate) frames: Ahead,
     /// Whether Ctrl-C ended a stream; `None` for files.
     pub(crate) stop: Option<Arc<AtomicBool>>,
+    /// Waits for the source to close, when it is dropped after the frames.
+    _closing: Closing,
 }
 
 impl Input {
@@ -296,7 +356,7 @@ impl Input {
     /// An input that cannot be read, a folder without images; exit 2 for a stream beside files, and
     /// as [`StreamSource::of`].
     pub(crate) fn of(args: &InputArgs) -> Result<Self, Failure> {
-        if args.follow.is_some() && args.raw.raw.is_some() {
+        if args.follow.is_some() && args.stream.raw.is_some() {
             return Err(Failure::refuse("--raw belongs to raw:- and raw:FILE, not to --follow DIR"));
         }
         if let Some(folder) = &args.follow {
@@ -308,7 +368,7 @@ impl Input {
         }
         for text in &args.input {
             let is_alone = args.input.len() == 1;
-            match StreamSource::of(text, &args.raw)? {
+            match StreamSource::of(text, &args.stream)? {
                 Some(stream) if is_alone => return Ok(Self::Stream(stream)),
                 Some(_) => {
                     let shown = text.display();
@@ -352,6 +412,6 @@ impl Input {
             Self::Folder(folder, idle) => read.followed(folder, idle),
             Self::Stream(stream) => stream.ahead(&read),
         };
-        Ok(Opened { frames: frames?, stop: read.stop })
+        Ok(Opened { frames: frames?, stop: read.stop, _closing: read.closing })
     }
 }

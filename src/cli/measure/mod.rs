@@ -8,7 +8,9 @@
 //! file turns arguments into settings and frames into a [`Stream`](crate::measurement::Stream);
 //! what is measured is in [`measurement`](crate::measurement), where a new result goes too.
 
+mod camera_source;
 mod choice;
+mod closing;
 mod csv_file;
 pub(super) mod document;
 mod edges_file;

@@ -18,7 +18,7 @@ use self::session::{Ended, Session, SessionSettings};
 use self::shown::Shown;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::measure::frames::{FrameArgs, FrameChecks, ScaleArgument, paths};
-use crate::cli::measure::input::{RawArgs, Reading, StreamSource, seconds};
+use crate::cli::measure::input::{Reading, StreamArgs, StreamSource, seconds};
 use crate::cli::measure::instrument_args::InstrumentArgs;
 use crate::cli::measure::{failure, positive_px};
 use crate::cli::process::interrupt;
@@ -35,12 +35,14 @@ const WAITING: usize = 4;
 pub(crate) struct WatchArgs {
     /// Where frames come from: a folder that a camera drops images into, image files, `-` (images
     /// or Y4M on stdin), FILE.y4m, `raw:-` or `raw:FILE` (with --raw), `sim:CONFIG.toml` (the
-    /// simulated head, at its camera's rate). Of a folder, stdin and the simulated head the newest
-    /// frame is measured and those before it are counted as left out; of files every frame.
+    /// simulated head, at its camera's rate), `gige:IP` or `gige:NAME` (a GigE Vision camera by its
+    /// address, serial number or user-defined name; one that is gone is looked for until it is
+    /// back). Of a folder, stdin, a camera and the simulated head the newest frame is measured and
+    /// those before it are counted as left out; of files every frame.
     #[arg(value_name = "SOURCE")]
     source: PathBuf,
     #[command(flatten)]
-    raw: RawArgs,
+    stream: StreamArgs,
     #[command(flatten)]
     instrument: InstrumentArgs,
     #[command(flatten)]
@@ -161,7 +163,7 @@ fn opened(args: &WatchArgs) -> Result<Watched, Failure> {
     let all = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.map_or_else(all, usize::from);
     let read = Reading::new(args.frames.channel(), threads, true);
-    let Some(stream) = StreamSource::of(&args.source, &args.raw)? else {
+    let Some(stream) = StreamSource::of(&args.source, &args.stream)? else {
         return opened_path(&args.source, &read);
     };
     let policy = if stream.is_file() { Policy::Block } else { Policy::DropOldest };

@@ -212,6 +212,7 @@ fn watched_keys(frame: &ShownFrame<'_>) -> Map<String, Value> {
         .map(|s| json!({ "per_min": s.per_minute, "u_per_min": s.u_per_minute, "is_trend": s.is_trend() }));
     let pairs = [
         ("device_clock", meta.device_t.map(|t| json!(clock(t.clock)))),
+        ("exposed_host_t_ns", meta.exposed_t.map(|t| t.t_ns.into())),
         ("dropped", Some(frame.missed.dropped.into())),
         ("valid", Some(frame.measurement.refusal.is_none().into())),
         ("alarm", Some(frame.is_alarmed.into())),
@@ -237,6 +238,7 @@ fn clock(clock: Clock) -> &'static str {
 fn provenance(provenance: Provenance) -> &'static str {
     match provenance {
         Provenance::Chunk => "chunk",
+        Provenance::Register => "register",
         Provenance::TriggerCount => "trigger_count",
         Provenance::Interpolated => "interpolated",
         Provenance::Simulated => "simulated",

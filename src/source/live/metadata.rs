@@ -28,6 +28,8 @@ pub(crate) struct Timestamp {
 pub(crate) enum Provenance {
     /// Latched by the device and delivered with the frame (GenICam chunk data).
     Chunk,
+    /// Read from the device's register before it began to acquire.
+    Register,
     /// From the number of triggers since a reference.
     TriggerCount,
     /// Between two latched samples.
@@ -66,6 +68,8 @@ pub(crate) struct LiveMeta {
     pub sequence: u64,
     /// Start of exposure.
     pub device_t: Option<Timestamp>,
+    /// Start of exposure on this machine's clock, by the map of the device's.
+    pub exposed_t: Option<Timestamp>,
     /// When this machine had the whole frame.
     pub host_t: Option<Timestamp>,
     /// Exposure time, µs.

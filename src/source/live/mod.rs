@@ -11,7 +11,7 @@
 #![allow(
     dead_code,
     unused_imports,
-    reason = "clock map, ids and chunks are a camera's, and no client is built: tests alone use them"
+    reason = "a camera's clock, ids and chunks are used with the feature camera, some kinds by tests alone"
 )]
 
 mod clock_map;

@@ -35,6 +35,7 @@ impl StoredProducer {
         LiveMeta {
             sequence: self.next,
             device_t: arrival.device_t_ns.map(|t_ns| Timestamp { t_ns, clock: Clock::Table }),
+            exposed_t: None,
             host_t: arrival.host_t_ns.map(|t_ns| Timestamp { t_ns, clock: Clock::Host }),
             exposure_us: known(of.exposure_us).filter(|exposure| exposure.value > 0.0),
             gain_db: None,

@@ -1,0 +1,73 @@
+//! Values that a camera sends with every frame (GenICam chunk data).
+//!
+//! Angle and z come under the names of our published head, in degrees and mm. An encoder by the
+//! SFNC alone (`ChunkEncoderValue`) gives counts, whose angle no camera states: not taken here.
+
+use viva_genicam::Frame as Block;
+
+use super::error::CameraError;
+use super::features::{Device, Features};
+use super::guard::Restore;
+use crate::source::live::{Known, Provenance};
+
+/// Entries of `ChunkSelector` that are taken, where the camera has them.
+const ENTRIES: [&str; 5] = ["ExposureTime", "Gain", "EncoderValue", "SpindleAngle", "CarriageZ"];
+
+/// Exposure time, gain, spindle angle and carriage z by their features.
+const FEATURES: [&str; 4] = ["ChunkExposureTime", "ChunkGain", "ChunkSpindleAngle", "ChunkCarriageZ"];
+
+/// Chunk features of a camera that are read from every frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chunks {
+    has: [bool; 4],
+}
+
+/// The values of a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct ChunkValues {
+    /// Exposure time, µs.
+    pub exposure_us: Option<Known<f64>>,
+    /// Gain, dB.
+    pub gain_db: Option<Known<f64>>,
+    /// Spindle angle, degrees.
+    pub angle_deg: Option<Known<f64>>,
+    /// Carriage z, mm.
+    pub z_mm: Option<Known<f64>>,
+}
+
+impl Chunks {
+    /// Switches the chunks on that are read; a camera that has none is left alone.
+    ///
+    /// # Errors
+    /// A camera that states a chunk and does not send it.
+    pub(super) fn enable(camera: &mut Device, restore: &mut Restore) -> Result<Self, CameraError> {
+        let has = FEATURES.map(|name| camera.nodemap().node(name).is_some());
+        let all = camera.entries("ChunkSelector");
+        let wanted: Vec<&str> =
+            ENTRIES.into_iter().filter(|entry| all.iter().any(|known| known == entry)).collect();
+        if !has.contains(&true) || wanted.is_empty() || camera.value("ChunkModeActive").is_none() {
+            return Ok(Self::default());
+        }
+        // Entries can be enabled in the chunk mode alone (SFNC 2.7, ChunkEnable).
+        restore.set(camera, "ChunkModeActive", "true")?;
+        for entry in wanted {
+            restore.set_selected(camera, ("ChunkSelector", entry), ("ChunkEnable", "true"))?;
+        }
+        Ok(Self { has })
+    }
+
+    /// The values of a frame.
+    pub(super) fn values(&self, camera: &mut Device, block: &Block) -> ChunkValues {
+        if block.chunks.is_none() || !self.has.contains(&true) {
+            return ChunkValues::default();
+        }
+        let [exposure_us, gain_db, angle_deg, z_mm] = camera.with_chunks(block, |camera| {
+            let value = |k: usize| {
+                let value = self.has[k].then(|| camera.get_float(FEATURES[k]).ok())??;
+                value.is_finite().then_some(Known { value, provenance: Provenance::Chunk })
+            };
+            [0, 1, 2, 3].map(value)
+        });
+        ChunkValues { exposure_us, gain_db, angle_deg, z_mm }
+    }
+}

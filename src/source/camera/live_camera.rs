@@ -1,0 +1,264 @@
+//! A camera as a live source: frame after frame, and opened again where it was away.
+
+use std::time::{Duration, Instant};
+
+use viva_genicam::Frame as Block;
+use viva_genicam::gige::DeviceInfo;
+
+use super::error::CameraError;
+use super::find;
+use super::guard::Restore;
+use super::ids::Ids;
+use super::image::ImageLayout;
+use super::session::Session;
+use super::settings::{CameraSettings, WhenGone};
+use super::watchdog::{ANSWER, Watch, Watchdog};
+use crate::frame::{Frame, FrameMeta};
+use crate::source::host_clock::host_t_ns;
+use crate::source::live::{Clock, LiveMeta, NewFrame, Produced, Producer, Remarks, Timestamp};
+use crate::source::spare::Spare;
+
+/// Pause between two looks for a camera that is away: half of the time within which it is to be
+/// measured with again, less the time to open it.
+const PAUSE: Duration = Duration::from_millis(250);
+/// Memory of frames that is kept: one that is made and one that comes back.
+const SPARE: usize = 2;
+
+/// A GigE Vision camera.
+pub(crate) struct Camera {
+    device: DeviceInfo,
+    settings: CameraSettings,
+    session: Option<Session>,
+    restore: Restore,
+    /// Size and format of all frames: a camera that returns with others is refused.
+    layout: ImageLayout,
+    ids: Ids,
+    watchdog: Watchdog,
+    /// Why it ended, where it is not looked for again.
+    ended: Option<String>,
+    /// When a camera that is away is looked for next.
+    next_look: Instant,
+    spare: Spare,
+}
+
+impl Camera {
+    /// Finds a camera by its IPv4 address, serial number or user-defined name, and opens it.
+    ///
+    /// # Errors
+    /// No such camera, one that is busy, and one that is set to what is not measured.
+    pub(crate) fn open(name: &str, settings: CameraSettings) -> Result<Self, CameraError> {
+        let device = find::find(name)?;
+        let mut restore = Restore::default();
+        let session = Session::open(&device, &settings, &mut restore)?;
+        let now = Instant::now();
+        introduce(&device, &session);
+        Ok(Self {
+            device,
+            settings,
+            layout: session.setup.layout.clone(),
+            watchdog: Watchdog::new(session.setup.period, now),
+            session: Some(session),
+            restore,
+            ids: Ids::new(),
+            ended: None,
+            next_look: now,
+            spare: Spare::of(SPARE),
+        })
+    }
+
+    /// A block as a frame with its metadata.
+    fn made(&mut self, block: &Block) -> Produced {
+        let host_ns = host_t_ns();
+        let (Some(number), Some(session)) = (self.ids.number(block.block_id), &mut self.session) else {
+            tracing::debug!("a block of id {} is left out", block.block_id);
+            return Produced::Nothing;
+        };
+        let clock = session.setup.clock;
+        let device_ns = block.ts_dev.and_then(|ticks| clock.map(|clock| clock.ns(ticks)));
+        let values = session.values(block);
+        let value = |known: Option<crate::source::live::Known<f64>>| known.map_or(0.0, |known| known.value);
+        let meta = FrameMeta {
+            frame_id: number,
+            t_ns: device_ns.unwrap_or(host_ns),
+            exposure_us: value(values.exposure_us),
+            angle_deg: value(values.angle_deg),
+            z_mm: value(values.z_mm),
+            roi: session.setup.roi,
+            ..FrameMeta::default()
+        };
+        let frame = match self.layout.frame(block, meta, &self.spare) {
+            Ok(frame) => frame,
+            Err(why) => return Produced::Incomplete(number, why),
+        };
+        let on = |clock, t_ns| Timestamp { t_ns, clock };
+        let meta = LiveMeta {
+            sequence: number,
+            device_t: device_ns.map(|ns| on(Clock::Device, ns)),
+            exposed_t: device_ns.and_then(|ns| clock?.host_ns(ns)).map(|ns| on(Clock::Host, ns)),
+            host_t: Some(on(Clock::Host, host_ns)),
+            exposure_us: values.exposure_us,
+            gain_db: values.gain_db,
+            angle_deg: values.angle_deg,
+            z_mm: values.z_mm,
+        };
+        Produced::Frame(Box::new(NewFrame { frame, meta, remarks: Remarks::default() }))
+    }
+
+    /// What no frame means: too early, a camera that is gone, or a stream that does not arrive.
+    fn silent(&mut self) -> Produced {
+        match self.watchdog.look(Instant::now()) {
+            Watch::Quiet => Produced::Nothing,
+            Watch::Ask => self.ask(),
+            Watch::Blocked => self.blocked(),
+        }
+    }
+
+    /// Asks twice whether the camera is there: a datagram may be lost.
+    fn ask(&mut self) -> Produced {
+        let answers = (0..2).any(|_| matches!(find::at(self.device.ip, ANSWER), Ok(Some(_))));
+        let has_control = answers && self.session.as_ref().is_some_and(Session::has_control);
+        let silent_s = self.watchdog.silent(Instant::now()).as_secs_f64();
+        match (answers, has_control) {
+            (true, true) => {
+                self.watchdog.answered(Instant::now());
+                Produced::Nothing
+            }
+            (false, _) => self.gone(format!("it does not answer, and sent no frame for {silent_s:.1} s")),
+            (true, false) => {
+                self.gone("it was restarted, or another program has control of it now".to_owned())
+            }
+        }
+    }
+
+    fn blocked(&mut self) -> Produced {
+        let Some(session) = &self.session else { return Produced::Nothing };
+        let silent_s = self.watchdog.silent(Instant::now()).as_secs_f64();
+        if session.setup.is_triggered {
+            tracing::warn!(
+                "no frame for {silent_s:.0} s: TriggerMode is On, and the camera waits for a trigger"
+            );
+            return Produced::Nothing;
+        }
+        let (receiver, bytes) = session.receiver;
+        let why = match session.unsupported() {
+            0 => format!(
+                "it answers, but no frame came for {silent_s:.0} s: a firewall drops UDP to {receiver}, or the network \
+                 does not carry packets of {bytes} bytes"
+            ),
+            blocks => format!("it sends {blocks} blocks that are no images: set it to a grey PixelFormat"),
+        };
+        match self.settings.when_gone {
+            WhenGone::Ends => Produced::End(Some(why)),
+            WhenGone::Returns => Produced::Lost(why),
+        }
+    }
+
+    /// The camera is gone. What was set cannot be restored before it is back.
+    fn gone(&mut self, why: String) -> Produced {
+        self.session = None;
+        self.ids.restart();
+        self.next_look = Instant::now() + PAUSE;
+        match self.settings.when_gone {
+            WhenGone::Ends => Produced::End(Some(format!("the camera is gone: {why}"))),
+            WhenGone::Returns => Produced::Lost(why),
+        }
+    }
+
+    /// Looks for a camera that is away, once a pause.
+    fn look_again(&mut self, wait: Duration) -> Produced {
+        let left = self.next_look.saturating_duration_since(Instant::now());
+        std::thread::sleep(left.min(wait));
+        if left > wait {
+            return Produced::Nothing;
+        }
+        self.next_look = Instant::now() + PAUSE;
+        let Ok(Some(found)) = find::at(self.device.ip, ANSWER) else { return Produced::Nothing };
+        if found.serial != self.device.serial {
+            let (other, own) = (find::shown(&found), find::shown(&self.device));
+            return Produced::End(Some(format!("another camera came in its place: {other}, not {own}")));
+        }
+        match self.reopened() {
+            Ok(()) => Produced::Nothing,
+            Err(why @ (CameraError::Refused { .. } | CameraError::Format { .. })) => {
+                Produced::End(Some(format!("it came back otherwise: {why}")))
+            }
+            Err(why) => {
+                tracing::debug!("the camera is not open again: {why}");
+                Produced::Nothing
+            }
+        }
+    }
+
+    fn reopened(&mut self) -> Result<(), CameraError> {
+        let mut session = Session::open(&self.device, &self.settings, &mut self.restore)?;
+        if session.setup.layout != self.layout {
+            let found = session.setup.layout.to_string();
+            session.close(&mut self.restore);
+            let why = "frames of the series have another size or format";
+            let right = "what it was";
+            return Err(CameraError::Refused { feature: "the image".to_owned(), found, why, right });
+        }
+        session.start()?;
+        self.watchdog = Watchdog::new(session.setup.period, Instant::now());
+        tracing::info!("the camera is back");
+        self.session = Some(session);
+        Ok(())
+    }
+}
+
+/// What was opened, for the log.
+fn introduce(device: &DeviceInfo, session: &Session) {
+    let ((receiver, bytes), layout) = (session.receiver, &session.setup.layout);
+    let bound_us = session.setup.clock.and_then(|clock| clock.bound_ns()).map(|ns| ns as f64 * 1e-3);
+    tracing::info!(
+        "{}: {layout}, packets of {bytes} bytes to {receiver}, clock mapped within {bound_us:?} µs",
+        find::shown(device)
+    );
+}
+
+impl Producer for Camera {
+    fn produce(&mut self, spare: Option<Frame>, wait: Duration) -> Produced {
+        if let Some(spare) = spare {
+            self.spare.take_buffer(spare.into_buffer());
+        }
+        let Some(session) = &mut self.session else {
+            return self.ended.take().map_or_else(|| self.look_again(wait), |why| Produced::End(Some(why)));
+        };
+        match session.receive(wait) {
+            Ok(Some(block)) => {
+                self.watchdog.frame(Instant::now());
+                self.made(&block)
+            }
+            Ok(None) => self.silent(),
+            Err(why) => self.gone(why),
+        }
+    }
+
+    fn start(&mut self) {
+        let started = match &mut self.session {
+            Some(session) => session.start(),
+            None => self.reopened(),
+        };
+        self.watchdog.frame(Instant::now());
+        if let Err(why) = started {
+            self.session = None;
+            match self.settings.when_gone {
+                WhenGone::Ends => self.ended = Some(why.to_string()),
+                WhenGone::Returns => tracing::warn!("{why}"),
+            }
+        }
+    }
+
+    fn stop(&mut self) {
+        if let Some(session) = self.session.take() {
+            session.close(&mut self.restore);
+            self.ids.restart();
+        }
+    }
+}
+
+impl Drop for Camera {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}

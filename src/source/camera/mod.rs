@@ -1,0 +1,32 @@
+//! GigE Vision cameras as live sources, by the crate `viva-genicam`, which nothing outside this
+//! folder names.
+//!
+//! In: an IPv4 address, a serial number or a user-defined name; exposure and gain where they are
+//! to be set. Out: [`Camera`], a [`Producer`](super::live::Producer) of whole frames in the
+//! camera's own depth, with the device's and the host's time apart and the values of its chunks.
+//! `find` is discovery, `features` access by name, `guard` what alters grey values and is set off,
+//! refused and restored, `image` the seven pixel formats, `ids` block ids to numbers, `chunks` and
+//! `clock` what comes beside the pixels, `watchdog` when a silent camera is asked; `session` joins
+//! them from opening to closing, `live_camera` opens again a camera that was away. One more feature
+//! that alters grey values is a line in `guard`.
+
+#![cfg_attr(
+    not(feature = "cli"),
+    allow(dead_code, unused_imports, reason = "the program opens cameras; the library alone does not")
+)]
+
+mod chunks;
+mod clock;
+mod error;
+mod features;
+mod find;
+mod guard;
+mod ids;
+mod image;
+mod live_camera;
+mod session;
+mod settings;
+mod watchdog;
+
+pub(crate) use self::live_camera::Camera;
+pub(crate) use self::settings::{CameraSettings, WhenGone};

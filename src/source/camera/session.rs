@@ -1,0 +1,202 @@
+//! A camera from opening to closing: control, stream, and what was set.
+
+use std::time::{Duration, Instant};
+
+use viva_genicam::gencp::StatusCode;
+use viva_genicam::gige::{DeviceInfo, GigeError, GigeStatus};
+use viva_genicam::{ControlState, Frame as Block, FrameStream, GenicamError, StreamOptions, blocking};
+
+use super::chunks::{ChunkValues, Chunks};
+use super::clock::DeviceClock;
+use super::error::CameraError;
+use super::features::{Device, Features};
+use super::guard::{Restore, guard};
+use super::image::ImageLayout;
+use super::settings::CameraSettings;
+use crate::frame::Roi;
+use crate::source::live::{Known, Provenance};
+
+/// What a camera is set to while it is open.
+#[derive(Clone, Debug)]
+pub(super) struct Setup {
+    /// Size and format of frames.
+    pub layout: ImageLayout,
+    /// The window on the sensor; `None` for all of it.
+    pub roi: Option<Roi>,
+    /// Exposure time, µs, and gain, dB, where the camera states them.
+    pub constants: ChunkValues,
+    /// Its clock.
+    pub clock: Option<DeviceClock>,
+    /// Time from frame to frame of a free run.
+    pub period: Option<Duration>,
+    /// Whether frames wait for triggers.
+    pub is_triggered: bool,
+    chunks: Chunks,
+}
+
+/// A camera under control, with its stream open.
+pub(super) struct Session {
+    // The stream ends before control is given up.
+    stream: FrameStream,
+    camera: Device,
+    /// What it is set to.
+    pub setup: Setup,
+    /// Address and port at which frames are received, and bytes of a packet.
+    pub receiver: (std::net::SocketAddrV4, u32),
+}
+
+impl Session {
+    /// Takes control of a camera, sets it and opens its stream; nothing is acquired yet. Where
+    /// that fails, what was set is restored.
+    ///
+    /// # Errors
+    /// A camera that is busy, gone, or set to what is not measured.
+    pub(super) fn open(
+        device: &DeviceInfo,
+        settings: &CameraSettings,
+        restore: &mut Restore,
+    ) -> Result<Self, CameraError> {
+        let mut camera = blocking::connect(device).map_err(of_connect)?;
+        let opened =
+            set_up(&mut camera, settings, restore).and_then(|setup| Ok((setup, stream(&mut camera)?)));
+        match opened {
+            Ok((setup, stream)) => {
+                let params = stream.params();
+                let receiver = (std::net::SocketAddrV4::new(params.host, params.port), params.packet_size);
+                Ok(Self { stream, camera, setup, receiver })
+            }
+            Err(why) => {
+                restore.restore(&mut camera).iter().for_each(|why| tracing::warn!("{why}"));
+                Err(why)
+            }
+        }
+    }
+
+    /// Begins to acquire.
+    ///
+    /// # Errors
+    /// A camera that refuses, or is gone.
+    pub(super) fn start(&mut self) -> Result<(), CameraError> {
+        self.camera.acquisition_start().map_err(|why| CameraError::failed("AcquisitionStart", why))
+    }
+
+    /// The next block, whole or not, after waiting at most so long; `None` where none came.
+    ///
+    /// # Errors
+    /// A socket that fails.
+    pub(super) fn receive(&mut self, wait: Duration) -> Result<Option<Block>, String> {
+        match self.stream.next_frame_blocking(wait) {
+            Ok(Some(block)) => {
+                // A camera that sends answers, too.
+                if let Some(clock) = &mut self.setup.clock {
+                    clock.keep(self.camera.transport(), Instant::now());
+                }
+                Ok(Some(block))
+            }
+            Ok(None) => Err("its stream ended".to_owned()),
+            Err(GenicamError::Timeout(_)) => Ok(None),
+            Err(why) => Err(why.to_string()),
+        }
+    }
+
+    /// The values that came with a frame, otherwise those that the camera is set to.
+    pub(super) fn values(&mut self, block: &Block) -> ChunkValues {
+        let with_it = self.setup.chunks.values(&mut self.camera, block);
+        let constants = self.setup.constants;
+        ChunkValues {
+            exposure_us: with_it.exposure_us.or(constants.exposure_us),
+            gain_db: with_it.gain_db.or(constants.gain_db),
+            ..with_it
+        }
+    }
+
+    /// Whether the camera, which answers, still obeys this program.
+    pub(super) fn has_control(&self) -> bool {
+        matches!(self.camera.transport().refresh_control_state(), Ok(ControlState::Held))
+    }
+
+    /// Blocks of a payload that is no image.
+    pub(super) fn unsupported(&self) -> u64 {
+        self.stream.stats().frames_unsupported
+    }
+
+    /// Stops, restores what was set and gives control up.
+    pub(super) fn close(mut self, restore: &mut Restore) {
+        if let Err(why) = self.camera.acquisition_stop() {
+            tracing::debug!("AcquisitionStop: {why}");
+        }
+        drop(self.stream);
+        restore.restore(&mut self.camera).iter().for_each(|why| tracing::warn!("{why}"));
+    }
+}
+
+fn of_connect(error: GenicamError) -> CameraError {
+    match error {
+        GenicamError::Gige {
+            source: GigeError::Status(GigeStatus::Common(StatusCode::AccessDenied)),
+            ..
+        } => CameraError::Busy,
+        other => CameraError::failed("the camera cannot be opened", other),
+    }
+}
+
+fn set_up(
+    camera: &mut Device,
+    settings: &CameraSettings,
+    restore: &mut Restore,
+) -> Result<Setup, CameraError> {
+    // A camera whose last client was killed may still acquire, and takes no setting then.
+    let _ = camera.acquisition_stop();
+    let layout = ImageLayout::of(camera)?;
+    for words in guard(camera, restore)? {
+        tracing::warn!("{words}; restored at the end");
+    }
+    let exposure = exposure_name(camera);
+    for (feature, value) in [(exposure, settings.exposure_us), ("Gain", settings.gain_db)] {
+        if let Some(value) = value {
+            restore.set(camera, feature, &value.to_string())?;
+        }
+    }
+    if camera.value("AcquisitionMode").is_some() {
+        restore.set(camera, "AcquisitionMode", "Continuous")?;
+    }
+    let chunks = Chunks::enable(camera, restore)?;
+    let is_triggered = camera.value("TriggerMode").is_some_and(|mode| mode == "On");
+    let constant =
+        |name: &str| camera.number(name).map(|value| Known { value, provenance: Provenance::Register });
+    let constants =
+        ChunkValues { exposure_us: constant(exposure), gain_db: constant("Gain"), ..ChunkValues::default() };
+    let clock = DeviceClock::read(camera.transport());
+    Ok(Setup { layout, roi: roi(camera), constants, clock, period: period(camera), is_triggered, chunks })
+}
+
+/// The name of the exposure time, µs: `ExposureTimeAbs` before SFNC 1.5.
+fn exposure_name(camera: &impl Features) -> &'static str {
+    let names = ["ExposureTime", "ExposureTimeAbs"];
+    names.into_iter().find(|name| camera.value(name).is_some()).unwrap_or(names[0])
+}
+
+/// Time from frame to frame of a free run: that of the rate, not less than the exposure.
+fn period(camera: &impl Features) -> Option<Duration> {
+    let rate_hz = camera.number("AcquisitionFrameRate").filter(|hz| *hz > 0.0)?;
+    let exposure_s = camera.number(exposure_name(camera)).unwrap_or(0.0) * 1e-6;
+    Duration::try_from_secs_f64(exposure_s.max(1.0 / rate_hz)).ok()
+}
+
+/// The window on the sensor; `None` for all of it, and where the camera does not state its sensor.
+fn roi(camera: &impl Features) -> Option<Roi> {
+    let of = |name: &str| camera.number(name).map(|pixels| pixels as u32);
+    let (rows, columns) = (of("Height")?, of("Width")?);
+    let sensor = (of("SensorHeight").or(of("HeightMax"))?, of("SensorWidth").or(of("WidthMax"))?);
+    let (row, column) = (of("OffsetY").unwrap_or(0), of("OffsetX").unwrap_or(0));
+    ((rows, columns) != sensor).then_some(Roi { row, column, rows, columns })
+}
+
+fn stream(camera: &mut Device) -> Result<FrameStream, CameraError> {
+    let options = StreamOptions::new().auto_packet_size();
+    let mut stream =
+        camera.open_stream(options).map_err(|why| CameraError::failed("the stream cannot be opened", why))?;
+    // They are counted and named, not measured.
+    stream.set_deliver_incomplete(true);
+    Ok(stream)
+}

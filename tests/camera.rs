@@ -1,0 +1,273 @@
+//! `measure` and `watch` of GigE Vision cameras, from outside: our published head on an address of
+//! its own, Aravis' fake camera where it is installed, and cameras that are refused.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
+
+#[path = "support/gige_client.rs"]
+mod gige_client;
+#[path = "support/program.rs"]
+mod program;
+#[path = "support/streamed.rs"]
+mod streamed;
+
+use std::io::{BufRead as _, BufReader};
+use std::net::{Ipv4Addr, SocketAddrV4};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use serde_json::Value;
+
+use gige_client::Client;
+use program::{said, shadowgauge, text};
+use streamed::Running;
+
+const CONFIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/small_shaft.toml");
+
+/// A published head that ends with the test.
+struct Published {
+    program: Child,
+    address: Ipv4Addr,
+}
+
+impl Drop for Published {
+    fn drop(&mut self) {
+        let _ = (self.program.kill(), self.program.wait());
+    }
+}
+
+impl Published {
+    fn source(&self) -> String {
+        format!("gige:{}", self.address)
+    }
+
+    fn client(&self) -> Client {
+        Client::new(SocketAddrV4::new(self.address, 3956))
+    }
+
+    fn kill(&mut self) {
+        self.program.kill().unwrap();
+        self.program.wait().unwrap();
+    }
+}
+
+/// An address of the loopback interface of a test's own, so that tests may run at the same time.
+fn own_address(test: u8) -> Ipv4Addr {
+    let process = std::process::id();
+    Ipv4Addr::new(127, 100 + test, (process >> 8) as u8, (process as u8).clamp(1, 254))
+}
+
+/// Publishes and waits until the head has introduced itself.
+fn published(config: &Path, address: Ipv4Addr) -> Published {
+    let mut command = Command::new(program::path());
+    command.arg("publish").arg(config).args(["--listen", &address.to_string(), "--backend", "cpu"]);
+    let mut program = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    let mut lines = BufReader::new(program.stdout.take().unwrap()).lines().map_while(Result::ok);
+    assert!(lines.any(|line| line.starts_with("Ctrl-C")), "the head does not start");
+    Published { program, address }
+}
+
+/// The small shaft at one place and one angle: a free run draws the frames of its scan.
+fn still_config(folder: &Path) -> PathBuf {
+    let whole = std::fs::read_to_string(CONFIG).unwrap();
+    let one = whole.replace("fields = 5", "fields = 1").replace("angles = 8", "angles = 1");
+    assert_eq!(one.matches("= 1\n").count(), 2, "{one}");
+    let path = folder.join("still.toml");
+    // ten frames a second: a loaded machine loses none
+    std::fs::write(&path, one.replace("[camera]\n", "[camera]\nframe_period_ms = 100.0\n")).unwrap();
+    path
+}
+
+#[cfg(unix)]
+fn interrupt(running: &Running) {
+    let id = running.child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+}
+
+/// The frames of the wire are those of files: the same numbers, the same values to the bit.
+#[cfg(unix)]
+#[test]
+fn the_published_head_measures_as_the_frames_that_render_writes() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = still_config(folder.path());
+    let out = folder.path().join("out");
+    let render = ["render", config.to_str().unwrap(), "--frames", "40", "--backend", "cpu", "--out"];
+    let output = shadowgauge(render.into_iter().chain([out.to_str().unwrap()]));
+    assert!(output.status.success(), "{}", said(&output));
+    let frames = out.join("frames");
+    let from_files =
+        program::json(&shadowgauge(["measure", frames.to_str().unwrap(), "--json", "--um-per-px", "30"]));
+    let head = published(&config, own_address(1));
+    let running = Running::start(&[&head.source(), "--json", "--um-per-px", "30"]);
+    for _ in 0..3 {
+        let frame = running.json();
+        let number = frame["sequence"].as_u64().unwrap();
+        let file = &from_files["frames"][number as usize];
+        assert_eq!(frame["frame"], file["frame"], "{frame}");
+        for key in ["max_diameter_mm", "mean_diameter_mm", "max_diameter_px", "valid"] {
+            assert!(frame[key].is_number() && frame[key] == file[key], "{key}: {frame} {file}");
+        }
+        assert!(frame["device_t_ns"].is_u64() && frame["host_t_ns"].is_u64(), "{frame}");
+    }
+    interrupt(&running);
+    assert_eq!(running.end().0, Some(0));
+}
+
+/// Exposure is set when it is asked for, and the camera has its own back at the end, chunks off.
+#[cfg(unix)]
+#[test]
+fn what_is_set_is_restored_at_the_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let head = published(&still_config(folder.path()), own_address(2));
+    let mut client = head.client();
+    assert_eq!((client.float("ExposureTime"), client.get("ChunkModeActive")), (50.0, 0));
+    for command in ["watch", "measure"] {
+        let running =
+            Running::of(command, &[&head.source(), "--json", "--um-per-px", "30", "--exposure-us", "40"]);
+        let frame = running.json();
+        if command == "watch" {
+            let exposure = &frame["exposure_us"];
+            assert_eq!((&exposure["value"], &exposure["from"]), (&40.0.into(), &"chunk".into()), "{frame}");
+            assert_eq!(&frame["angle_deg"]["from"], "chunk", "{frame}");
+            let [exposed, host] = ["exposed_host_t_ns", "host_t_ns"].map(|key| frame[key].as_u64().unwrap());
+            assert!(exposed < host && host - exposed < 10_000_000_000, "{frame}");
+        }
+        assert_eq!((client.float("ExposureTime"), client.get("ChunkModeActive")), (40.0, 1));
+        // a second client is refused, the first one loses nothing
+        let output = shadowgauge(["measure", &head.source()]);
+        assert!(output.status.code() == Some(3) && said(&output).contains("busy"), "{}", said(&output));
+        interrupt(&running);
+        running.end();
+        assert_eq!((client.float("ExposureTime"), client.get("ChunkModeActive")), (50.0, 0), "{command}");
+    }
+}
+
+/// `measure` ends with the reason and exit code 3 where its camera is gone.
+#[test]
+fn a_camera_that_is_killed_ends_a_series_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut head = published(&still_config(folder.path()), own_address(3));
+    let mut command = Command::new(program::path());
+    command.args(["measure", &head.source(), "--json"]).env("NO_COLOR", "1");
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let first: Value = serde_json::from_str(&lines.next().unwrap().unwrap()).unwrap();
+    assert!(first["max_diameter_px"].is_number(), "{first}");
+    head.kill();
+    lines.for_each(drop);
+    let output = child.wait_with_output().unwrap();
+    let words = said(&output);
+    assert!(output.status.code() == Some(3) && words.contains("the camera is gone"), "{words}");
+}
+
+/// `watch` is invalid while its camera is away, and measures again when it is back.
+#[cfg(unix)]
+#[test]
+fn a_camera_that_returns_is_watched_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = still_config(folder.path());
+    let mut head = published(&config, own_address(4));
+    let running = Running::of("watch", &[&head.source(), "--json", "--um-per-px", "30"]);
+    let frame = |line: &Value| line["sequence"].as_u64();
+    let mut last = frame(&running.json()).unwrap();
+    head.kill();
+    loop {
+        let line = running.json();
+        last = frame(&line).unwrap_or(last);
+        if line["event"] == "invalid" && line["why"].as_str().is_some_and(|why| why.contains("answer")) {
+            break;
+        }
+    }
+    let _again = published(&config, head.address);
+    let next = std::iter::repeat_with(|| running.json()).find_map(|line| frame(&line)).unwrap();
+    assert!(next > last, "numbers go on: {next} after {last}");
+    interrupt(&running);
+    let (_, rest) = running.end();
+    assert!(rest.iter().any(|line| line.contains("\"disappeared\":1")), "{rest:?}");
+}
+
+/// A frame of another size is a gap with its reason, never measured.
+#[cfg(unix)]
+#[test]
+fn frames_of_another_size_are_gaps() {
+    let folder = tempfile::tempdir().unwrap();
+    let head = published(&still_config(folder.path()), own_address(5));
+    let mut client = head.client();
+    client.take_control(2).unwrap();
+    client.set("FaultWrongSize", 2);
+    client.write_register(0x0A00, 0).unwrap();
+    let running = Running::of("watch", &[&head.source(), "--json"]);
+    let lines: Vec<Value> = std::iter::repeat_with(|| running.json()).take(6).collect();
+    let gap = lines.iter().find(|line| line["event"] == "gap").expect("a gap");
+    let why = gap["why"].as_str().unwrap();
+    assert!(why.contains("512 x 511 Mono12 came in place of 512 x 512 Mono12"), "{why}");
+    let rows = lines.iter().filter(|line| line["event"].is_null()).map(|line| &line["columns"]);
+    assert!(rows.clone().count() >= 2 && rows.into_iter().all(|columns| columns == 512), "{lines:?}");
+    interrupt(&running);
+    running.end();
+}
+
+#[test]
+fn a_camera_that_is_not_there_is_named_with_what_to_look_at() {
+    let output = shadowgauge(["measure", &format!("gige:{}", own_address(6))]);
+    let words = said(&output);
+    assert!(output.status.code() == Some(3) && words.contains("no GigE Vision camera answers"), "{words}");
+    let output = shadowgauge(["watch", "gige:no such camera"]);
+    let words = said(&output);
+    assert!(output.status.code() == Some(3) && words.contains("\"no such camera\""), "{words}");
+    let output = shadowgauge(["measure", CONFIG, "--gain-db", "6"]);
+    assert!(output.status.code() == Some(2) && said(&output).contains("--gain-db"), "{}", said(&output));
+}
+
+/// Runs a script in a network of its own before Aravis' fake camera; `None`, loudly, without it.
+fn before_aravis(script: &str) -> Option<(String, String)> {
+    let found = |name: &str, arguments: &[&str]| {
+        let mut command = Command::new(name);
+        command.args(arguments).stdout(Stdio::null()).stderr(Stdio::null());
+        command.status().is_ok_and(|status| status.success())
+    };
+    if !found("arv-fake-gv-camera-0.8", &["--help"]) {
+        println!("SKIPPED (arv-fake-gv-camera-0.8 is not installed; apt-get install aravis-tools)");
+        return None;
+    }
+    // its control port is exclusive for each address
+    if !found("unshare", &["-rn", "ip", "link", "set", "lo", "up"]) {
+        println!("SKIPPED (no network namespace: unshare -rn, or ip, is refused)");
+        return None;
+    }
+    let all = format!(
+        "ip link set lo up; arv-fake-gv-camera-0.8 -i 127.0.0.1 >/dev/null 2>&1 & sleep 1; {script}; kill %1"
+    );
+    let mut command = Command::new("unshare");
+    command.args(["-rn", "bash", "-c", &all]).env("NO_COLOR", "1").env("PROGRAM", program::path());
+    let output = command.output().unwrap();
+    Some((text(&output.stdout), said(&output)))
+}
+
+/// Its frames are a ramp without an edge: received whole, and refused by the gauge.
+#[test]
+fn frames_of_aravis_are_received() {
+    let script = "\"$PROGRAM\" watch gige:GV01 --json | head -n 8";
+    let Some((stdout, stderr)) = before_aravis(script) else { return };
+    let lines: Vec<Value> = stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let frames: Vec<&Value> = lines.iter().filter(|line| line["event"].is_null()).collect();
+    assert!(!frames.is_empty(), "{stdout} {stderr}");
+    assert!(
+        frames.iter().all(|frame| frame["columns"] == 512 && frame["device_clock"] == "device"),
+        "{stdout}"
+    );
+    assert!(lines.iter().all(|line| line["event"] != "gap"), "{stdout} {stderr}");
+}
+
+#[test]
+fn a_pixel_format_that_is_not_read_is_refused_with_those_that_are() {
+    let script =
+        "arv-tool-0.8 -a 127.0.0.1 control PixelFormat=BayerRG8; \"$PROGRAM\" measure gige:127.0.0.1";
+    let Some((stdout, stderr)) = before_aravis(script) else { return };
+    if !stdout.contains("PixelFormat = BayerRG8") {
+        println!("SKIPPED (arv-tool-0.8 sets no pixel format: {stdout})");
+        return;
+    }
+    assert!(
+        stderr.contains("PixelFormat is BayerRG8") && stderr.contains("Mono8 or Mono16"),
+        "{stdout} {stderr}"
+    );
+}
