@@ -148,7 +148,6 @@ fn what_is_no_source_is_refused_with_what_would_be_right() {
     for (arguments, word) in [
         (&["measure", "usb:0"][..], "gige:NAME"),
         (&["measure", "gige:10.0.0.7"], "no client"),
-        (&["measure", "replay:a.mcap"], "MCAP"),
         (&["measure", "raw:a.bin"], "--raw WIDTHxHEIGHT:FORMAT"),
         (&["measure", "raw:"], "missing"),
         (&["measure", "a.png", "--raw", "4x4:mono8"], "has its own"),

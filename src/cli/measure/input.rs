@@ -1,5 +1,5 @@
 //! Where the frames of a command come from: files, a folder that is followed, or a stream: stdin,
-//! raw pixels, Y4M, the simulated head.
+//! raw pixels, Y4M, the simulated head, a recording.
 //!
 //! One more kind of source is a variant of [`Address`](crate::source) and an arm of
 //! [`StreamSource`]: images to be decoded are an iterator, a source with events of its own (a
@@ -20,6 +20,8 @@ use crate::config;
 use crate::position::EncoderSettings;
 use crate::render::{BackendChoice, Renderer};
 use crate::source::live::{Live, LiveSettings, Policy, Producer, StoredProducer, taken};
+#[cfg(feature = "mcap")]
+use crate::source::mcap::Replay;
 use crate::source::raw::{RawLayout, RawStream, begins_y4m};
 use crate::source::{Address, Ahead, Channel, FileFrames, Follow, Piped, Spare, Taken};
 
@@ -37,7 +39,8 @@ pub(crate) struct InputArgs {
     /// Images, stacks or folders of images (grey PNG, TIFF, JPEG, BMP, PGM), in this order; a
     /// folder's by the numbers in their names. Or one stream: `-` is images one after another on
     /// stdin (PNG, raw PGM and its kin, BMP, JPEG) or Y4M, FILE.y4m its grey frames, `raw:-` and
-    /// `raw:FILE` pixels as --raw states them, `sim:CONFIG.toml` one scan of a config's shaft.
+    /// `raw:FILE` pixels as --raw states them, `sim:CONFIG.toml` one scan of a config's shaft,
+    /// `replay:FILE.mcap` a recording.
     #[arg(required_unless_present = "follow", conflicts_with = "follow")]
     input: Vec<PathBuf>,
     #[command(flatten)]
@@ -90,6 +93,9 @@ pub(crate) enum StreamSource {
     Y4m(PathBuf),
     /// The simulated head of a config.
     Simulation(PathBuf),
+    /// A recording.
+    #[cfg(feature = "mcap")]
+    Recording(PathBuf),
 }
 
 impl StreamSource {
@@ -121,6 +127,9 @@ impl StreamSource {
                      or follow the folder that it writes to"
                 )));
             }
+            #[cfg(feature = "mcap")]
+            Address::Recording(path) => Some(Self::Recording(path)),
+            #[cfg(not(feature = "mcap"))]
             Address::Recording(path) => {
                 return Err(Failure::refuse(format!(
                     "replay:{}: this build reads no MCAP recordings; give a folder of images",
@@ -146,6 +155,10 @@ impl StreamSource {
 
     /// Whether its frames stand in a file and wait.
     pub(crate) fn is_file(&self) -> bool {
+        #[cfg(feature = "mcap")]
+        if matches!(self, Self::Recording(_)) {
+            return true;
+        }
         matches!(self, Self::RawFile(..) | Self::Y4m(_))
     }
 
@@ -154,13 +167,15 @@ impl StreamSource {
     /// # Errors
     /// A file that cannot be opened, a config that is refused; a system that refuses threads.
     pub(crate) fn ahead(self, read: &Reading) -> Result<Ahead, Failure> {
-        if let Self::Simulation(config) = self {
-            let settings = LiveSettings { policy: Policy::Block, waiting: WAITING, held: 1 };
-            let live = Live::new(head(&config, HeadPace::Scan)?, settings).map_err(Failure::fail)?;
-            let name = format!("sim:{}", config.display());
-            return read.ahead(taken(live, name, read.stop.clone().unwrap_or_default()));
-        }
-        read.ahead(self.images(read)?)
+        let (producer, name) = match self {
+            Self::Simulation(config) => (head(&config, HeadPace::Scan)?, format!("sim:{}", config.display())),
+            #[cfg(feature = "mcap")]
+            Self::Recording(path) => (replay(&path)?, path.display().to_string()),
+            images => return read.ahead(images.images(read)?),
+        };
+        let settings = LiveSettings { policy: Policy::Block, waiting: WAITING, held: 1 };
+        let live = Live::new(producer, settings).map_err(Failure::fail)?;
+        read.ahead(taken(live, name, read.stop.clone().unwrap_or_default()))
     }
 
     /// The source as a producer of live frames.
@@ -170,6 +185,8 @@ impl StreamSource {
     pub(crate) fn producer(self, read: &Reading) -> Result<Box<dyn Producer>, Failure> {
         match self {
             Self::Simulation(config) => head(&config, HeadPace::Live),
+            #[cfg(feature = "mcap")]
+            Self::Recording(path) => replay(&path),
             other => Ok(Box::new(StoredProducer::new(read.ahead(other.images(read)?)?))),
         }
     }
@@ -207,7 +224,10 @@ impl StreamSource {
                 let name = path.display().to_string();
                 Box::new(RawStream::y4m(buffered(opened(&path)?), name).reusing(spare))
             }
+            // These are producers.
             Self::Simulation(_) => Box::new(std::iter::empty()),
+            #[cfg(feature = "mcap")]
+            Self::Recording(_) => Box::new(std::iter::empty()),
         })
     }
 }
@@ -218,6 +238,15 @@ fn buffered<R: Read>(input: R) -> BufReader<R> {
 
 fn opened(path: &Path) -> Result<File, Failure> {
     File::open(path).map_err(|error| Failure::fail(format!("{}: {error}", path.display())))
+}
+
+/// A recording.
+#[cfg(feature = "mcap")]
+fn replay(path: &Path) -> Result<Box<dyn Producer>, Failure> {
+    match Replay::open(path) {
+        Ok(replay) => Ok(Box::new(replay)),
+        Err(error) => Err(Failure::fail(format!("{}: {error}", path.display()))),
+    }
 }
 
 /// The simulated head of a config.

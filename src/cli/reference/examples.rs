@@ -73,6 +73,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge measure shaft.y4m --um-per-px 17.4 --json",
             "shadowgauge measure raw:- --raw 2448x2048:mono12 --um-per-px 17.4 --json",
             "shadowgauge measure sim:configs/small_shaft.toml --um-per-px 17.4",
+            "shadowgauge measure replay:day.mcap --calibration bench.json --json",
             "shadowgauge measure turn --calibration bench.json --turn --counts-per-turn 4096 --latched-at exposure_end --frames-per-turn 64",
             "shadowgauge measure --follow incoming --calibration bench.json --tolerance \"25 h6\" --settle-s 10",
             "shadowgauge measure frames --calibration bench.json --temperatures temperatures.csv --json",
@@ -83,6 +84,7 @@ const EXAMPLES: &[Examples] = &[
         &[
             "shadowgauge watch incoming --calibration bench.json --tolerance \"25 h6\"",
             "shadowgauge watch sim:configs/small_shaft.toml --um-per-px 17.4 --json",
+            "shadowgauge watch incoming --calibration bench.json --record day.mcap",
             "shadowgauge watch raw:- --raw 2448x2048:mono12p --um-per-px 17.4 --tolerance \"25 h6\" --on-alarm \"beep\"",
         ],
     ),
