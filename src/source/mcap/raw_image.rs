@@ -34,10 +34,10 @@ pub(super) fn encoded(frame: &Frame, t_ns: u64, name: &str) -> Message {
         .filled(6, length, |to| match view.pixels() {
             Pixels::U8(p) => to.copy_from_slice(p),
             Pixels::U16(p) => {
-                to.chunks_exact_mut(2).zip(p).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()))
+                to.chunks_exact_mut(2).zip(p).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
             }
             Pixels::F32(p) => {
-                to.chunks_exact_mut(4).zip(p).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()))
+                to.chunks_exact_mut(4).zip(p).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
             }
         })
         .text(7, name)

@@ -62,8 +62,8 @@ mod tests {
     use std::collections::BTreeMap;
     use std::io::Cursor;
 
+    use ::mcap::WriteOptions;
     use ::mcap::records::MessageHeader;
-    use ::mcap::{WriteOptions, Writer};
 
     use super::*;
     use crate::frame::{Buffer, FrameMeta, PixelFormat, Roi};

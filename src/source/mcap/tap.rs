@@ -6,7 +6,7 @@ use std::io::{self, Seek, Write};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -58,10 +58,7 @@ impl Tap {
         let encoded = Encoded::of(new);
         let is_taken = match self.waits {
             true => self.to.send(encoded).is_ok(),
-            false => match self.to.try_send(encoded) {
-                Ok(()) => true,
-                Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => false,
-            },
+            false => self.to.try_send(encoded).is_ok(),
         };
         if !is_taken {
             self.left_out.fetch_add(1, Ordering::Relaxed);

@@ -26,7 +26,7 @@ impl Message {
     }
 
     fn key(&mut self, field: u32, wire_type: u64) {
-        self.raw_varint(u64::from(field) << 3 | wire_type);
+        self.raw_varint((u64::from(field) << 3) | wire_type);
     }
 
     /// A field of type `uint32`, `uint64`, `int32`, `int64` or of an enumeration, not negative.
