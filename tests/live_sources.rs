@@ -150,7 +150,6 @@ fn what_is_no_source_is_refused_with_what_would_be_right() {
         (&["measure", "gige:"], "IP address"),
         (&["measure", "raw:a.bin", "--raw", "4x4:mono8", "--exposure-us", "50"], "sets a camera"),
         (&["watch", "gige:head", "--exposure-us", "0"], "above 0"),
-        (&["measure", "replay:a.mcap"], "MCAP"),
         (&["measure", "raw:a.bin"], "--raw WIDTHxHEIGHT:FORMAT"),
         (&["measure", "raw:"], "missing"),
         (&["measure", "a.png", "--raw", "4x4:mono8"], "has its own"),

@@ -1,5 +1,5 @@
 //! Where the frames of a command come from: files, a folder that is followed, or a stream: stdin,
-//! raw pixels, Y4M, the simulated head, a camera.
+//! raw pixels, Y4M, the simulated head, a camera, a recording.
 //!
 //! One more kind of source is a variant of [`Address`](crate::source) and an arm of
 //! [`StreamSource`]: images to be decoded are an iterator, a source with events of its own (a
@@ -22,6 +22,8 @@ use crate::config;
 use crate::position::EncoderSettings;
 use crate::render::{BackendChoice, Renderer};
 use crate::source::live::{Live, LiveSettings, Policy, Producer, StoredProducer, taken};
+#[cfg(feature = "mcap")]
+use crate::source::mcap::Replay;
 use crate::source::raw::{RawLayout, RawStream, begins_y4m};
 use crate::source::{Address, Ahead, Channel, FileFrames, Follow, Piped, Spare, Taken};
 
@@ -43,8 +45,8 @@ pub(crate) struct InputArgs {
     /// folder's by the numbers in their names. Or one stream: `-` is images one after another on
     /// stdin (PNG, raw PGM and its kin, BMP, JPEG) or Y4M, FILE.y4m its grey frames, `raw:-` and
     /// `raw:FILE` pixels as --raw states them, `sim:CONFIG.toml` one scan of a config's shaft,
-    /// `gige:IP` and `gige:NAME` (serial number or user-defined name) a GigE Vision camera until
-    /// Ctrl-C.
+    /// `replay:FILE.mcap` a recording, `gige:IP` and `gige:NAME` (serial number or user-defined
+    /// name) a GigE Vision camera until Ctrl-C.
     #[arg(required_unless_present = "follow", conflicts_with = "follow")]
     input: Vec<PathBuf>,
     #[command(flatten)]
@@ -133,6 +135,9 @@ pub(crate) enum StreamSource {
     Simulation(PathBuf),
     /// A camera, by its address or name.
     Camera(CameraSource),
+    /// A recording.
+    #[cfg(feature = "mcap")]
+    Recording(PathBuf),
 }
 
 impl StreamSource {
@@ -162,6 +167,9 @@ impl StreamSource {
                 let (exposure_us, gain_db) = (args.exposure_us, args.gain_db);
                 Some(Self::Camera(CameraSource { name, exposure_us, gain_db }))
             }
+            #[cfg(feature = "mcap")]
+            Address::Recording(path) => Some(Self::Recording(path)),
+            #[cfg(not(feature = "mcap"))]
             Address::Recording(path) => {
                 return Err(Failure::refuse(format!(
                     "replay:{}: this build reads no MCAP recordings; give a folder of images",
@@ -193,6 +201,10 @@ impl StreamSource {
 
     /// Whether its frames stand in a file and wait.
     pub(crate) fn is_file(&self) -> bool {
+        #[cfg(feature = "mcap")]
+        if matches!(self, Self::Recording(_)) {
+            return true;
+        }
         matches!(self, Self::RawFile(..) | Self::Y4m(_))
     }
 
@@ -210,6 +222,8 @@ impl StreamSource {
                 let name = format!("gige:{}", camera.name);
                 (camera.producer(false)?, Policy::DropNewest, OF_CAMERA, name)
             }
+            #[cfg(feature = "mcap")]
+            Self::Recording(path) => (replay(&path)?, Policy::Block, WAITING, path.display().to_string()),
             other => return read.ahead(other.images(read)?),
         };
         let settings = LiveSettings { policy, waiting, held: 1 };
@@ -226,6 +240,8 @@ impl StreamSource {
         match self {
             Self::Simulation(config) => head(&config, HeadPace::Live),
             Self::Camera(camera) => camera.producer(true),
+            #[cfg(feature = "mcap")]
+            Self::Recording(path) => replay(&path),
             other => Ok(Box::new(StoredProducer::new(read.ahead(other.images(read)?)?))),
         }
     }
@@ -265,6 +281,8 @@ impl StreamSource {
             }
             // Sources with events of their own.
             Self::Simulation(_) | Self::Camera(_) => Box::new(std::iter::empty()),
+            #[cfg(feature = "mcap")]
+            Self::Recording(_) => Box::new(std::iter::empty()),
         })
     }
 }
@@ -275,6 +293,15 @@ fn buffered<R: Read>(input: R) -> BufReader<R> {
 
 fn opened(path: &Path) -> Result<File, Failure> {
     File::open(path).map_err(|error| Failure::fail(format!("{}: {error}", path.display())))
+}
+
+/// A recording.
+#[cfg(feature = "mcap")]
+fn replay(path: &Path) -> Result<Box<dyn Producer>, Failure> {
+    match Replay::open(path) {
+        Ok(replay) => Ok(Box::new(replay)),
+        Err(error) => Err(Failure::fail(format!("{}: {error}", path.display()))),
+    }
 }
 
 /// The simulated head of a config.

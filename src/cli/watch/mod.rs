@@ -2,11 +2,14 @@
 //!
 //! In: a source of frames, a scale or calibration, a tolerance. Out: on a terminal one line of the
 //! present diameter that is written over again, on stdout a line a part, or with `--json` a line a
-//! frame and a line an event (`shown`); an alarm with its command (`on_alarm`); counts at the end.
+//! frame and a line an event (`shown`); an alarm with its command (`on_alarm`); counts at the
+//! end; the frames themselves (`recorded`).
 //! `session` takes the events of the source and measures; what is computed beside the measurement
 //! is in [`measurement::watch`](crate::measurement), where one more figure goes.
 
 mod on_alarm;
+#[cfg(feature = "mcap")]
+mod recorded;
 mod session;
 mod shown;
 
@@ -14,6 +17,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use self::on_alarm::OnAlarm;
+#[cfg(feature = "mcap")]
+use self::recorded::Recording;
 use self::session::{Ended, Session, SessionSettings};
 use self::shown::Shown;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
@@ -35,10 +40,11 @@ const WAITING: usize = 4;
 pub(crate) struct WatchArgs {
     /// Where frames come from: a folder that a camera drops images into, image files, `-` (images
     /// or Y4M on stdin), FILE.y4m, `raw:-` or `raw:FILE` (with --raw), `sim:CONFIG.toml` (the
-    /// simulated head, at its camera's rate), `gige:IP` or `gige:NAME` (a GigE Vision camera by its
-    /// address, serial number or user-defined name; one that is gone is looked for until it is
-    /// back). Of a folder, stdin, a camera and the simulated head the newest frame is measured and
-    /// those before it are counted as left out; of files every frame.
+    /// simulated head, at its camera's rate), `replay:FILE.mcap` (a recording), `gige:IP` or
+    /// `gige:NAME` (a GigE Vision camera by its address, serial number or user-defined name; one
+    /// that is gone is looked for until it is back). Of a folder, stdin, a camera and the simulated
+    /// head the newest frame is measured and those before it are counted as left out; of files and
+    /// recordings every frame.
     #[arg(value_name = "SOURCE")]
     source: PathBuf,
     #[command(flatten)]
@@ -81,6 +87,12 @@ pub(crate) struct WatchArgs {
     /// SHADOWGAUGE_ALARM. The alarm is no safety function.
     #[arg(long, value_name = "CMD")]
     on_alarm: Option<String>,
+    /// Records every frame of the source with its times, angle and z in a new MCAP file, also those
+    /// that are left out of the measurement; `replay:FILE.mcap` measures them again. A process that
+    /// is killed leaves all but the last quarter of a second.
+    #[cfg(feature = "mcap")]
+    #[arg(long, value_name = "FILE.mcap")]
+    record: Option<PathBuf>,
     /// Threads that decode images (default: all cores).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -109,6 +121,8 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
     }
     let stream = measuring(args, calibration.as_ref())?;
     let watched = opened(args)?;
+    #[cfg(feature = "mcap")]
+    let (watched, recording) = recorded(watched, args.record.as_deref())?;
     let stop = interrupt::requested();
     let waiting = if watched.policy == Policy::Block { WAITING } else { 1 };
     let settings = LiveSettings { policy: watched.policy, waiting, held: 1 };
@@ -122,11 +136,26 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
     let ended = session.watch(&mut live, &stop);
     live.stop();
     let is_alarmed = session.finish(&live.counters());
+    // The producer ends with the source, and with it the recording.
+    drop(live);
+    #[cfg(feature = "mcap")]
+    let recorded = recording.map_or(Ok(()), Recording::finish);
     match ended {
         Ended::Failed(why) | Ended::Unmeasured(why) => Err(Failure::fail(why)),
+        #[cfg(feature = "mcap")]
+        Ended::Done if recorded.is_err() => recorded.map(|()| Outcome::Done),
         Ended::Done if is_alarmed => Ok(Outcome::OutOfTolerance),
         Ended::Done => Ok(Outcome::Done),
     }
+}
+
+/// The source with its frames recorded, where that is wanted.
+#[cfg(feature = "mcap")]
+fn recorded(watched: Watched, path: Option<&Path>) -> Result<(Watched, Option<Recording>), Failure> {
+    let Some(path) = path else { return Ok((watched, None)) };
+    let Watched { producer, policy } = watched;
+    let (producer, recording) = Recording::begin(producer, path, policy == Policy::Block)?;
+    Ok((Watched { producer, policy }, Some(recording)))
 }
 
 fn shown_name(args: &WatchArgs) -> String {

@@ -9,7 +9,7 @@ use crate::gauge::stated::stated;
 use crate::measurement::Measurement;
 use crate::measurement::watch::{Invalid, Pace, PartValue, Slope};
 use crate::source::Arrival;
-use crate::source::live::{Clock, Counters, Gap, Known, LiveMeta, Provenance};
+use crate::source::live::{Counters, Gap, Known, LiveMeta};
 
 /// Frames that were lost and left out before one.
 #[derive(Clone, Copy, Debug, Default)]
@@ -205,13 +205,13 @@ fn frame_line(frame: &ShownFrame<'_>) -> Value {
 fn watched_keys(frame: &ShownFrame<'_>) -> Map<String, Value> {
     let meta = frame.meta;
     let known = |known: &Option<Known<f64>>| {
-        known.map(|known| json!({ "value": known.value, "from": provenance(known.provenance) }))
+        known.map(|known| json!({ "value": known.value, "from": known.provenance.word() }))
     };
     let slope = frame
         .slope
         .map(|s| json!({ "per_min": s.per_minute, "u_per_min": s.u_per_minute, "is_trend": s.is_trend() }));
     let pairs = [
-        ("device_clock", meta.device_t.map(|t| json!(clock(t.clock)))),
+        ("device_clock", meta.device_t.map(|t| json!(t.clock.word()))),
         ("exposed_host_t_ns", meta.exposed_t.map(|t| t.t_ns.into())),
         ("dropped", Some(frame.missed.dropped.into())),
         ("valid", Some(frame.measurement.refusal.is_none().into())),
@@ -224,24 +224,4 @@ fn watched_keys(frame: &ShownFrame<'_>) -> Map<String, Value> {
         ("gain_db", known(&meta.gain_db)),
     ];
     pairs.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))).collect()
-}
-
-fn clock(clock: Clock) -> &'static str {
-    match clock {
-        Clock::Host => "host",
-        Clock::Device => "device",
-        Clock::Simulated => "simulation",
-        Clock::Table => "frames.csv",
-    }
-}
-
-fn provenance(provenance: Provenance) -> &'static str {
-    match provenance {
-        Provenance::Chunk => "chunk",
-        Provenance::Register => "register",
-        Provenance::TriggerCount => "trigger_count",
-        Provenance::Interpolated => "interpolated",
-        Provenance::Simulated => "simulated",
-        Provenance::Stated => "stated",
-    }
 }

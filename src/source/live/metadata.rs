@@ -14,6 +14,25 @@ pub(crate) enum Clock {
     Table,
 }
 
+impl Clock {
+    const ALL: [Self; 4] = [Self::Host, Self::Device, Self::Simulated, Self::Table];
+
+    /// Its word in outputs and recordings.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Host => "host",
+            Self::Device => "device",
+            Self::Simulated => "simulation",
+            Self::Table => "frames.csv",
+        }
+    }
+
+    /// The clock of a word.
+    pub(crate) fn of_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|clock| clock.word() == word)
+    }
+}
+
 /// A time on a named clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Timestamp {
@@ -38,6 +57,27 @@ pub(crate) enum Provenance {
     Simulated,
     /// From a file or the command line.
     Stated,
+}
+
+impl Provenance {
+    const ALL: [Self; 5] =
+        [Self::Chunk, Self::TriggerCount, Self::Interpolated, Self::Simulated, Self::Stated];
+
+    /// Its word in outputs and recordings.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Chunk => "chunk",
+            Self::TriggerCount => "trigger_count",
+            Self::Interpolated => "interpolated",
+            Self::Simulated => "simulated",
+            Self::Stated => "stated",
+        }
+    }
+
+    /// The provenance of a word.
+    pub(crate) fn of_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|provenance| provenance.word() == word)
+    }
 }
 
 /// A value with its provenance.
