@@ -146,7 +146,7 @@ impl RunTool {
         let outline = Outline::from_corners(&part.contour, Side::External)
             .map_err(|e| SettingError { key: format!("shaft.{}", e.key), ..e })?;
         let refused = |e: ToolError| match e {
-            ToolError::Setting(e) => in_tool(e),
+            ToolError::Setting(e) => in_tool(&e),
             ToolError::Register { .. } => SettingError::at("tool.file", e.to_string()),
             other => SettingError::at("tool.nose", other.to_string()),
         };
@@ -195,10 +195,10 @@ fn check_side_and_feed(tool: &ToolFile, part: &LoopJob) -> Result<(), SettingErr
 }
 
 fn geometry(tool: &ToolFile) -> Result<ToolGeometry, SettingError> {
-    tool.geometry().map_err(in_tool)
+    tool.geometry().map_err(|e| in_tool(&e))
 }
 
 /// An error of the tool's file at the key that names it.
-fn in_tool(error: SettingError) -> SettingError {
+fn in_tool(error: &SettingError) -> SettingError {
     SettingError::at("tool.file", error.to_string())
 }

@@ -73,7 +73,7 @@ impl NosePath {
         let ends = [m.from, m.to].into_iter().filter_map(|o| Some(o.x + self.height(z_mm - o.y)?));
         let line = m.touching.and_then(|p| {
             let share = (z_mm - m.from.y - p.y) / (m.to.y - m.from.y);
-            (0.0..=1.0).contains(&share).then(|| p.x + m.from.x + share * (m.to.x - m.from.x))
+            (0.0..=1.0).contains(&share).then_some(p.x + m.from.x + share * (m.to.x - m.from.x))
         });
         ends.chain(line).min_by(f64::total_cmp)
     }

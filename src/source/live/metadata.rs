@@ -60,13 +60,14 @@ pub(crate) enum Provenance {
 }
 
 impl Provenance {
-    const ALL: [Self; 5] =
-        [Self::Chunk, Self::TriggerCount, Self::Interpolated, Self::Simulated, Self::Stated];
+    const ALL: [Self; 6] =
+        [Self::Chunk, Self::Register, Self::TriggerCount, Self::Interpolated, Self::Simulated, Self::Stated];
 
     /// Its word in outputs and recordings.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Chunk => "chunk",
+            Self::Register => "register",
             Self::TriggerCount => "trigger_count",
             Self::Interpolated => "interpolated",
             Self::Simulated => "simulated",

@@ -60,7 +60,8 @@ impl Facts {
             .varint(9, format.map_or(0, |format| u64::from(format.bit_depth())))
             .double(10, full_scale.map_or(0.0, f64::from))
             .message(11, &gauge(of_frame))
-            .optional(12, remarks.scale.as_ref().map(scale).as_ref());
+            .optional(12, remarks.scale.as_ref().map(scale).as_ref())
+            .optional(14, meta.exposed_t.map(time).as_ref());
         // A member of a repeated field is there even if it is empty.
         remarks.changed.iter().fold(message, |message, text| match text.as_str() {
             "" => message.message(13, &Message::default()),
@@ -100,6 +101,7 @@ impl Facts {
             11 => self.of_frame = read_gauge(value)?,
             12 => self.remarks.scale = Some(read_scale(value)?),
             13 => self.remarks.changed.push(value.text()),
+            14 => meta.exposed_t = Some(read_time(value)?),
             _ => {}
         }
         Ok(())
@@ -232,6 +234,7 @@ mod tests {
             meta: LiveMeta {
                 sequence: u64::MAX - 3,
                 device_t: at(0, Clock::Simulated),
+                exposed_t: at(1_764_600_000_123_000_000, Clock::Host),
                 host_t: at(1_764_600_000_123_456_789, Clock::Host),
                 exposure_us: from(1.0 / 3.0, Provenance::Chunk),
                 gain_db: from(-0.0, Provenance::TriggerCount),

@@ -138,6 +138,7 @@ fn of_frame() -> Message {
             ("gauge", 11, Type::Message, ".shadowgauge.Gauge"),
             ("scale", 12, Type::Message, ".shadowgauge.Scale"),
             ("changed", 13, Type::String, ""),
+            ("exposed_t", 14, Type::Message, TIME),
         ],
         &["changed"],
     )
