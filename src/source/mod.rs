@@ -5,8 +5,8 @@
 //! another on a stream (`piped`, by `split`). Out: frames with their scale and encoding
 //! (`stored`), decoded on other threads where `ahead` is asked, in memory that is used again
 //! (`spare`). `raw` are pixels without a header of their own and Y4M, `live` sources with events,
-//! leases and counted losses, `camera` GigE Vision cameras (feature `camera`), `mcap` recordings,
-//! `address` the grammar of SOURCE. `recording` is the folder of a recorded run. `decode` chooses
+//! leases and counted losses, `camera` GigE Vision cameras (feature `camera`), `commanded` what a cell
+//! asks of a head that takes frames by triggers, `mcap` recordings, `address` the grammar of SOURCE. `recording` is the folder of a recorded run. `decode` chooses
 //! the reader of a format (`png`, `tiff`, `jpeg`, `bmp`, `pnm`); each returns a `raster` of
 //! channels, which `depth`, `transfer`, `orientation`, `packed` and `relaid` convert to the pixels
 //! of a frame. A new format is a file with a function from bytes to a raster, an entry in `decode`
@@ -17,6 +17,8 @@ mod ahead;
 mod bmp;
 #[cfg(feature = "camera")]
 pub(crate) mod camera;
+#[cfg(feature = "camera")]
+pub(crate) mod commanded;
 mod decode;
 mod depth;
 #[cfg(feature = "render")]
