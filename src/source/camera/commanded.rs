@@ -146,8 +146,10 @@ impl CommandedHead for CommandedCamera {
 }
 
 impl Drop for CommandedCamera {
+    /// What was set is not restored at a camera that is gone: every feature would be awaited.
     fn drop(&mut self) {
-        if let Some(session) = self.session.take() {
+        let is_there = self.check().is_ok();
+        if let Some(session) = self.session.take().filter(|_| is_there) {
             session.close(&mut self.restore);
         }
     }
