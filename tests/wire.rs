@@ -272,10 +272,4 @@ fn a_head_that_refuses_a_pass_or_is_absent_is_named_with_its_reason() {
     let words = said(&output);
     assert!(output.status.code() == Some(3) && words.contains("no GigE Vision camera answers"), "{words}");
     assert!(!folder.path().join("nowhere").exists());
-
-    let during = JOB.replacen("[scan]\n", "[scan]\nwhen = \"during_cut\"\n", 1);
-    let config = written(folder.path(), "during", &during, Some(own_address(6)));
-    let _head = published(&written(folder.path(), "head", JOB, None), own_address(6));
-    let output = run(&config, &folder.path().join("during"));
-    assert!(output.status.code() == Some(2) && said(&output).contains("after_pass"), "{}", said(&output));
 }
