@@ -10,11 +10,11 @@ use std::time::{Duration, Instant};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::source::commanded::{Arrived, CommandedHead, HeadError, HeadFrame, Place};
 
-/// Wait for a frame before the head is asked what became of it: a twelfth of the heartbeat's time of
-/// GigE Vision (3 s), so that a head that is gone is reported within a second.
+/// Wait for a frame before the head is asked what became of it: with two answers that are awaited as
+/// long, a head that is gone is reported within a second.
 const LOOK: Duration = Duration::from_millis(250);
-/// Longest wait for a frame of a head that answers: two minutes are no exposure, and no drawing of a
-/// frame that a loop could wait for in every pass.
+/// Longest wait for a frame of a head that answers: two minutes are no exposure, and no drawing of
+/// a frame that a loop could wait for in every pass.
 const LONGEST: Duration = Duration::from_secs(120);
 /// Triggers for one frame: with one frame of a hundred lost, one of 10⁶ fails.
 const TRIGGERS: usize = 3;

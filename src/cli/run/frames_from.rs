@@ -1,5 +1,5 @@
-//! Where the frames of a run come from: a renderer behind the simulated cell, a recording, or a head
-//! on the wire.
+//! Where the frames of a run come from: a renderer behind the simulated cell, a recording, or a
+//! head on the wire.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
