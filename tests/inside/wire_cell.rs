@@ -233,8 +233,7 @@ fn cut(cell: &mut WireCell, pass: u32, o_mm: Vec<f64>) -> Result<(), String> {
 #[test]
 fn every_frame_has_its_own_place_and_number_whatever_becomes_of_triggers() {
     assert_eq!(all(cell(Scripted::with_faults(&[])).scan(&plan()).unwrap().as_mut()), wanted(0, 0));
-    let faults =
-        [Fault::Ignored, Fault::Doubled, Fault::Late, Fault::Lost, Fault::Damaged, Fault::Displaced];
+    let faults = [Fault::Ignored, Fault::Doubled, Fault::Late, Fault::Lost, Fault::Damaged, Fault::Displaced];
     for fault in faults {
         for at in 1..=6 {
             let mut cell = cell(Scripted::with_faults(&[(at, fault)]));

@@ -121,7 +121,8 @@ impl<'a> WireFrames<'a> {
         let is_sent = self.head.number("FramesSent") != before.sent;
         let is_lost = is_sent && *was_sent;
         *was_sent = is_sent;
-        let why = "it was sent, but its packets did not arrive (a firewall, or larger than the network carries)";
+        let why =
+            "it was sent, but its packets did not arrive (a firewall, or larger than the network carries)";
         Ok(is_lost.then(|| why.to_owned()))
     }
 

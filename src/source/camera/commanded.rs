@@ -130,9 +130,9 @@ impl CommandedHead for CommandedCamera {
         }
         match self.session.as_ref().is_some_and(Session::has_control) {
             true => Ok(()),
-            false => Err(HeadError::Gone(
-                "it was restarted, or another program has control of it now".to_owned(),
-            )),
+            false => {
+                Err(HeadError::Gone("it was restarted, or another program has control of it now".to_owned()))
+            }
         }
     }
 
