@@ -13,6 +13,8 @@ use std::sync::{Mutex, PoisonError};
 use crate::cell::wire::{Unfit, WireCell, check};
 #[cfg(feature = "camera")]
 use crate::source::camera::CommandedCamera;
+#[cfg(feature = "camera")]
+use crate::source::commanded::CommandedHead as _;
 
 /// A head under control, held against the job of a run.
 #[cfg(feature = "camera")]
@@ -47,7 +49,10 @@ impl WireHead {
             Err(Unfit::Head(why)) => return Err(failed(&why)),
         }
         let (name, shown) = (format!("gige:{name}"), head.shown());
-        tracing::info!("{name}: {shown}");
+        // what other clients may have left is taken as it is
+        let of = |feature: &str| format!("{feature} {}", head.value(feature).unwrap_or_default());
+        let set = ["PixelFormat", "ExposureTime", "Gain", "Contamination"].map(of).join(", ");
+        tracing::info!("{name}: {shown}; {set}");
         Ok(Self { name, shown, head: Mutex::new(Some(head)) })
     }
 
