@@ -121,7 +121,10 @@ impl<'a> SimulatedHead<'a> {
 
     fn part_number(&mut self, ordered: Option<u64>) -> Result<u64, String> {
         let cell = self.cell()?;
-        Ok(ordered.map_or_else(|| cell.next_part_frame(), |number| cell.part_frame(number)))
+        Ok(match ordered {
+            Some(number) => cell.part_frame(number),
+            None => cell.next_part_frame(),
+        })
     }
 
     /// Number of the frame, by which its noise is drawn, and of frames before it of the same pin.
