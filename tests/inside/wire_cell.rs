@@ -132,11 +132,12 @@ impl Scripted {
 
 impl CommandedHead for Scripted {
     fn value(&self, feature: &str) -> Option<String> {
-        let at = |all: &[f64], index: f64| all.get(index as usize).map(f64::to_string);
+        let index = |selector: &str| self.values.get(selector)?.parse::<usize>().ok();
+        let at = |all: &[f64], index: usize| all.get(index).map(f64::to_string);
         match feature {
             _ if self.is_gone => None,
-            "PassStationZ" => at(&self.stations_mm, self.float("PassStation")),
-            "PassNominalDiameter" => at(&self.nominal_mm, (self.float("PassNumber") - 1.0).max(0.0)),
+            "PassStationZ" => at(&self.stations_mm, index("PassStation")?),
+            "PassNominalDiameter" => at(&self.nominal_mm, index("PassNumber")?.saturating_sub(1)),
             _ => self.values.get(feature).cloned(),
         }
     }
