@@ -227,12 +227,13 @@ fn nothing_is_proven_until_a_part_has_settled_and_the_next_one_settles_by_itself
     );
     for seed in 0..2 {
         running.send(&pgm(&empty(seed)));
-        frame(&running);
+        assert_eq!(frame(&running).0["valid"], false);
     }
     running.send(&pgm(&picture(1)));
-    let (next, _) = frame(&running);
+    let (next, events) = frame(&running);
+    let part = events.iter().find(|line| line["event"] == "part").unwrap();
+    assert_eq!((&part["judgement"], part["settled"].as_bool()), (&"GO".into(), Some(true)), "{part}");
     assert_eq!(next["settled"]["state"], "waiting", "{next}");
-    // The first part settled and is good; the second one never did.
     let (code, rest) = running.end();
     let parts: Vec<Value> = parsed(&rest).into_iter().filter(|line| line["event"] == "part").collect();
     assert!(parts.is_empty() && code == Some(0), "one frame is no part: {rest:?}");
@@ -253,7 +254,7 @@ fn what_settling_temperatures_and_zeros_need_is_named() {
         (&["--um-per-px", "10", "--temperatures", "nowhere.csv"], "nowhere.csv"),
         (&["--save-frames", "3"], "--save"),
     ] {
-        let output = shadowgauge([&["watch", "-"], arguments].concat());
+        let output = shadowgauge([&["watch", "-"][..], arguments].concat());
         assert!(output.status.code() >= Some(2) && said(&output).contains(word), "{word}: {}", said(&output));
     }
     // A source without angles gives no turns.
@@ -364,7 +365,7 @@ fn what_is_saved_is_every_result_and_a_bounded_number_of_bad_frames() {
     }
     // They measure as they did.
     let again = shadowgauge(["measure", &saved.join("frames").display().to_string(), "--um-per-px", "10", "--json"]);
-    let again: Value = serde_json::from_str(text(&again.stdout)).unwrap();
+    let again: Value = serde_json::from_str(&text(&again.stdout)).unwrap();
     let first = parsed(&lines).into_iter().find(|line| line["saved"] == "frames/000001.png").unwrap();
     let (then, now) = (&first["max_diameter_px"], &again["frames"][0]["max_diameter_px"]);
     assert!((then.as_f64().unwrap() - now.as_f64().unwrap()).abs() < 1e-6, "{then} {now}");
