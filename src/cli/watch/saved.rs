@@ -50,14 +50,15 @@ impl Saved {
     pub(super) fn begin(path: &Path, most: u32, um_per_px: Option<f64>) -> Result<Self, Failure> {
         let shown = path.display();
         let failed = |error: io::Error| Failure::fail(format!("--save {shown}: {error}"));
-        match fs::read_dir(path) {
-            Ok(mut entries) if entries.next().is_some() => {
-                return Err(Failure::refuse(format!(
-                    "--save {shown}: the folder is taken, and nothing in it is written over; name a new one"
-                )));
-            }
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
-            _ => {}
+        let is_taken = match fs::read_dir(path) {
+            Ok(mut entries) => entries.next().is_some(),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => false,
+            Err(error) => return Err(failed(error)),
+        };
+        if is_taken {
+            return Err(Failure::refuse(format!(
+                "--save {shown}: the folder is taken, and nothing in it is written over; name a new one"
+            )));
         }
         let folder = path.join("frames");
         fs::create_dir_all(&folder).map_err(failed)?;
