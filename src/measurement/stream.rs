@@ -236,9 +236,9 @@ impl Stream {
         }
     }
 
-    /// Standard uncertainty of all diameters by the gauge's drift since its last zero, from the next
-    /// frame on, mm, with its inputs for the budget ("1.2 h, head +0.4 K"); without a calibration
-    /// there is none.
+    /// Standard uncertainty of all diameters by the gauge's drift since its last zero, from the
+    /// next frame on, mm, with its inputs for the budget ("1.2 h, head +0.4 K"); without a
+    /// calibration there is none.
     pub fn set_zero_drift(&mut self, u_mm: f64, since: String) {
         if let Some(inspector) = &mut self.inspector {
             inspector.drift = Some((u_mm, since));

@@ -1,11 +1,12 @@
 //! `shadowgauge watch`: a source watched live.
 //!
 //! In: a source of frames, a scale or calibration, a tolerance, temperatures and zeros over time
-//! (`condition_args`; tables that grow: `growing_table`, a command: `thermometer`). Out: on a
-//! terminal one line of the present diameter that is written over again, on stdout a line a part, or
-//! with `--json` a line a frame and a line an event (`shown`); an alarm with its command
-//! (`on_alarm`, run by `shell`); counts at the end; the frames themselves (`recorded`), results and
-//! bad frames (`saved`); a page to set the gauge up by (`setup_page`).
+//! (`condition_args`; tables that grow: `growing_table`, a command: `thermometer`; taken into the
+//! measurement by `live_conditions`). Out: on a terminal one line of the present diameter that is
+//! written over again, on stdout a line a part, or with `--json` a line a frame and a line an event
+//! (`shown`); an alarm with its command (`on_alarm`, run by `shell`); counts at the end; the frames
+//! themselves (`recorded`), results and bad frames (`saved`); a page to set the gauge up by
+//! (`setup_page`).
 //! `session` takes the events of the source and measures; what is computed beside the measurement
 //! is in [`measurement::watch`](crate::measurement), where one more figure goes.
 
@@ -74,8 +75,8 @@ pub(crate) struct WatchArgs {
     #[arg(long, value_name = "P", default_value_t = 0.95)]
     conformance_probability: f64,
     /// Seconds over which readings must agree before a diameter is good. Until then the reading is
-    /// invalid and nothing is proven; a trend (coolant that runs off, a part that cools) is named, and
-    /// what cannot be seen of it is in U.
+    /// invalid and nothing is proven; a trend (coolant that runs off, a part that cools) is named,
+    /// and what cannot be seen of it is in U.
     #[arg(long, value_name = "S", value_parser = seconds)]
     settle_s: Option<Duration>,
     /// The part turns: the readings that must agree are means of whole turns, by the spindle angle

@@ -1,8 +1,8 @@
 //! What `--save DIR` keeps: all results as JSON lines, and the frames that had none or a bad one.
 //!
-//! `results.jsonl` has a line as soon as it is there. Frames are written by another thread as 16-bit
-//! PNG (floating point as TIFF) in `frames/`, with their times and places in `frames/frames.csv`,
-//! so that `measure DIR/frames` reads them as they were taken.
+//! `results.jsonl` has a line as soon as it is there. Frames are written by another thread as
+//! 16-bit PNG (floating point as TIFF) in `frames/`, with their times and places in
+//! `frames/frames.csv`, so that `measure DIR/frames` reads them as they were taken.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
