@@ -214,8 +214,7 @@ fn append(path: &Path, line: &str) {
 
 #[test]
 fn nothing_is_proven_until_a_part_has_settled_and_the_next_one_settles_by_itself() {
-    let arguments =
-        ["-", "--json", "--um-per-px", "10", "--tolerance", "0.361 ±0.05", "--settle-s", "2"];
+    let arguments = ["-", "--json", "--um-per-px", "10", "--tolerance", "0.361 ±0.05", "--settle-s", "2"];
     let mut running = Running::of("watch", &arguments);
     let (good, waiting) = until(&mut running, |line| line["settled"]["state"] == "agrees");
     assert_eq!((good["valid"].as_bool(), &good["judgement"]), (Some(true), &"GO".into()), "{good}");
@@ -258,10 +257,14 @@ fn what_settling_temperatures_and_zeros_need_is_named() {
         assert!(output.status.code() >= Some(2) && said(&output).contains(word), "{word}: {}", said(&output));
     }
     // A source without angles gives no turns.
-    let mut running = Running::of("watch", &["-", "--json", "--um-per-px", "10", "--settle-s", "1", "--turning"]);
+    let mut running =
+        Running::of("watch", &["-", "--json", "--um-per-px", "10", "--settle-s", "1", "--turning"]);
     running.send(&pgm(&picture(1)));
     let (line, _) = frame(&running);
-    assert!(line["valid"] == false && line.to_string().contains("--turning needs the spindle angle"), "{line}");
+    assert!(
+        line["valid"] == false && line.to_string().contains("--turning needs the spindle angle"),
+        "{line}"
+    );
 }
 
 #[test]
@@ -282,7 +285,11 @@ fn a_thermometer_brings_the_diameter_to_20_degrees() {
     assert!((d_mm(&cold) / d_mm(&hot) - (1.0 + 11.5e-6 * 100.0)).abs() < 1e-7, "{cold} {hot}");
     assert_eq!((hot["part_c"].as_f64(), hot["part_limit_k"].as_f64()), (Some(120.0), Some(0.5)));
     let output = shadowgauge(["watch", "-", "--um-per-px", "10", "--temperature-cmd", "exit 4"]);
-    assert!(output.status.code() == Some(3) && said(&output).contains("--temperature-cmd"), "{}", said(&output));
+    assert!(
+        output.status.code() == Some(3) && said(&output).contains("--temperature-cmd"),
+        "{}",
+        said(&output)
+    );
 }
 
 #[test]
@@ -336,7 +343,16 @@ fn what_is_saved_is_every_result_and_a_bounded_number_of_bad_frames() {
     let saved = folder.path().join("saved");
     let path = saved.display().to_string();
     let arguments = [
-        "-", "--json", "--um-per-px", "10", "--tolerance", "0.5 ±0.01", "--save", &path, "--save-frames", "2",
+        "-",
+        "--json",
+        "--um-per-px",
+        "10",
+        "--tolerance",
+        "0.5 ±0.01",
+        "--save",
+        &path,
+        "--save-frames",
+        "2",
     ];
     let mut running = Running::of("watch", &arguments);
     let mut lines = Vec::new();
@@ -364,7 +380,8 @@ fn what_is_saved_is_every_result_and_a_bounded_number_of_bad_frames() {
         assert_eq!(image.into_raw(), sent, "{file}");
     }
     // They measure as they did.
-    let again = shadowgauge(["measure", &saved.join("frames").display().to_string(), "--um-per-px", "10", "--json"]);
+    let again =
+        shadowgauge(["measure", &saved.join("frames").display().to_string(), "--um-per-px", "10", "--json"]);
     let again: Value = serde_json::from_str(&text(&again.stdout)).unwrap();
     let first = parsed(&lines).into_iter().find(|line| line["saved"] == "frames/000001.png").unwrap();
     let (then, now) = (&first["max_diameter_px"], &again["frames"][0]["max_diameter_px"]);
@@ -380,7 +397,8 @@ fn the_setup_states_focus_light_and_exposure_with_a_part_and_without() {
     let page = event(&running, "setup");
     // A logistic edge of scale ½ px has a standard deviation of π/√12 = .91 px.
     let blur = page["edges"]["blur_px"].as_array().unwrap();
-    let all: Vec<f64> = blur.iter().flat_map(|side| side.as_array().unwrap()).map(|b| b.as_f64().unwrap()).collect();
+    let all: Vec<f64> =
+        blur.iter().flat_map(|side| side.as_array().unwrap()).map(|b| b.as_f64().unwrap()).collect();
     assert!(all.len() == 6 && all.iter().all(|px| (0.6..1.2).contains(px)), "{page}");
     assert!(page["edges"]["tilt_deg"].as_f64().unwrap().abs() < 0.1, "{page}");
     // 180 to 184 counts of 255: 204 would be 80 %.

@@ -81,8 +81,7 @@ fn drift_since_the_zero_is_in_every_diameter_once() {
     let at = |drift_mm: Option<f64>| {
         let gauge = Gauge::new(GaugeSettings::default()).unwrap();
         let settings = MeasureSettings { station_mm: Some(0.5), budget: true, ..MeasureSettings::default() };
-        let mut stream =
-            Stream::calibrated(&gauge, &Calibration::from_scale(UM_PER_PX), settings).unwrap();
+        let mut stream = Stream::calibrated(&gauge, &Calibration::from_scale(UM_PER_PX), settings).unwrap();
         if let Some(u_mm) = drift_mm {
             stream.set_zero_drift(u_mm, "1 h".to_owned());
         }
@@ -98,7 +97,10 @@ fn drift_since_the_zero_is_in_every_diameter_once() {
     let common = |m: &Measurement| m.stations.as_ref().unwrap()[0].reading.value().unwrap().u_common_mm;
     assert!((grew(common(&before), common(&after)) - 3e-3).abs() < 1e-9);
     let rows = after.budget.unwrap().contributions;
-    assert_eq!(rows.iter().filter(|row| row.source == "drift since the last zero" && row.input == "1 h").count(), 1);
+    assert_eq!(
+        rows.iter().filter(|row| row.source == "drift since the last zero" && row.input == "1 h").count(),
+        1
+    );
 }
 
 #[test]

@@ -62,7 +62,8 @@ impl<const N: usize> TimeTable<N> {
         let mut values = [None; N];
         for (value, (column, place)) in values.iter_mut().zip(&self.columns) {
             let Some(i) = place.filter(|i| column.is_needed || !field(*i).is_empty()) else { continue };
-            let decimal = if self.separator == ';' { field(i).replace(',', ".") } else { field(i).to_owned() };
+            let decimal =
+                if self.separator == ';' { field(i).replace(',', ".") } else { field(i).to_owned() };
             let read = decimal.parse::<f64>().ok().filter(|v| v.is_finite());
             *value = Some(read.ok_or_else(|| wrong(column.name, i))?);
         }
@@ -80,10 +81,10 @@ mod tests {
     #[test]
     fn columns_are_found_by_name_and_mistakes_have_their_row() {
         let table = TimeTable::of_header("\u{feff}Limit_K; other; t_ns;PART_C", WANTED).unwrap();
-        assert_eq!(table.row("0,2;x;10;20,5", 2).unwrap(), TimeRow {
-            t_ns: 10,
-            values: [Some(20.5), Some(0.2)]
-        });
+        assert_eq!(
+            table.row("0,2;x;10;20,5", 2).unwrap(),
+            TimeRow { t_ns: 10, values: [Some(20.5), Some(0.2)] }
+        );
         assert_eq!(table.row(";;11;21", 3).unwrap().values, [Some(21.0), None]);
         assert!(table.row(";;11;", 4).unwrap_err().contains("row 4: part_c \"\""));
         assert!(table.row(";;-1;20", 5).unwrap_err().contains("row 5: t_ns \"-1\""));

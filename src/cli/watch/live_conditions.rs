@@ -107,7 +107,9 @@ impl LiveConditions {
         }
         self.look();
         let Some(t_ns) = time_ns(meta) else {
-            return Err("the frame has no time, which --temperatures and --zero need (t_ns in frames.csv)".to_owned());
+            return Err(
+                "the frame has no time, which --temperatures and --zero need (t_ns in frames.csv)".to_owned()
+            );
         };
         let mut head_c = None;
         if let Some((temperatures, _)) = &self.temperatures {
@@ -137,12 +139,16 @@ impl LiveConditions {
         };
         match temperatures {
             None => {}
-            Some((temperatures, Origin::Command(thermometer))) => thermometer.readings().for_each(|reading| {
-                let pushed = reading.and_then(|sample| temperatures.push(sample));
-                note(pushed.map_err(|why| format!("--temperature-cmd: {why}")));
-            }),
+            Some((temperatures, Origin::Command(thermometer))) => {
+                thermometer.readings().for_each(|reading| {
+                    let pushed = reading.and_then(|sample| temperatures.push(sample));
+                    note(pushed.map_err(|why| format!("--temperature-cmd: {why}")));
+                })
+            }
             Some((temperatures, Origin::Table(table))) => match table.look() {
-                Ok(rows) => rows.into_iter().for_each(|row| note(row.and_then(|row| later(temperatures, row)))),
+                Ok(rows) => {
+                    rows.into_iter().for_each(|row| note(row.and_then(|row| later(temperatures, row))))
+                }
                 Err(why) => note(Err(why)),
             },
         }
@@ -183,7 +189,8 @@ mod tests {
     #[test]
     fn a_table_of_frames_has_its_own_clock_and_all_else_this_machines() {
         let at = |t_ns, clock| Some(Timestamp { t_ns, clock });
-        let host = LiveMeta { device_t: at(1, Clock::Device), host_t: at(3, Clock::Host), ..LiveMeta::default() };
+        let host =
+            LiveMeta { device_t: at(1, Clock::Device), host_t: at(3, Clock::Host), ..LiveMeta::default() };
         assert_eq!(time_ns(&host), Some(3));
         let mapped = LiveMeta { exposed_t: at(2, Clock::Host), ..host.clone() };
         assert_eq!(time_ns(&mapped), Some(2));

@@ -91,10 +91,11 @@ impl Saved {
     /// out: there are enough of them, or the disk is slower.
     pub(super) fn frame(&mut self, number: u64, frame: Option<Frame>) -> Option<String> {
         let stem = format!("{number:06}");
-        let given = frame.filter(|_| self.has_room()).zip(self.frames.as_ref()).and_then(|(frame, frames)| {
-            let name = format!("frames/{stem}.{}", format_of(&frame).extension());
-            frames.to.try_send((stem, frame)).ok().map(|()| name)
-        });
+        let given =
+            frame.filter(|_| self.has_room()).zip(self.frames.as_ref()).and_then(|(frame, frames)| {
+                let name = format!("frames/{stem}.{}", format_of(&frame).extension());
+                frames.to.try_send((stem, frame)).ok().map(|()| name)
+            });
         match &given {
             Some(_) => self.given += 1,
             None => self.left_out += 1,

@@ -248,9 +248,11 @@ impl<'a> Session<'a> {
         self.taken = TakenConditions::default();
         self.taken = self.beside.conditions.take(&mut self.stream, meta)?;
         match (self.settings.turning, meta.angle_deg) {
-            (true, None) => Err("--turning needs the spindle angle of every frame (angle_deg in frames.csv, a \
+            (true, None) => {
+                Err("--turning needs the spindle angle of every frame (angle_deg in frames.csv, a \
                                  camera's chunk): the source does not state it"
-                .to_owned()),
+                    .to_owned())
+            }
             _ => Ok(()),
         }
     }
@@ -393,7 +395,8 @@ impl<'a> Session<'a> {
         let in_cell = (edges.columns() / CELLS).max(1) as f64;
         let (top, bottom) =
             edges.top.iter().zip(&edges.bottom).find(|(t, b)| t.is_usable() && b.is_usable())?;
-        let u_px = |own: f32, shared: f32| (f64::from(own).powi(2) / in_cell + f64::from(shared).powi(2)).sqrt();
+        let u_px =
+            |own: f32, shared: f32| (f64::from(own).powi(2) / in_cell + f64::from(shared).powi(2)).sqrt();
         let u = u_px(top.u_own_px, top.u_shared_px).hypot(u_px(bottom.u_own_px, bottom.u_shared_px));
         let widths = (0..edges.columns()).map(|column| edges.width_px(column).map(|width| scale * width));
         profile(widths, CELLS, NOISE * scale * u)

@@ -135,7 +135,8 @@ fn text(reading: &SetupReading, of: &PageOf<'_>, has_flat: bool) -> String {
         let shown = |blur: Option<f64>| blur.map_or_else(|| "    -".to_owned(), |px| format!("{px:5.2}"));
         for (name, [left, middle, right]) in ["upper", "lower"].into_iter().zip(edges.blur_px) {
             let [left, middle, right] = [left, middle, right].map(shown);
-            let _ = writeln!(page, "focus      {name} edge: blur left {left}  middle {middle}  right {right} px");
+            let _ =
+                writeln!(page, "focus      {name} edge: blur left {left}  middle {middle}  right {right} px");
         }
         let [upper, lower] = edges.gradient;
         let _ = writeln!(page, "gradient   upper {upper:.1}, lower {lower:.1} counts/px");
@@ -143,7 +144,8 @@ fn text(reading: &SetupReading, of: &PageOf<'_>, has_flat: bool) -> String {
         let _ = writeln!(page, "contrast   {:.3}, over noise {:.0}", edges.contrast, edges.snr);
     }
     let light = &reading.light;
-    let share = light.of_full_scale.map_or_else(String::new, |s| format!(", {:.1} % of full scale", 100.0 * s));
+    let share =
+        light.of_full_scale.map_or_else(String::new, |s| format!(", {:.1} % of full scale", 100.0 * s));
     let saturated = 100.0 * light.saturated_share;
     let _ = writeln!(page, "light      {:.0} counts{share}; {saturated:.3} % saturated", light.brightest);
     let _ = writeln!(page, "exposure   {}", exposure_text(reading, of.meta));

@@ -108,7 +108,9 @@ fn waited(child: &mut Child, is_over: &AtomicBool) -> Result<(), String> {
 fn sample(t_ns: u64, text: &str) -> Result<TemperatureSample, String> {
     let line = text.lines().map(str::trim).rfind(|line| !line.is_empty()).unwrap_or("");
     let wrong = || {
-        format!("it printed {line:?}; the part's temperature is right, \"20.4\", with limits and the head's \"20.4,0.2,24.1\"")
+        format!(
+            "it printed {line:?}; the part's temperature is right, \"20.4\", with limits and the head's \"20.4,0.2,24.1\""
+        )
     };
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
     let value = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong);

@@ -157,7 +157,14 @@ mod tests {
     use super::*;
 
     fn part(sequence: u64, value: f64) -> Seen {
-        Seen::Part(FrameValue { sequence, value, expanded_u: 0.1 * value, severity: 0, word: "GO", is_settled: true })
+        Seen::Part(FrameValue {
+            sequence,
+            value,
+            expanded_u: 0.1 * value,
+            severity: 0,
+            word: "GO",
+            is_settled: true,
+        })
     }
 
     fn values(seen: &[Seen]) -> (Vec<PartValue>, Presence) {
@@ -192,7 +199,14 @@ mod tests {
 
     #[test]
     fn the_worst_frame_judges() {
-        let bad = FrameValue { sequence: 2, value: 9.0, expanded_u: 0.1, severity: 2, word: "HH", is_settled: true };
+        let bad = FrameValue {
+            sequence: 2,
+            value: 9.0,
+            expanded_u: 0.1,
+            severity: 2,
+            word: "HH",
+            is_settled: true,
+        };
         let (parts, _) =
             values(&[part(0, 9.0), part(1, 9.0), Seen::Part(bad), part(3, 9.0), Seen::Empty, Seen::Empty]);
         assert_eq!((parts[0].severity, parts[0].word), (2, "HH"));

@@ -90,7 +90,13 @@ mod tests {
         let grey = |row: usize, column: usize| {
             let is_part = (100..140).contains(&row);
             let is_drop = (20..40).contains(&row) && (200..220).contains(&column);
-            if is_part { 10.0 } else if is_drop { 410.0 } else { 510.0 }
+            if is_part {
+                10.0
+            } else if is_drop {
+                410.0
+            } else {
+                510.0
+            }
         };
         let all = (0..240).flat_map(|row| (0..240).map(move |column| grey(row, column)));
         Frame::linear(all.collect(), 240, 240, Some(1000.0), FrameMeta::default())
@@ -98,7 +104,8 @@ mod tests {
 
     #[test]
     fn a_drop_on_the_window_is_named_and_the_part_left_out() {
-        let edge = |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };
+        let edge =
+            |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };
         let edges = FrameEdges {
             top: vec![edge(99.5); 240],
             bottom: vec![edge(139.5); 240],

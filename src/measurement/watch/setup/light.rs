@@ -37,7 +37,8 @@ impl Light {
         let saturated = full.map_or(0, |full| greys.iter().filter(|grey| **grey >= full).count());
         let count = greys.len().max(1);
         let rank = ((1.0 - BRIGHTEST) * (count - 1) as f64) as usize;
-        let brightest = if greys.is_empty() { 0.0 } else { *greys.select_nth_unstable_by(rank, f32::total_cmp).1 };
+        let brightest =
+            if greys.is_empty() { 0.0 } else { *greys.select_nth_unstable_by(rank, f32::total_cmp).1 };
         let (brightest, full) = (f64::from(brightest), full.map(f64::from));
         let factor = |full: f64| (GOOD * full - black) / (brightest - black);
         let is_lit = |full: &f64| brightest < *full && brightest > black;

@@ -51,12 +51,7 @@ pub(crate) struct EdgesReading {
 impl SetupReading {
     /// The figures of a frame. `black` is the grey value without light; `is_backlit`: what is not
     /// part is light.
-    pub(crate) fn of(
-        view: &FrameView<'_>,
-        edges: Option<&FrameEdges>,
-        black: f64,
-        is_backlit: bool,
-    ) -> Self {
+    pub(crate) fn of(view: &FrameView<'_>, edges: Option<&FrameEdges>, black: f64, is_backlit: bool) -> Self {
         let light = Light::of(view, black);
         let evenness = is_backlit.then(|| Evenness::of(view, edges, black)).flatten();
         Self { light, evenness, edges: edges.map(|edges| EdgesReading::of(view, edges)) }
@@ -114,7 +109,8 @@ fn add_column(
     let (edge_px, outwards) = if side == 0 { (top.row_px, -1.0) } else { (bottom.row_px, 1.0) };
     let inside_px = (0.5 * (bottom.row_px - top.row_px)).min(samples.reach_px());
     let (inner, outer) = (edge_px - outwards * inside_px, edge_px + outwards * samples.reach_px());
-    let (first, last) = (inner.min(outer).ceil().max(0.0) as usize, inner.max(outer).floor().max(0.0) as usize);
+    let (first, last) =
+        (inner.min(outer).ceil().max(0.0) as usize, inner.max(outer).floor().max(0.0) as usize);
     for row in first..=last {
         if let Some(grey) = view.get(row, column) {
             samples.push(outwards * (row as f64 - edge_px), f64::from(grey));
@@ -152,7 +148,8 @@ mod tests {
     }
 
     fn edges() -> FrameEdges {
-        let edge = |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };
+        let edge =
+            |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };
         let figures = FrameFigures {
             sigma_px: [1.3; 2],
             dark: [100.0; 2],
