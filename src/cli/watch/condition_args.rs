@@ -9,8 +9,9 @@ use crate::measurement::{TemperatureAge, ZeroDrift};
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct ConditionArgs {
     /// Temperatures over time (CSV: t_ns, part_c and, where known, limit_k and head_c), read on as
-    /// the file grows or is written anew. t_ns is the host's clock (ns since 1970), of files that of
-    /// frames.csv. Each frame has the last one before it; its limits grow by 0.02 K/s after 10 s.
+    /// the file grows or is written anew. t_ns is the host's clock (ns since 1970), of files that
+    /// of frames.csv. Each frame has the last one before it; its limits grow by 0.02 K/s after 10
+    /// s.
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["part_temperature", "temperature_cmd"])]
     pub(super) temperatures: Option<PathBuf>,
     /// Reads the thermometer by this command of the shell every 5 s: its last line is the part's
