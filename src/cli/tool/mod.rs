@@ -2,7 +2,7 @@
 
 mod compensate;
 mod nose;
-mod overlay;
+pub(super) mod overlay;
 mod pictures;
 mod render;
 mod words;

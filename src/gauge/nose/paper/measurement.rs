@@ -10,6 +10,8 @@ use crate::frame::FrameView;
 use crate::gauge::nose::contour;
 use crate::gauge::nose::error::NoseImageError;
 use crate::gauge::nose::limits::NoseLimits;
+use crate::gauge::nose::measurement::check_direction;
+use crate::gauge::nose::settings::ExpectedNose;
 
 /// Departure of the lines' angle from the insert's up to which two segments are its edges, degrees:
 /// twice the tolerance of a corner with its seat, and a degree for lines of pixels.
@@ -29,6 +31,8 @@ pub(crate) struct PaperSettings {
     pub nominal_radius_px: f64,
     /// Included angle of the insert, degrees.
     pub epsilon_deg: f64,
+    /// Where the nose should point, where that is checked.
+    pub expected: Option<ExpectedNose>,
 }
 
 /// A nose by the paper's way; places are (column, −row), px.
@@ -64,7 +68,8 @@ impl PaperNose {
 /// Measures a nose by the paper's way.
 ///
 /// # Errors
-/// No insert or several, no two lines at the insert's angle, no pixels on the nose.
+/// No insert or several, no two lines at the insert's angle, no pixels on the nose, a direction that
+/// is not the tool's.
 pub(crate) fn measure_paper_nose(
     view: &FrameView<'_>,
     settings: &PaperSettings,
@@ -91,12 +96,14 @@ pub(crate) fn measure_paper_nose(
         let why = format!("no edge pixel lies within {:.0} % of R0 on its nose", 1e2 * NOSE_SHARE);
         return Err(NoseImageError::Fit(why));
     }
+    let normals_deg = normals.map(|n| n.to_angle().to_degrees().rem_euclid(360.0));
+    settings.expected.iter().try_for_each(|expected| check_direction(normals_deg, expected))?;
     let radii = nose.iter().map(|p| p.distance(centre));
     Ok(PaperNose {
         angle_deg: included_deg(&lines),
         found_angle_deg,
         centre,
-        normals_deg: normals.map(|n| n.to_angle().to_degrees().rem_euclid(360.0)),
+        normals_deg,
         nominal_radius_px: r,
         mean_radius_px: radii.sum::<f64>() / nose.len() as f64,
         sectors: sectors(&nose, centre, normals),
