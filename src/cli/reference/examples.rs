@@ -116,6 +116,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge tool nose worn.png --um-per-px 2.415",
             "shadowgauge tool nose worn.png --um-per-px 2.415 --tool tool.toml --baseline new.png --out nose.json --overlay nose.png",
             "shadowgauge tool nose images --calibration calibration.json --json",
+            "shadowgauge tool nose worn.png --um-per-px 2.415 --tool tool.toml --mode paper",
         ],
     ),
     (
