@@ -120,6 +120,12 @@ const EXAMPLES: &[Examples] = &[
         ],
     ),
     (
+        "tool axes",
+        &[
+            "shadowgauge tool axes 0.png 1.png 2.png --x-mm 0,0.5,0 --z-mm 0,0,0.5 --um-per-px 2.415 --tool tool.toml --out turned.toml",
+        ],
+    ),
+    (
         "tool render",
         &["shadowgauge tool render configs/tool/insert.toml --out out/insert --frames 4 --seed 7"],
     ),

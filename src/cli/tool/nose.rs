@@ -70,13 +70,14 @@ struct Document {
     images: Vec<AnyNose>,
 }
 
-fn scale(text: &str) -> Result<f64, String> {
+/// A scale of the command line, µm per px.
+pub(super) fn scale(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|s| *s > 0.0 && s.is_finite());
     value.ok_or_else(|| "a scale above 0 is needed, µm per px, for instance 2.415".to_owned())
 }
 
 /// Images with their names.
-type Named = (String, Frame);
+pub(super) type Named = (String, Frame);
 
 /// What measures an image.
 struct Instrument {
@@ -185,7 +186,7 @@ fn calibration(args: &NoseArgs) -> Result<Calibration, Failure> {
 }
 
 /// The images of files, one after another.
-fn frames(paths: Vec<PathBuf>, channel: Channel) -> impl Iterator<Item = Result<Named, Failure>> {
+pub(super) fn frames(paths: Vec<PathBuf>, channel: Channel) -> impl Iterator<Item = Result<Named, Failure>> {
     let mut source = FileFrames::new(paths).of_channel(Some(channel));
     std::iter::from_fn(move || {
         let read = source.next_stored()?;

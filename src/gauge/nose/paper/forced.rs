@@ -6,11 +6,8 @@
 
 use glam::DVec2;
 
+use super::limits::PaperNoseLimits;
 use super::segments::Segment;
-
-/// Step by which a line is turned; the paper has none. Half of it, the most that the angle stays
-/// off, moves the end of an edge of 1000 px by .04 px.
-const STEP_DEG: f64 = 0.005;
 
 /// An edge as the paper has it.
 #[derive(Clone, Debug)]
@@ -25,7 +22,8 @@ pub(super) struct EdgeOfPaper {
 
 impl EdgeOfPaper {
     /// A segment as seen from where the edges meet, with the edge's pixels.
-    pub(super) fn new(segment: &Segment, apex: DVec2, pixels: &[DVec2], near_px: f64) -> Self {
+    pub(super) fn new(segment: &Segment, apex: DVec2, pixels: &[DVec2]) -> Self {
+        let near_px = PaperNoseLimits::get().near_px;
         let (at, half) = (segment.middle(), 0.5 * segment.length());
         let along = (segment.ends[1] - segment.ends[0]).normalize_or_zero();
         let along = if along.dot(at - apex) < 0.0 { -along } else { along };
@@ -48,9 +46,9 @@ pub(super) fn force(edges: &mut [EdgeOfPaper; 2], epsilon_deg: f64) -> usize {
     let further = usize::from(edges[1].distance_px > edges[0].distance_px);
     let turned = if excess > 0.0 { further } else { 1 - further };
     let towards = edges[turned].along.angle_to(edges[1 - turned].along).signum();
-    let steps = (excess / STEP_DEG).round();
-    edges[turned].along =
-        DVec2::from_angle((towards * steps * STEP_DEG).to_radians()).rotate(edges[turned].along);
+    let step = PaperNoseLimits::get().step_deg;
+    let by = DVec2::from_angle((towards * (excess / step).round() * step).to_radians());
+    edges[turned].along = by.rotate(edges[turned].along);
     turned
 }
 
@@ -74,7 +72,7 @@ mod tests {
             let mut lines = edges(deg, distances);
             let before = lines.clone();
             assert_eq!(force(&mut lines, 60.0), wanted);
-            assert!((included_deg(&lines) - 60.0).abs() <= 0.5 * STEP_DEG + 1e-9, "{}", included_deg(&lines));
+            assert!((included_deg(&lines) - 60.0).abs() <= 0.0025 + 1e-9, "{}", included_deg(&lines));
             assert_eq!(lines[1 - wanted].along, before[1 - wanted].along);
             assert_eq!(lines[wanted].at, before[wanted].at);
         }

@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::centres::{Line, centres};
 use super::edges::{edge_image, places};
 use super::forced::{EdgeOfPaper, force, included_deg};
+use super::limits::PaperNoseLimits;
 use super::segments::{Segment, segments};
 use crate::frame::FrameView;
 use crate::gauge::nose::contour;
@@ -12,17 +13,6 @@ use crate::gauge::nose::error::NoseImageError;
 use crate::gauge::nose::limits::NoseLimits;
 use crate::gauge::nose::measurement::check_direction;
 use crate::gauge::nose::settings::ExpectedNose;
-
-/// Departure of the lines' angle from the insert's up to which two segments are its edges, degrees:
-/// twice the tolerance of a corner with its seat, and a degree for lines of pixels.
-const ANGLE_DEG: f64 = 4.0;
-/// Distance from a line within which an edge pixel is its, px: a ridge stands a pixel beside it.
-const NEAR_PX: f64 = 3.0;
-/// Share of the nominal radius within which an edge pixel belongs to the nose: wear that leaves
-/// less breaks the insert.
-const NOSE_SHARE: f64 = 0.35;
-/// Segments among which the two edges are sought.
-const LONGEST: usize = 16;
 
 /// What the paper takes from the insert's data sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +64,7 @@ pub(crate) fn measure_paper_nose(
     view: &FrameView<'_>,
     settings: &PaperSettings,
 ) -> Result<PaperNose, NoseImageError> {
+    let limits = PaperNoseLimits::get();
     // one insert, as the other mode asks for
     contour::runs(view)?;
     let image = edge_image(view)?;
@@ -82,10 +73,10 @@ pub(crate) fn measure_paper_nose(
     let (first, second, apex) = edges(&found, settings.epsilon_deg).ok_or(NoseImageError::NoNose {
         found: found.len(),
         least: NoseLimits::get().least_edge_px,
-        low: settings.epsilon_deg - ANGLE_DEG,
-        high: settings.epsilon_deg + ANGLE_DEG,
+        low: settings.epsilon_deg - limits.angle_deg,
+        high: settings.epsilon_deg + limits.angle_deg,
     })?;
-    let mut lines = [first, second].map(|s| EdgeOfPaper::new(&s, apex, &pixels, NEAR_PX));
+    let mut lines = [first, second].map(|s| EdgeOfPaper::new(&s, apex, &pixels));
     let found_angle_deg = included_deg(&lines);
     force(&mut lines, settings.epsilon_deg);
     let r = settings.nominal_radius_px;
@@ -93,7 +84,7 @@ pub(crate) fn measure_paper_nose(
     let normals = outward(&lines, centre);
     let nose = on_nose(&pixels, centre, normals, r);
     if nose.is_empty() {
-        let why = format!("no edge pixel lies within {:.0} % of R0 on its nose", 1e2 * NOSE_SHARE);
+        let why = format!("no edge pixel lies within {:.0} % of R0 on its nose", 1e2 * limits.nose_share);
         return Err(NoseImageError::Fit(why));
     }
     let normals_deg = normals.map(|n| n.to_angle().to_degrees().rem_euclid(360.0));
@@ -113,15 +104,15 @@ pub(crate) fn measure_paper_nose(
 
 /// The two longest segments that enclose about the insert's angle, and where they meet.
 fn edges(found: &[Segment], epsilon_deg: f64) -> Option<(Segment, Segment, DVec2)> {
-    let least = NoseLimits::get().least_edge_px;
-    let long: Vec<Segment> = found.iter().copied().filter(|s| s.length() >= least).take(LONGEST).collect();
+    let (least, limits) = (NoseLimits::get().least_edge_px, PaperNoseLimits::get());
+    let long: Vec<Segment> = found.iter().copied().filter(|s| s.length() >= least).take(limits.longest).collect();
     let mut best: Option<(f64, (Segment, Segment, DVec2))> = None;
     for (k, first) in long.iter().enumerate() {
         for second in &long[k + 1..] {
             let Some(apex) = meeting(first, second) else { continue };
             let between = (first.middle() - apex).angle_to(second.middle() - apex).abs().to_degrees();
             let score = first.length().min(second.length());
-            if (between - epsilon_deg).abs() <= ANGLE_DEG && best.as_ref().is_none_or(|b| score > b.0) {
+            if (between - epsilon_deg).abs() <= limits.angle_deg && best.as_ref().is_none_or(|b| score > b.0) {
                 best = Some((score, (*first, *second, apex)));
             }
         }
@@ -157,10 +148,11 @@ fn outward(lines: &[EdgeOfPaper; 2], centre: DVec2) -> [DVec2; 2] {
 }
 
 fn on_nose(pixels: &[DVec2], centre: DVec2, [from, to]: [DVec2; 2], radius_px: f64) -> Vec<DVec2> {
+    let share = PaperNoseLimits::get().nose_share;
     let within = |p: &&DVec2| {
         let arm = **p - centre;
         let off = (arm.length() - radius_px).abs();
-        off <= NOSE_SHARE * radius_px && from.perp_dot(arm) >= 0.0 && arm.perp_dot(to) >= 0.0
+        off <= share * radius_px && from.perp_dot(arm) >= 0.0 && arm.perp_dot(to) >= 0.0
     };
     pixels.iter().filter(within).copied().collect()
 }

@@ -7,13 +7,14 @@
 //! uncertainties, since the paper states none. `edges` is Canny's detector, `segments` the growing
 //! of regions with the threshold and the false alarms of `false_alarms`, `forced` turns a line,
 //! `centres` is equation 10, `measurement` puts them together. What the paper leaves out (Canny's
-//! thresholds, p, the limit of false alarms, the step by which a line turns) is a constant with its
-//! reason in the file that needs it.
+//! thresholds, the limit of false alarms, the step by which a line turns) stands with its reason in
+//! `limits`.
 
 mod centres;
 mod edges;
 mod false_alarms;
 mod forced;
+pub(crate) mod limits;
 mod measurement;
 mod segments;
 

@@ -8,23 +8,7 @@ use glam::DVec2;
 use image::GrayImage;
 
 use super::false_alarms::{binomial_tail, gradient_threshold, tests};
-
-/// Scale of the image (LSD and the paper).
-const SCALE: f64 = 0.8;
-/// Standard deviation of the Gaussian before sampling, px of the image: 0.6/0.8 (LSD).
-const SIGMA_PX: f64 = 0.75;
-/// Reach of the Gaussian, px of the image: below 1e-3 of its height (LSD).
-const REACH_PX: f64 = 2.8;
-/// Bound q of the error of a grey value (LSD and the paper).
-const GREY_ERROR: f64 = 2.0;
-/// Tolerance τ of angles, degrees (LSD and the paper).
-const TOLERANCE_DEG: f64 = 22.5;
-/// Factor γ and exponent of the number of tests; the paper prints 2/5 for LSD's 5/2 (c09 of
-/// `reproduce 004`).
-const GAMMA: f64 = 2.0;
-const EXPONENT: f64 = 2.5;
-/// Most false alarms an image of a segment that is kept; the paper has no limit, LSD has 1.
-const FALSE_ALARMS: f64 = 1.0;
+use super::limits::PaperNoseLimits;
 
 /// A segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,8 +38,9 @@ struct Gradients {
 /// The segments of an edge image, the longest first.
 pub(super) fn segments(edges: &GrayImage) -> Vec<Segment> {
     let field = Gradients::of(&smaller(edges), edges.dimensions());
-    let (tau, p) = (TOLERANCE_DEG.to_radians(), TOLERANCE_DEG / 180.0);
-    let count = tests((field.columns as u32, field.rows as u32), EXPONENT, GAMMA);
+    let limits = PaperNoseLimits::get();
+    let (tau, p) = (limits.tolerance_deg.to_radians(), limits.tolerance_deg / 180.0);
+    let count = tests((field.columns as u32, field.rows as u32), limits.exponent, limits.gamma);
     // a smaller region is a false alarm even where all of it is aligned (LSD)
     let least = (-count.ln() / p.ln()).ceil() as usize;
     let mut order: Vec<usize> = (0..field.size.len()).filter(|i| field.angle[*i].is_some()).collect();
@@ -72,7 +57,7 @@ pub(super) fn segments(edges: &GrayImage) -> Vec<Segment> {
         }
         let rectangle = field.rectangle(&region, angle);
         let (all, aligned) = field.counted(&rectangle, tau);
-        if count * binomial_tail(all, aligned, p) <= FALSE_ALARMS {
+        if count * binomial_tail(all, aligned, p) <= limits.false_alarms {
             found.push(rectangle.segment());
         }
     }
@@ -82,14 +67,16 @@ pub(super) fn segments(edges: &GrayImage) -> Vec<Segment> {
 
 /// The image at 80 %: every edge pixel's light spread by the Gaussian, row by row.
 fn smaller(edges: &GrayImage) -> Vec<f32> {
+    let limits = PaperNoseLimits::get();
+    let (scale, sigma) = (limits.scale, limits.smooth_px);
     let (columns, rows) = scaled(edges.dimensions());
     let mut out = vec![0.0_f32; columns * rows];
     let weight = |from: usize, to: u32| {
-        let off = from as f64 / SCALE - f64::from(to);
-        (-0.5 * (off / SIGMA_PX).powi(2)).exp() / (SIGMA_PX * std::f64::consts::TAU.sqrt())
+        let off = from as f64 / scale - f64::from(to);
+        (-0.5 * (off / sigma).powi(2)).exp() / (sigma * std::f64::consts::TAU.sqrt())
     };
     let near = |at: u32, most: usize| {
-        let (low, high) = (SCALE * (f64::from(at) - REACH_PX), SCALE * (f64::from(at) + REACH_PX));
+        let (low, high) = (scale * (f64::from(at) - limits.reach_px), scale * (f64::from(at) + limits.reach_px));
         (low.ceil().max(0.0) as usize)..=(high.floor() as usize).min(most - 1)
     };
     for (column, row, value) in edges.enumerate_pixels().filter(|(_, _, value)| value.0[0] > 0) {
@@ -104,7 +91,7 @@ fn smaller(edges: &GrayImage) -> Vec<f32> {
 }
 
 fn scaled((columns, rows): (u32, u32)) -> (usize, usize) {
-    let by = |n: u32| ((f64::from(n) * SCALE).floor() as usize).max(2);
+    let by = |n: u32| ((f64::from(n) * PaperNoseLimits::get().scale).floor() as usize).max(2);
     (by(columns), by(rows))
 }
 
@@ -116,8 +103,9 @@ fn apart(a: f64, b: f64) -> f64 {
 
 impl Gradients {
     fn of(image: &[f32], size: (u32, u32)) -> Self {
+        let limits = PaperNoseLimits::get();
         let (columns, rows) = scaled(size);
-        let threshold = gradient_threshold(GREY_ERROR, TOLERANCE_DEG.to_radians()) as f32;
+        let threshold = gradient_threshold(limits.grey_error, limits.tolerance_deg.to_radians()) as f32;
         let (mut angle, mut sizes) = (vec![None; image.len()], vec![0.0; image.len()]);
         for row in 0..rows - 1 {
             for column in 0..columns - 1 {
@@ -244,7 +232,7 @@ impl Rectangle {
     /// on.
     fn segment(&self) -> Segment {
         let end = |l: f64| {
-            let p = (self.centre + self.along * l + DVec2::splat(0.5)) / SCALE;
+            let p = (self.centre + self.along * l + DVec2::splat(0.5)) / PaperNoseLimits::get().scale;
             DVec2::new(p.x, -p.y)
         };
         Segment { ends: [end(self.length.0), end(self.length.1)] }
