@@ -177,8 +177,11 @@ fn moves_along_x_and_z_give_the_axes_of_the_image_and_the_tool_takes_them() {
         [520.0 + right, 640.0 - up]
     };
     let places = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
-    let images: Vec<String> =
-        places.iter().enumerate().map(|(k, (x, z))| moved(folder.path(), &format!("{k}.toml"), at(*x, *z))).collect();
+    let images: Vec<String> = places
+        .iter()
+        .enumerate()
+        .map(|(k, (x, z))| moved(folder.path(), &format!("{k}.toml"), at(*x, *z)))
+        .collect();
     let tool = config("tool_set_new.toml").to_str().unwrap().to_owned();
     let out = folder.path().join("turned.toml").to_str().unwrap().to_owned();
     let mut arguments = vec!["tool", "axes"];
@@ -191,12 +194,11 @@ fn moves_along_x_and_z_give_the_axes_of_the_image_and_the_tool_takes_them() {
         all
     };
     let text = |all: &[String]| good(&all.iter().map(String::as_str).collect::<Vec<_>>());
-    let found: Value = serde_json::from_str(&text(&with("0,0.2,0,0.2", "0,0,0.2,0.2", &["--json", "--out", &out]))).unwrap();
-    for (key, wanted, most) in [
-        ("off_square_deg", 0.0, 0.02),
-        ("um_per_px_x", 2.415, 0.001),
-        ("um_per_px_z", 2.415, 0.001),
-    ] {
+    let found: Value =
+        serde_json::from_str(&text(&with("0,0.2,0,0.2", "0,0,0.2,0.2", &["--json", "--out", &out]))).unwrap();
+    for (key, wanted, most) in
+        [("off_square_deg", 0.0, 0.02), ("um_per_px_x", 2.415, 0.001), ("um_per_px_z", 2.415, 0.001)]
+    {
         let value = found[key].as_f64().unwrap();
         assert!((value - wanted).abs() < most, "{key}: {value}");
     }

@@ -59,11 +59,8 @@ pub(crate) struct PaperNoseImage {
 impl PaperNoseImage {
     /// A measurement in mm by a calibration's scale and edge offset.
     pub(crate) fn new(image: String, found: &PaperNose, by: &Calibration) -> Self {
-        let sector = |&(direction_deg, radius_px): &(f64, f64)| PaperSector {
-            direction_deg,
-            radius_px,
-            u_px: None,
-        };
+        let sector =
+            |&(direction_deg, radius_px): &(f64, f64)| PaperSector { direction_deg, radius_px, u_px: None };
         Self {
             image,
             mode: "paper",

@@ -171,7 +171,10 @@ const EXAMPLES: &[Examples] = &[
     ),
     (
         "study tool",
-        &["shadowgauge study tool --out out/study_tool", "shadowgauge study tool --cone-deg 15,45 --pieces 20 --json"],
+        &[
+            "shadowgauge study tool --out out/study_tool",
+            "shadowgauge study tool --cone-deg 15,45 --pieces 20 --json",
+        ],
     ),
     ("study nose", &["shadowgauge study nose --noses 10", "shadowgauge study nose insert.toml --json"]),
     ("study factor", &["shadowgauge study factor", "shadowgauge study factor my.toml --forces forces.csv"]),

@@ -13,7 +13,7 @@ use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
 use crate::studies::worn_tool::{
-    self, Noses, OfPaper, Row, Settings, Study, Tried, WornToolError, Workpiece, curves,
+    self, Noses, OfPaper, Row, Settings, Study, Tried, Workpiece, WornToolError, curves,
 };
 
 /// The insert where no config is given: that of paper 004, worn so that its mean radius is the
@@ -115,7 +115,8 @@ fn print(study: &Study) {
     for (workpiece, paper) in Workpiece::ALL.into_iter().zip(&study.paper) {
         say_line!("{}: {}", workpiece.number(), workpiece.size());
         for row in study.rows.iter().filter(|r| r.workpiece == workpiece.number()) {
-            let [program, register, error, reduced, scattered, reduced_too, of_paper, rate] = cells(row, paper);
+            let [program, register, error, reduced, scattered, reduced_too, of_paper, rate] =
+                cells(row, paper);
             say_line!(
                 "{program:<26} {register:>8} {error:>18} {reduced:>10} {scattered:>16} {reduced_too:>10} {of_paper:>8} \
                  {rate:>8}"
@@ -130,7 +131,11 @@ fn nose_in_words(study: &Study) -> String {
     let [real, found, u] = n.mean_radius_mm;
     let paper = match (&n.paper, n.paper_set_radius_mm, &n.paper_refused) {
         (Some(p), Some(set), _) => {
-            format!("by the paper's way r {:.4} mm, R1 {set:.4} mm (d {:.1} µm)", p.radius_mm, 1e3 * (set - p.radius_mm))
+            format!(
+                "by the paper's way r {:.4} mm, R1 {set:.4} mm (d {:.1} µm)",
+                p.radius_mm,
+                1e3 * (set - p.radius_mm)
+            )
         }
         (_, _, why) => format!("by the paper's way none: {}", why.as_deref().unwrap_or_default()),
     };
@@ -201,7 +206,9 @@ type Figure = (&'static str, &'static str, &'static str, Chart);
 
 fn charts(study: &Study, noses: &Noses) -> [Figure; 2] {
     let e = curves(noses);
-    let line = |name: &str, mark: Mark, colour: usize, points: Vec<(f64, f64)>| Series::new(name, mark, colour, points);
+    let line = |name: &str, mark: Mark, colour: usize, points: Vec<(f64, f64)>| {
+        Series::new(name, mark, colour, points)
+    };
     let left = Chart {
         x_label: "angle a of the surface's normal / °".to_owned(),
         y_label: "left along the normal e / µm".to_owned(),

@@ -123,7 +123,9 @@ fn check_counts(args: &AxesArgs, images: usize) -> Result<(), Failure> {
             )));
         }
         if let Some(value) = values.iter().find(|v| !v.is_finite()) {
-            return Err(Failure::refuse(format!("{name}: {value} is no place; a number of millimetres is needed")));
+            return Err(Failure::refuse(format!(
+                "{name}: {value} is no place; a number of millimetres is needed"
+            )));
         }
     }
     Ok(())
@@ -142,7 +144,8 @@ fn measured(
     let places = args.x_mm.iter().zip(&args.z_mm);
     for (read, (x, z)) in frames(paths, args.channel).zip(places) {
         let (name, frame) = read?;
-        let nose = measure_nose(&frame.view(), &settings).map_err(|e| Failure::fail(format!("{name}: {e}")))?;
+        let nose =
+            measure_nose(&frame.view(), &settings).map_err(|e| Failure::fail(format!("{name}: {e}")))?;
         names.push(name);
         moved.push(MovedNose { slides_mm: DVec2::new(*x, *z), centre: nose.centre, u_px: nose.u_centre_px });
     }
@@ -167,7 +170,8 @@ fn rounded(axis: &MachineAxis) -> f64 {
 
 /// The text of a tool's file with these directions in its `[image]` table, checked.
 fn with_image(tool: &ConfigText, image: ImageTable) -> Result<String, Failure> {
-    let table = format!("[image]\nplus_x_deg = {:?}\nplus_z_deg = {:?}\n", image.plus_x_deg, image.plus_z_deg);
+    let table =
+        format!("[image]\nplus_x_deg = {:?}\nplus_z_deg = {:?}\n", image.plus_x_deg, image.plus_z_deg);
     let text = replaced(&tool.text, &table);
     let named = ConfigText { text, name: format!("{} with [image] as measured", tool.name) };
     let file: ToolFile = named.parse()?;
@@ -250,7 +254,11 @@ fn print(found: &MachineAxes, image: ImageTable) {
     );
     let [x, z] = found.to_machine_mm_per_px;
     say_line!("(X, Z)/mm = ({:.8}, {:.8}; {:.8}, {:.8}) · (column, -row)/px", x[0], x[1], z[0], z[1]);
-    say_line!("for the tool's file:\n[image]\nplus_x_deg = {:?}\nplus_z_deg = {:?}", image.plus_x_deg, image.plus_z_deg);
+    say_line!(
+        "for the tool's file:\n[image]\nplus_x_deg = {:?}\nplus_z_deg = {:?}",
+        image.plus_x_deg,
+        image.plus_z_deg
+    );
 }
 
 #[cfg(test)]
@@ -267,7 +275,9 @@ mod tests {
         assert_eq!(file.setting.x_extent_mm, Some(0.4));
         assert!(changed.starts_with("# The tool of paper 004"), "{changed}");
         let first = "nose_radius_mm = 0.4\nkappa_r_deg = 93.0\nepsilon_r_deg = 60.0\ntip_direction = 3\n";
-        let with_setting = format!("{first}[image] # as seen\nplus_x_deg = 90.0\n\n# of the new one\n[setting]\nx_extent_mm = 0.4\n");
+        let with_setting = format!(
+            "{first}[image] # as seen\nplus_x_deg = 90.0\n\n# of the new one\n[setting]\nx_extent_mm = 0.4\n"
+        );
         for text in [first.to_owned(), with_setting] {
             let changed = replaced(&text, table);
             let file: ToolFile = toml::from_str(&changed).unwrap();

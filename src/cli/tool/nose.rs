@@ -226,9 +226,12 @@ impl Instrument {
             .into_iter()
             .find_map(|(name, given)| given.then_some(name))
         {
-            return Err(Failure::refuse(format!("{other}: --mode paper has none; leave it out, or take --mode ml")));
+            return Err(Failure::refuse(format!(
+                "{other}: --mode paper has none; leave it out, or take --mode ml"
+            )));
         }
-        let (Some(nominal_radius_px), Some(expected)) = (self.settings.nominal_radius_px, self.settings.expected)
+        let (Some(nominal_radius_px), Some(expected)) =
+            (self.settings.nominal_radius_px, self.settings.expected)
         else {
             let why = "--mode paper takes the nominal radius and the included angle from the tool: give its file by --tool";
             return Err(Failure::refuse(why));

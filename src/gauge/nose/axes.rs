@@ -81,7 +81,9 @@ pub(crate) enum AxesError {
     #[error("{0} pictures, 3 or more are needed: one place, one moved along X and one moved along Z")]
     Few(usize),
     /// Moves on a line.
-    #[error("the moves lie on a line (spread across it {share:.3} of that along it, {least} or more is needed): move along X and along Z")]
+    #[error(
+        "the moves lie on a line (spread across it {share:.3} of that along it, {least} or more is needed): move along X and along Z"
+    )]
     OnALine {
         /// Spread across over spread along.
         share: f64,
@@ -192,8 +194,8 @@ fn axes(
     let turn = z.angle_to(x).to_degrees();
     // both columns share p0: their directions' errors are correlated by cos of the angle between
     let shared = covariance[(1, 2)] * x.dot(z) / (x.length_squared() * z.length_squared());
-    let variance = ax.u_direction_deg.powi(2) + az.u_direction_deg.powi(2)
-        - 2.0 * shared * 1f64.to_degrees().powi(2);
+    let variance =
+        ax.u_direction_deg.powi(2) + az.u_direction_deg.powi(2) - 2.0 * shared * 1f64.to_degrees().powi(2);
     let determinant = x.perp_dot(z);
     Ok(MachineAxes {
         x: ax,

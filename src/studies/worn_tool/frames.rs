@@ -65,12 +65,8 @@ impl<'a> Frames<'a> {
         (file.setting.x_extent_mm, file.setting.z_extent_mm) = (stated.x_mm, stated.z_mm);
         file.register_mm = cut.register_mm();
         let truth = CuttingTruth { nose: cut.noses.real.clone(), slides_mm };
-        let mut tool = RunTool {
-            stated: Some(file),
-            way: cut.program.way(),
-            truth: Some(truth),
-            ..RunTool::default()
-        };
+        let mut tool =
+            RunTool { stated: Some(file), way: cut.program.way(), truth: Some(truth), ..RunTool::default() };
         tool.take_nose(&cut.noses.document).map_err(|e: SettingError| WornToolError::Nose(e.to_string()))?;
         job.tool = Some(tool);
         Ok(job)

@@ -119,17 +119,15 @@ impl Noses {
         let (frame, truth) = render_insert(&insert, (settings.seed, 0), true)?;
         let um_per_px = insert.camera.um_per_px;
         let nominal_radius_px = 1e3 * nominal_mm / um_per_px;
-        let wanted =
-            NoseSettings { nominal_radius_px: Some(nominal_radius_px), um_per_px, expected: None };
+        let wanted = NoseSettings { nominal_radius_px: Some(nominal_radius_px), um_per_px, expected: None };
         let refused = |e: &dyn std::fmt::Display| WornToolError::Nose(e.to_string());
         let measured = measure_nose(&frame.view(), &wanted).map_err(|e| refused(&e))?;
-        let image = NoseImage::new("rendered".to_owned(), &measured, None, &Calibration::from_scale(um_per_px));
+        let image =
+            NoseImage::new("rendered".to_owned(), &measured, None, &Calibration::from_scale(um_per_px));
         let document = NoseDocument { images: vec![image] };
         let document = serde_json::to_string(&document).map_err(|e| refused(&e))?;
         let known = read_nose(&document, None, tool.image, &geometry)?.profile;
-        let row = |[direction_deg, h_px]: [f64; 2]| {
-            json!({ "direction_deg": direction_deg.rem_euclid(360.0), "h_um": um_per_px * h_px, "u_um": 0.0 })
-        };
+        let row = |[direction_deg, h_px]: [f64; 2]| json!({ "direction_deg": direction_deg.rem_euclid(360.0), "h_um": um_per_px * h_px, "u_um": 0.0 });
         let rows: Vec<_> = truth.support.iter().copied().map(row).collect();
         let real = json!({ "images": [{ "image": "truth", "support": rows }] }).to_string();
         let real = read_nose(&real, None, tool.image, &geometry)?.profile;
@@ -137,7 +135,19 @@ impl Noses {
             PaperSettings { nominal_radius_px, epsilon_deg: insert.nose.epsilon_deg, expected: None };
         let paper = measure_paper_nose(&frame.view(), &by_paper);
         let paper = paper.map(|nose| PaperRadii::of(&nose, nominal_mm, um_per_px)).map_err(|e| e.to_string());
-        Ok(Self { frame, measured, um_per_px, tool, geometry, nominal_mm, document, known, real, truth, paper })
+        Ok(Self {
+            frame,
+            measured,
+            um_per_px,
+            tool,
+            geometry,
+            nominal_mm,
+            document,
+            known,
+            real,
+            truth,
+            paper,
+        })
     }
 
     /// What was found.
@@ -150,8 +160,12 @@ impl Noses {
         let touched = Setting::new(&self.known, &self.geometry, &Stated::default());
         let u = |a: &(f64, f64)| touched.as_ref().map_or(f64::NAN, |s| 1e3 * s.u_left_mm(a.0.to_radians()));
         NoseFound {
-            mean_radius_mm: [self.truth.mean_radius_px, self.measured.mean_radius_px, self.measured.u_mean_radius_px]
-                .map(|px| mm * px),
+            mean_radius_mm: [
+                self.truth.mean_radius_px,
+                self.measured.mean_radius_px,
+                self.measured.u_mean_radius_px,
+            ]
+            .map(|px| mm * px),
             centre_off_um: self.um_per_px * off,
             e_off_um: largest,
             u_e_um: e.known.iter().map(u).fold(0.0, f64::max),

@@ -33,7 +33,8 @@ impl Scatter {
         let number = [cut.workpiece.number(), cut.program as usize, piece as usize, element]
             .into_iter()
             .fold(0_u64, |number, next| (number << 16) | next as u64);
-        let mut random = rand_pcg::Pcg64::seed_from_u64(self.seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let mut random =
+            rand_pcg::Pcg64::seed_from_u64(self.seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
         self.spread_mm * DVec2::new(draw(), draw())
     }

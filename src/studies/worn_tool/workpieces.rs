@@ -86,12 +86,8 @@ impl Workpiece {
 
     /// Its corners, from the chuck.
     pub(super) fn corners(self, cone_rad: f64, edit: &Edit) -> Vec<ContourPoint> {
-        let corner = |z_mm: f64, diameter_mm: f64| ContourPoint {
-            z_mm,
-            diameter_mm,
-            chamfer_mm: 0.0,
-            radius_mm: 0.0,
-        };
+        let corner =
+            |z_mm: f64, diameter_mm: f64| ContourPoint { z_mm, diameter_mm, chamfer_mm: 0.0, radius_mm: 0.0 };
         let length = 0.5 * (LARGE_MM - SMALL_MM) / cone_rad.tan();
         match self {
             Self::LengthBehindCone => {

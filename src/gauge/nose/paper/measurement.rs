@@ -105,14 +105,16 @@ pub(crate) fn measure_paper_nose(
 /// The two longest segments that enclose about the insert's angle, and where they meet.
 fn edges(found: &[Segment], epsilon_deg: f64) -> Option<(Segment, Segment, DVec2)> {
     let (least, limits) = (NoseLimits::get().least_edge_px, PaperNoseLimits::get());
-    let long: Vec<Segment> = found.iter().copied().filter(|s| s.length() >= least).take(limits.longest).collect();
+    let long: Vec<Segment> =
+        found.iter().copied().filter(|s| s.length() >= least).take(limits.longest).collect();
     let mut best: Option<(f64, (Segment, Segment, DVec2))> = None;
     for (k, first) in long.iter().enumerate() {
         for second in &long[k + 1..] {
             let Some(apex) = meeting(first, second) else { continue };
             let between = (first.middle() - apex).angle_to(second.middle() - apex).abs().to_degrees();
             let score = first.length().min(second.length());
-            if (between - epsilon_deg).abs() <= limits.angle_deg && best.as_ref().is_none_or(|b| score > b.0) {
+            if (between - epsilon_deg).abs() <= limits.angle_deg && best.as_ref().is_none_or(|b| score > b.0)
+            {
                 best = Some((score, (*first, *second, apex)));
             }
         }

@@ -76,7 +76,8 @@ fn smaller(edges: &GrayImage) -> Vec<f32> {
         (-0.5 * (off / sigma).powi(2)).exp() / (sigma * std::f64::consts::TAU.sqrt())
     };
     let near = |at: u32, most: usize| {
-        let (low, high) = (scale * (f64::from(at) - limits.reach_px), scale * (f64::from(at) + limits.reach_px));
+        let (low, high) =
+            (scale * (f64::from(at) - limits.reach_px), scale * (f64::from(at) + limits.reach_px));
         (low.ceil().max(0.0) as usize)..=(high.floor() as usize).min(most - 1)
     };
     for (column, row, value) in edges.enumerate_pixels().filter(|(_, _, value)| value.0[0] > 0) {
@@ -268,8 +269,11 @@ mod tests {
 
     #[test]
     fn a_rectangle_counts_its_pixels_as_trying_each_does() {
-        let field = Gradients { angle: vec![Some(0.3); 60 * 50], size: vec![1.0; 60 * 50], columns: 60, rows: 50 };
-        for (deg, length, width) in [(0.0, 20.0, 3.0), (33.0, 15.0, 4.3), (90.0, 12.0, 2.0), (140.0, 30.0, 1.5)] {
+        let field =
+            Gradients { angle: vec![Some(0.3); 60 * 50], size: vec![1.0; 60 * 50], columns: 60, rows: 50 };
+        for (deg, length, width) in
+            [(0.0, 20.0, 3.0), (33.0, 15.0, 4.3), (90.0, 12.0, 2.0), (140.0, 30.0, 1.5)]
+        {
             let along = DVec2::from_angle(f64::to_radians(deg));
             let r = Rectangle {
                 centre: DVec2::new(29.7, 24.2),
@@ -282,7 +286,8 @@ mod tests {
                 let d = DVec2::new(c as f64, row as f64) - r.centre;
                 along.dot(d).abs() <= length && along.perp().dot(d).abs() <= width
             };
-            let tried = (0..50).flat_map(|row| (0..60).map(move |c| (c, row))).filter(|(c, row)| inside(*c, *row));
+            let tried =
+                (0..50).flat_map(|row| (0..60).map(move |c| (c, row))).filter(|(c, row)| inside(*c, *row));
             let (all, aligned) = field.counted(&r, 0.1);
             assert_eq!((all as usize, aligned), (tried.count(), all), "{deg}");
         }
