@@ -63,8 +63,8 @@ pub(crate) enum Study {
     /// Noses of rendered inserts, measured: errors beside their stated uncertainties, by kind of
     /// wear.
     Nose(StudyNoseArgs),
-    /// Four workpieces cut by a worn nose that is measured in an image, before and after every way to
-    /// compensate, beside paper 004.
+    /// Four workpieces cut by a worn nose that is measured in an image, before and after every way
+    /// to compensate, beside paper 004.
     Tool(StudyToolArgs),
     /// One cutting variable at a time against the size error.
     Factor(StudyFactorArgs),

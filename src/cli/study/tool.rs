@@ -174,10 +174,10 @@ fn cells(row: &Row, paper: &OfPaper) -> [String; 8] {
 fn write(folder: &StudyFolder, study: &Study, noses: &Noses) -> Result<(), Failure> {
     let mut page = Page::new("A worn nose, measured in an image: four workpieces before and after");
     page.text(
-        "The workpieces of the paper on tool wear by vision (Zhang, Lu, Xia, Zhang, Zhu 2025), cut by the nose of a rendered insert. \
-         Programs are made for the nose as measured in its frame, or by the paper's two registers; the true nose cuts. The diameter \
-         of workpiece 4 is measured through frames by the gauge, the others on the surface itself, since cones of these angles are \
-         beyond the gauge's slopes. The paper's columns are the means of its four readings.",
+        "The workpieces of the paper on tool wear by vision (Zhang, Lu, Xia, Zhang, Zhu 2025), cut by the nose of a rendered \
+         insert. Programs are made for the nose as measured in its frame, or by the paper's two registers; the true nose cuts. \
+         The diameter of workpiece 4 is measured through frames by the gauge, the others on the surface itself, since cones of \
+         these angles are beyond the gauge's slopes. The paper's columns are the means of its four readings.",
     );
     page.text(&nose_in_words(study));
     let picture = overlay(&noses.frame.view(), &noses.measured).map_err(Failure::fail)?;
@@ -243,14 +243,15 @@ fn charts(study: &Study, noses: &Noses) -> [Figure; 2] {
         (
             "What is left by the angle of the surface",
             "e_of_a",
-            "Material left along the normal with the tool set by touching: 0° is a cylinder, 90° a face, between them cones and arcs.",
+            "Material left along the normal with the tool set by touching: 0° is a cylinder, 90° a face, between them cones and \
+             arcs.",
             left,
         ),
         (
             "Before and after",
             "workpieces",
-            "Mean size of the errors with slides that scatter by the paper's repeatability, a mark a program, beside the means of the \
-             paper's readings.",
+            "Mean size of the errors with slides that scatter by the paper's repeatability, a mark a program, beside the means of \
+             the paper's readings.",
             errors,
         ),
     ]

@@ -1,5 +1,5 @@
-//! `shadowgauge tool axes`: how the camera's image lies in the machine, from moves of the tool along
-//! X and Z.
+//! `shadowgauge tool axes`: how the camera's image lies in the machine, from moves of the tool
+//! along X and Z.
 
 use std::path::PathBuf;
 

@@ -60,7 +60,8 @@ pub(crate) struct NoseArgs {
 enum Mode {
     /// Maximum likelihood of every pixel along the contour.
     Ml,
-    /// Canny, lines of LSD, the angle forced to the insert's, the mean distance of the edge's pixels.
+    /// Canny, lines of LSD, the angle forced to the insert's, the mean distance of the edge's
+    /// pixels.
     Paper,
 }
 

@@ -1,10 +1,12 @@
 //! How the image lies in the machine: where the nose stands in it after moves along X and Z.
 //!
-//! The centre of the nose at the slides' places (X, Z) is p = p0 + M·(X, Z). M by least squares: its
-//! columns are the directions of +X and +Z in the image and px a millimetre along them. Both
+//! The centre of the nose at the slides' places (X, Z) is p = p0 + M·(X, Z). M by least squares:
+//! its columns are the directions of +X and +Z in the image and px a millimetre along them. Both
 //! coordinates of all centres have one standard deviation s: that of the residuals, or the centres'
 //! own uncertainty where that is larger; with N = Σφφᵀ over φ = (1, X, Z) the covariance of a
 //! column's coordinates is s²·N⁻¹.
+//!
+//! In: noses in their frames with the places of the slides. Out: [`MachineAxes`].
 
 use glam::DVec2;
 use nalgebra::{SMatrix, SVector};
@@ -59,7 +61,8 @@ pub(crate) struct MachineAxes {
     pub x: MachineAxis,
     /// +Z, towards the tailstock.
     pub z: MachineAxis,
-    /// From a difference in the image (column, −row), px, to one of the machine (X, Z), mm; by rows.
+    /// From a difference in the image (column, −row), px, to one of the machine (X, Z), mm, by
+    /// rows.
     pub to_machine_mm_per_px: [[f64; 2]; 2],
     /// Angle from +Z to +X in the image less a right angle, degrees; of a mirrored picture from +X
     /// to +Z.
@@ -82,7 +85,8 @@ pub(crate) enum AxesError {
     Few(usize),
     /// Moves on a line.
     #[error(
-        "the moves lie on a line (spread across it {share:.3} of that along it, {least} or more is needed): move along X and along Z"
+        "the moves lie on a line (spread across it {share:.3} of that along it, {least} or more is needed): move along X and \
+         along Z"
     )]
     OnALine {
         /// Spread across over spread along.

@@ -1,12 +1,12 @@
-//! `study tool`: the four workpieces of the paper on tool wear (Zhang, Lu, Xia, Zhang, Zhu 2025) cut
-//! by a worn nose that is measured in an image, before and after every way to compensate.
+//! `study tool`: the four workpieces of the paper on tool wear (Zhang, Lu, Xia, Zhang, Zhu 2025)
+//! cut by a worn nose that is measured in an image, before and after every way to compensate.
 //!
 //! The nose is that of a rendered insert (`noses`): measured from its frame by the program's own
 //! mode and by the paper's, which gives two radii. A program is made for what was measured, and the
-//! true nose cuts by it (`cut`): the surface is the envelope of that nose. `workpieces` are the four
-//! outlines and what is measured of each; `frames` measures the diameter of the fourth through
-//! frames and the gauge. `scatter` moves the slides by the lathe's repeatability. One more workpiece
-//! is a variant of [`Workpiece`]; one more way to compensate a variant of [`Tried`].
+//! true nose cuts by it (`cut`): the surface is the envelope of that nose. `workpieces` are the
+//! four outlines and what is measured of each; `frames` measures the diameter of the fourth through
+//! frames and the gauge. `scatter` moves the slides by the lathe's repeatability. One more
+//! workpiece is a variant of [`Workpiece`]; one more way to compensate a variant of [`Tried`].
 //!
 //! In: an insert, cone angles, a seed, a job for the fourth workpiece. Out: [`Study`].
 

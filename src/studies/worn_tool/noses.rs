@@ -127,10 +127,7 @@ impl Noses {
         let document = NoseDocument { images: vec![image] };
         let document = serde_json::to_string(&document).map_err(|e| refused(&e))?;
         let known = read_nose(&document, None, tool.image, &geometry)?.profile;
-        let row = |[direction_deg, h_px]: [f64; 2]| json!({ "direction_deg": direction_deg.rem_euclid(360.0), "h_um": um_per_px * h_px, "u_um": 0.0 });
-        let rows: Vec<_> = truth.support.iter().copied().map(row).collect();
-        let real = json!({ "images": [{ "image": "truth", "support": rows }] }).to_string();
-        let real = read_nose(&real, None, tool.image, &geometry)?.profile;
+        let real = read_nose(&truth_document(&truth, um_per_px), None, tool.image, &geometry)?.profile;
         let by_paper =
             PaperSettings { nominal_radius_px, epsilon_deg: insert.nose.epsilon_deg, expected: None };
         let paper = measure_paper_nose(&frame.view(), &by_paper);
@@ -194,6 +191,16 @@ pub(crate) fn curves(noses: &Noses) -> ErrorCurves {
         known: of(&noses.known, noses.nominal_mm),
         by_set_radius: set_radius_mm.map_or_else(|_| Vec::new(), |r| of(&noses.real, r)),
     }
+}
+
+/// The true nose as a document of `tool nose`.
+fn truth_document(truth: &Truth, um_per_px: f64) -> String {
+    let row = |[direction_deg, h_px]: [f64; 2]| {
+        let direction_deg = direction_deg.rem_euclid(360.0);
+        json!({ "direction_deg": direction_deg, "h_um": um_per_px * h_px, "u_um": 0.0 })
+    };
+    let rows: Vec<_> = truth.support.iter().copied().map(row).collect();
+    json!({ "images": [{ "image": "truth", "support": rows }] }).to_string()
 }
 
 /// The tool of the paper, its image with +X up and +Z to the right.

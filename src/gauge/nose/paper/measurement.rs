@@ -58,8 +58,8 @@ impl PaperNose {
 /// Measures a nose by the paper's way.
 ///
 /// # Errors
-/// No insert or several, no two lines at the insert's angle, no pixels on the nose, a direction that
-/// is not the tool's.
+/// No insert or several, no two lines at the insert's angle, no pixels on the nose, a direction
+/// that is not the tool's.
 pub(crate) fn measure_paper_nose(
     view: &FrameView<'_>,
     settings: &PaperSettings,
