@@ -137,7 +137,7 @@ pub(crate) fn machine_axes(moved: &[MovedNose]) -> Result<MachineAxes, AxesError
         columns.add(terms(m), m.centre.x, 1.0);
         ups.add(terms(m), m.centre.y, 1.0);
     }
-    let inverse = columns.normal.try_inverse().ok_or(on_a_line.clone())?;
+    let inverse = columns.normal.try_inverse().ok_or(on_a_line)?;
     let (a, b) = (inverse * columns.right, inverse * ups.right);
     let off = |m: &MovedNose| m.centre - DVec2::new(a.dot(&terms(m)), b.dot(&terms(m)));
     let residuals_px: Vec<f64> = moved.iter().map(|m| off(m).length()).collect();

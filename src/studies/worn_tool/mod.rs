@@ -14,15 +14,18 @@ mod cut;
 mod error;
 mod frames;
 mod noses;
+mod result;
 mod scatter;
+mod settings;
 mod workpieces;
 
 use glam::DVec2;
-use serde::Serialize;
 
 pub(crate) use cut::Tried;
 pub(crate) use error::WornToolError;
-pub(crate) use noses::{NoseFound, Noses, curves};
+pub(crate) use noses::{Noses, curves};
+pub(crate) use result::{OfPaper, Row, Study};
+pub(crate) use settings::Settings;
 pub(crate) use workpieces::Workpiece;
 
 use self::cut::Cut;
@@ -31,92 +34,6 @@ use self::scatter::Scatter;
 use super::reproduce_004::{Inputs, PrintedPart};
 use crate::job::Job;
 use crate::render::Renderer;
-use crate::render::insert::InsertSettings;
-use crate::setting::within;
-
-/// What is studied.
-#[derive(Clone, Debug)]
-pub(crate) struct Settings {
-    /// Insert and camera; its direction is made that of the tool.
-    pub insert: InsertSettings,
-    /// Half angles of the cones of workpieces 1 and 2, degrees: the paper does not give them.
-    pub cone_deg: [f64; 2],
-    /// Workpieces of each kind with the lathe's scatter.
-    pub pieces: u32,
-    /// Seed.
-    pub seed: u64,
-}
-
-/// What the paper has of a workpiece, mm and %.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct OfPaper {
-    /// Mean error before compensation, µm.
-    pub before_um: f64,
-    /// After it, µm.
-    pub after_um: f64,
-    /// Reduction as printed, %.
-    pub reduction_percent: f64,
-}
-
-/// A workpiece cut by one program.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Row {
-    /// Number of the workpiece in the paper.
-    pub workpiece: usize,
-    /// The program.
-    pub program: Tried,
-    /// Nose radius in the control's register, mm.
-    pub register_mm: Option<f64>,
-    /// `frames`: by the gauge; `envelope`: by the surface itself.
-    pub measured_by: &'static str,
-    /// Error of the size on a lathe that repeats exactly, µm.
-    pub error_um: Option<f64>,
-    /// Its standard uncertainty by the gauge, µm.
-    pub u_um: Option<f64>,
-    /// Reduction of the size of the error against the first program, %.
-    pub reduction_percent: Option<f64>,
-    /// Mean size of the errors of several workpieces with the lathe's scatter, µm.
-    pub scattered_um: Option<f64>,
-    /// Its reduction against the first program, %.
-    pub scattered_reduction_percent: Option<f64>,
-    /// Why there is none.
-    pub refused: Option<String>,
-}
-
-/// Everything that was found.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Study {
-    /// The nose by both modes beside the truth.
-    pub nose: NoseFound,
-    /// Half angles of the cones, degrees.
-    pub cone_deg: [f64; 2],
-    /// Standard deviation of the slides along X (radial) and Z, µm.
-    pub slides_um: [f64; 2],
-    /// Workpieces of each kind with scatter.
-    pub pieces: u32,
-    /// The paper's figures, a workpiece each.
-    pub paper: [OfPaper; 4],
-    /// A row a workpiece and program.
-    pub rows: Vec<Row>,
-}
-
-impl Settings {
-    /// Checks insert and angles.
-    ///
-    /// # Errors
-    /// The first value out of range.
-    pub(crate) fn check(&self) -> Result<(), WornToolError> {
-        self.insert.check()?;
-        let right = "a half angle of 5 to 80 degrees, from the axis to the cone's side";
-        self.cone_deg.iter().try_for_each(|deg| within("--cone-deg", *deg, 5.0, 80.0, right))?;
-        within("--pieces", f64::from(self.pieces), 1.0, 1000.0, "1 to 1000 workpieces")?;
-        let right = "a corner of 35 to 80 degrees (ISO 1832), which a holder of 93 degrees carries";
-        within("nose.epsilon_deg", self.insert.nose.epsilon_deg, 35.0, 80.0, right)?;
-        let right = "a nose of .1 to 2 mm: the workpieces have arcs of 5 mm and faces of 5 mm";
-        within("nose.radius_mm", self.insert.nose.radius_mm, 0.1, 2.0, right)?;
-        Ok(())
-    }
-}
 
 /// Programs that [`run`] cuts in all.
 pub(crate) fn programs_in_all() -> usize {

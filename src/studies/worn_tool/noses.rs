@@ -3,8 +3,8 @@
 use serde::Serialize;
 use serde_json::json;
 
-use super::Settings;
 use super::error::WornToolError;
+use super::settings::Settings;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::gauge::nose::paper::{PaperNose, PaperSettings, measure_paper_nose};
