@@ -9,7 +9,7 @@ use super::noses::{Noses, PaperRadii};
 use super::workpieces::{Edit, Workpiece};
 use crate::outline::{Outline, Side};
 use crate::process::NosePath;
-use crate::tool::{Compensator, Setting, Stated, Way, moves_of};
+use crate::tool::{Compensated, Compensator, Setting, Stated, Way, moves_of};
 
 /// What a program does about the nose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -85,8 +85,8 @@ impl Cut<'_> {
         self.workpiece.cone_rad(self.cone_deg)
     }
 
-    /// Nose radius in the register, mm; none of the ways that choose or need none, and where the
-    /// paper's mode has none.
+    /// Nose radius in the register as it is set, mm; none of the ways that choose or need none, and
+    /// where the paper's mode has none.
     pub(super) fn register_mm(&self) -> Option<f64> {
         match self.program {
             Tried::RegisterR0 | Tried::EditedContour => Some(self.noses.nominal_mm),
@@ -127,8 +127,16 @@ impl Cut<'_> {
         self.workpiece.error_um(&self.path(slides)?, self.cone_rad())
     }
 
-    /// The true nose on the path of the program.
-    fn path(&self, slides: &dyn Fn(usize) -> DVec2) -> Result<NosePath, WornToolError> {
+    /// Nose radius in the register while the program runs, mm; none of a path without one, and of a
+    /// program that is refused.
+    pub(super) fn register_used_mm(&self) -> Option<f64> {
+        let (done, _) = self.carried_out().ok()?;
+        (self.program != Tried::Path).then_some(done.register_mm)
+    }
+
+    /// The way as carried out for the measured nose, and the step from its tool point to that of
+    /// the true nose.
+    fn carried_out(&self) -> Result<(Compensated, DVec2), WornToolError> {
         let Noses { geometry, known, real, .. } = self.noses;
         let corners = self.workpiece.corners(self.cone_rad(), &self.edit()?);
         let outline = Outline::from_corners(&corners, Side::External)?;
@@ -143,6 +151,12 @@ impl Cut<'_> {
         compensator.check(geometry)?;
         let done = compensator.carry_out(self.program.way())?;
         let by = compensator.setting.to_tool_point_of(&Setting::new(real, geometry, &stated)?);
+        Ok((done, by))
+    }
+
+    /// The true nose on the path of the program.
+    fn path(&self, slides: &dyn Fn(usize) -> DVec2) -> Result<NosePath, WornToolError> {
+        let (done, by) = self.carried_out()?;
         let moves: Vec<(DVec2, DVec2)> = done
             .path
             .iter()
@@ -151,6 +165,6 @@ impl Cut<'_> {
                 moves_of(std::slice::from_ref(element)).into_iter().map(move |(a, b)| (a + by, b + by))
             })
             .collect();
-        Ok(NosePath::new(real, &moves))
+        Ok(NosePath::new(&self.noses.real, &moves))
     }
 }

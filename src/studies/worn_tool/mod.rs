@@ -95,7 +95,7 @@ fn row(
     let mut row = Row {
         workpiece: cut.workpiece.number(),
         program: cut.program,
-        register_mm: cut.register_mm(),
+        register_mm: cut.register_used_mm(),
         measured_by: if in_frames { "frames" } else { "envelope" },
         error_um: None,
         u_um: None,
@@ -117,7 +117,8 @@ fn row(
     }
     let mut sum = 0.0;
     for piece in 0..pieces {
-        sum += size(&|element| scatter.slides_mm(cut, piece, element))?.0.abs();
+        let place = |element| [cut.workpiece.number(), cut.program as usize, piece as usize, element];
+        sum += size(&|element| scatter.slides_mm(place(element)))?.0.abs();
     }
     row.scattered_um = Some(sum / f64::from(pieces));
     Ok(row)
