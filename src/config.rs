@@ -30,6 +30,8 @@ use crate::job::Job;
 use crate::render::form::read_contour;
 use crate::render::settings::Esf;
 use crate::setting::SettingError;
+use crate::studies::machine::MachineStudyConfig;
+use machine_tables::read_error_tables;
 use mistake::Mistake;
 
 /// The preset of the main job, built into the binary; the same file as
@@ -166,6 +168,7 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
     };
     read_measured_edge(&mut job.optics.esf, folder)?;
     read_tool(job, folder)?;
+    read_machine(job, folder)?;
     if let Some(name) = job.shaft.contour_file.take() {
         if !job.shaft.contour.is_empty() {
             return Err(SettingError::at(
@@ -204,6 +207,36 @@ fn read_tool(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
         let text = read("tool.nose", &name)?;
         tool.take_nose(&text)?;
     }
+    Ok(())
+}
+
+/// Reads the file of `[machine]`, beside the config that names it, with the tables beside that file;
+/// its contents replace the name.
+fn read_machine(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
+    const KEY: &str = "machine.file";
+    let Some(machine) = &mut job.machine else { return Ok(()) };
+    let Some(name) = machine.file.clone() else {
+        let in_stated = |e: SettingError| SettingError {
+            key: e.key.replacen("machine.", "machine.stated.", 1),
+            ..e
+        };
+        let stated = machine.stated.as_mut();
+        return stated.map_or(Ok(()), |stated| read_error_tables(stated, folder)).map_err(in_stated);
+    };
+    if machine.stated.is_some() {
+        return Err(SettingError::at(KEY, "stands beside machine.stated; give one of them"));
+    }
+    let path = folder.join(&name);
+    let shown = path.display().to_string();
+    let text = std::fs::read_to_string(&path)
+        .map_err(|e| SettingError::at(KEY, format!("{shown}: cannot be read: {e}")))?;
+    let found = parse_as(&text, &shown).map_err(|e| SettingError::at(KEY, e.to_string()))?;
+    let MachineStudyConfig { machine: mut stated, conditions, .. } = found;
+    read_error_tables(&mut stated, path.parent().unwrap_or(Path::new("")))
+        .and_then(|()| conditions.validate())
+        .and_then(|()| stated.motion().map(drop))
+        .map_err(|e| SettingError::at(KEY, format!("{shown}: {e}")))?;
+    machine.take(stated, &conditions);
     Ok(())
 }
 
