@@ -43,7 +43,11 @@ impl Shown {
     ///
     /// # Errors
     /// Where the part cannot be drawn there.
-    pub(super) fn stop(&mut self, index: usize, (z_mm, angle_deg): (f64, f64)) -> Result<Stop<'_>, RenderError> {
+    pub(super) fn stop(
+        &mut self,
+        index: usize,
+        (z_mm, angle_deg): (f64, f64),
+    ) -> Result<Stop<'_>, RenderError> {
         match self {
             Self::Scenes(scenes) => {
                 let scene = &scenes[index.min(scenes.len() - 1)];

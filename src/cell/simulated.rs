@@ -14,7 +14,9 @@ use crate::frame::{Frame, FrameSource, SourceError};
 use crate::gauge::MasterCertificate;
 use crate::job::{Job, Lathe};
 use crate::process::bending::sum_of_lines;
-use crate::process::{BaseForm, PathDisplacement, PathPlace, ProcessError, ProcessSettings, Stock, TurningProcess};
+use crate::process::{
+    BaseForm, PathDisplacement, PathPlace, ProcessError, ProcessSettings, Stock, TurningProcess,
+};
 use crate::render::form::form_shaft;
 use crate::render::settings::Camera;
 use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer};

@@ -89,7 +89,8 @@ impl<'a> SimulatedHead<'a> {
         if self.cell.is_none() {
             self.job.check().map_err(|e| format!("the config cuts no part: {e}"))?;
             if self.job.machine.is_some() {
-                let why = "a published head does not draw the lathe's own pose of the head: leave [machine] out";
+                let why =
+                    "a published head does not draw the lathe's own pose of the head: leave [machine] out";
                 return Err(why.to_owned());
             }
             self.cell = Some(SimulatedCell::new(self.job, self.renderer).map_err(|e| e.to_string())?);

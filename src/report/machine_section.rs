@@ -20,7 +20,11 @@ pub(crate) fn machine_section(page: &mut Page, job: &Job, passes: usize) -> Resu
     page.heading("Errors of the machine");
     page.text(&introduction(job));
     figures(page, &rows);
-    let cut = drawn(page, cut_chart(&of_last), "What the errors of the lathe add to the diameter cut in the last pass.")?;
+    let cut = drawn(
+        page,
+        cut_chart(&of_last),
+        "What the errors of the lathe add to the diameter cut in the last pass.",
+    )?;
     let head = drawn(
         page,
         head_chart(&of_last),
@@ -77,7 +81,11 @@ fn figures(page: &mut Page, rows: &[MachineRow]) {
     page.filled_columns(&header, &table);
 }
 
-fn line(rows: &[&MachineRow], (name, mark, colour): (&str, Mark, usize), column: fn(&MachineRow) -> f64) -> Series {
+fn line(
+    rows: &[&MachineRow],
+    (name, mark, colour): (&str, Mark, usize),
+    column: fn(&MachineRow) -> f64,
+) -> Series {
     Series::new(name, mark, colour, rows.iter().map(|row| (row.z_mm, column(row))).collect())
 }
 

@@ -1,9 +1,9 @@
 //! The head that stands before the part by its own pose, as the renderer draws it.
 //!
 //! A head displaced by u and turned by a, b, c about X, Y, Z sees the part displaced by −u and
-//! turned the other way: its axis −u_x above the optical axis and −u_y nearer, rising by −b along z
-//! in the image and coming nearer by a along z, at the angle φ − c, and the middle of its field at
-//! z + u_z while the frame has the commanded z. Error motion of the spindle of order 2 and above
+//! turned the other way: its axis −u_x above the optical axis and −u_y nearer, rising by −b along
+//! z in the image and coming nearer by a along z, at the angle φ − c, and the middle of its field
+//! at z + u_z while the frame has the commanded z. Error motion of the spindle of order 2 and above
 //! moves the axis while it turns. Not drawn: order 1 of that motion (what was cut with it returns
 //! to the same place), its change within a field, and turns within an exposure.
 

@@ -46,7 +46,11 @@ impl State {
         let turn: Vec<[f64; 6]> = angles_deg().map(at).collect();
         let mean = std::array::from_fn(|k| turn.iter().map(|v| v[k]).sum::<f64>() / ANGLES as f64);
         let is_still = turn.iter().all(|v| *v == turn[0]);
-        Self { conditions, mean: if is_still { turn[0] } else { mean }, turn: if is_still { Vec::new() } else { turn } }
+        Self {
+            conditions,
+            mean: if is_still { turn[0] } else { mean },
+            turn: if is_still { Vec::new() } else { turn },
+        }
     }
 }
 
@@ -76,9 +80,14 @@ impl Lathe {
         compensates: bool,
     ) -> Result<Self, SettingError> {
         check_orders(&motion)?;
-        let set = |z_direction: Direction| Conditions { x_direction: Direction::Backward, z_direction, ..state };
+        let set =
+            |z_direction: Direction| Conditions { x_direction: Direction::Backward, z_direction, ..state };
         let reference = Conditions::default();
-        let still = Conditions { temperature_c: reference.temperature_c, minutes: reference.minutes, ..set(ways.cut) };
+        let still = Conditions {
+            temperature_c: reference.temperature_c,
+            minutes: reference.minutes,
+            ..set(ways.cut)
+        };
         Ok(Self {
             cutting: State::new(&motion, set(ways.cut)),
             scanning: State::new(&motion, set(ways.scan)),

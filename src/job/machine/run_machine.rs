@@ -85,7 +85,8 @@ impl RunMachine {
 
     fn needed(&self) -> Result<&MachineSettings, SettingError> {
         if self.file.is_some() {
-            let why = "a file beside a config is read with the config's own file; text alone needs machine.stated";
+            let why =
+                "a file beside a config is read with the config's own file; text alone needs machine.stated";
             return Err(SettingError::at("machine.file", why));
         }
         let why = "names the file of a machine; or [machine.stated] has its chain, levers and errors";
@@ -117,14 +118,19 @@ fn check_beside(on: &OnMachine<'_>) -> Result<(), SettingError> {
     let disturbance = &on.process.disturbance;
     let twice = [
         (!disturbance.guideway.is_empty(), "process.disturbance.guideway", "EXZ, the straightness of Z"),
-        (!disturbance.spindle_lobes.is_empty(), "process.disturbance.spindle_lobes", "EXC, the spindle's error motion"),
+        (
+            !disturbance.spindle_lobes.is_empty(),
+            "process.disturbance.spindle_lobes",
+            "EXC, the spindle's error motion",
+        ),
     ];
     if let Some((_, key, name)) = twice.into_iter().find(|(set, ..)| *set) {
         let why = format!("stands beside [machine], which has it as {name}: leave one of them out");
         return Err(SettingError::at(key, why));
     }
     if on.is_recorded {
-        let why = "frames are recorded (source): a simulated machine would change nothing; leave one of them out";
+        let why =
+            "frames are recorded (source): a simulated machine would change nothing; leave one of them out";
         return Err(SettingError::at("machine.file", why));
     }
     if on.part.probe.is_some() {
@@ -145,7 +151,9 @@ fn check_travels(machine: &MachineSettings, part: &LoopJob) -> Result<(), Settin
     );
     require(from <= 0.0 && length <= to, "part.length_mm", length, &right)?;
     let [from, to] = machine.x_travel_mm;
-    let right = format!("such that its radius lies in {from} to {to} mm, the travel of X (x_travel_mm of the machine)");
+    let right = format!(
+        "such that its radius lies in {from} to {to} mm, the travel of X (x_travel_mm of the machine)"
+    );
     let stock = part.part.stock_diameter_mm;
     require((from..=to).contains(&(0.5 * stock)), "part.stock_diameter_mm", stock, &right)?;
     let drawn = part.contour.iter().map(|p| p.diameter_mm);

@@ -38,7 +38,11 @@ pub(super) fn undulations(values_mm: &[f64]) -> Vec<Undulation> {
             sin += value * sin_k;
         }
         let (cos, sin) = (2.0 * cos / count as f64, 2.0 * sin / count as f64);
-        Undulation { order: order as u32, amplitude: cos.hypot(sin), phase_deg: (-sin).atan2(cos).to_degrees() }
+        Undulation {
+            order: order as u32,
+            amplitude: cos.hypot(sin),
+            phase_deg: (-sin).atan2(cos).to_degrees(),
+        }
     };
     (2..count.div_ceil(2)).map(of).filter(|u| u.amplitude > LEAST_MM).collect()
 }
@@ -50,8 +54,9 @@ mod tests {
     #[test]
     fn undulations_come_back_with_their_phase() {
         let wave = |a: f64, order: f64, p: f64, deg: f64| a * (order * deg + p).to_radians().cos();
-        let values: Vec<f64> =
-            angles_deg().map(|d| 0.5 + wave(1.0, 1.0, 3.0, d) + wave(2e-4, 3.0, 40.0, d) + wave(1e-5, 300.0, -70.0, d)).collect();
+        let values: Vec<f64> = angles_deg()
+            .map(|d| 0.5 + wave(1.0, 1.0, 3.0, d) + wave(2e-4, 3.0, 40.0, d) + wave(1e-5, 300.0, -70.0, d))
+            .collect();
         let found = undulations(&values);
         assert_eq!(found.iter().map(|u| u.order).collect::<Vec<_>>(), [3, 300]);
         for (u, (a, p)) in found.iter().zip([(2e-4, 40.0), (1e-5, -70.0)]) {

@@ -116,7 +116,8 @@ fn the_controls_table_takes_out_what_stands_still() {
 
 #[test]
 fn exact_and_first_order_agree_and_rows_say_what_was_cut() {
-    let errors = format!("{BOW}[machine.stated.errors.ebz]\npolynomial = {{ coefficients_urad = [20.0, 30.0] }}\n");
+    let errors =
+        format!("{BOW}[machine.stated.errors.ebz]\npolynomial = {{ coefficients_urad = [20.0, 30.0] }}\n");
     let levers = [("carriage_mm = [0.0, 0.0, 0.0]", "carriage_mm = [0.0, 0.0, -80.0]")];
     let job = job(&levers, &errors);
     let rows = job.machine_rows(2).unwrap();
@@ -129,7 +130,7 @@ fn exact_and_first_order_agree_and_rows_say_what_was_cut() {
         close(row.left_um, row.cut_um, 1e-9, "left without compensation");
         close(row.midline_um, -row.head_x_um, 1e-12, "midline");
     }
-    // at the levers of the reference: EXZ − 80·EBZ, EBZ = 20 + 30·s with s from −1 to 1 over the travel
+    // at the lever: EXZ − 80·EBZ, EBZ = 20 + 30·s with s from −1 to 1 over the travel
     let (row, s) = (first[0], (first[0].z_mm - 40.0) / 60.0);
     let wanted = 2.0 * (5.0 * (TAU * row.z_mm / 240.0).cos() - 0.08 * (20.0 + 30.0 * s));
     close(row.cut_um, wanted, 5e-3, "closed form");
@@ -149,7 +150,8 @@ fn edges(job: &Job, field_z_mm: f64, view: &View) -> [(f64, f64); 2] {
 
 #[test]
 fn the_midline_is_the_heads_own_pose_and_the_width_is_not() {
-    let errors = format!("{BOW}[machine.stated.errors.ebz]\npolynomial = {{ coefficients_urad = [400.0] }}\n");
+    let errors =
+        format!("{BOW}[machine.stated.errors.ebz]\npolynomial = {{ coefficients_urad = [400.0] }}\n");
     let job = job(&[("z_travel_mm", "b0c_urad = 100.0\nz_travel_mm")], &errors);
     let z = 30.0;
     let [(top, bottom), (top_10, bottom_10)] = edges(&job, z, &View { middle_z_mm: z, per_distance: 0.0 });
@@ -207,25 +209,66 @@ fn the_edge_on_the_tools_side_stands_still_while_the_spindle_errs() {
 fn what_does_not_fit_is_refused_with_its_place() {
     let probe = "[machine.stated.errors.exz]\nreversal_um = 0.0\n";
     let cases: [(&[(&str, &str)], &str, &str, &str); 9] = [
-        (&[("z_travel_mm = [-20.0, 100.0]", "z_travel_mm = [-20.0, 50.0]")], "", "part.length_mm", "travel of Z"),
-        (&[("x_travel_mm = [-1.0, 20.0]", "x_travel_mm = [-1.0, 5.8]")], "", "part.stock_diameter_mm", "travel of X"),
-        (&[("tool_mm = [0.0, 0.0, 0.0]", "tool_mm = [0.0, 0.0, 9e9]")], "", "machine.stated.tool_mm[2]", "µm"),
-        (&[("compensate = false", "compensate = false\nminutes = -1.0")], "", "machine.minutes", "at least 0"),
-        (&[("compensate = false", "compensate = false\nfile = \"lathe.toml\"")], "", "machine.file", "stands beside"),
-        (&[("[machine.stated]", "[process.bending]\ntool_deg = 90.0\n[machine.stated]")], "", "process.bending.tool_deg", "0 beside"),
         (
-            &[("[machine.stated]", "[[process.disturbance.guideway]]\nz_mm = 0.0\naway_um = 5.0\n[machine.stated]")],
+            &[("z_travel_mm = [-20.0, 100.0]", "z_travel_mm = [-20.0, 50.0]")],
+            "",
+            "part.length_mm",
+            "travel of Z",
+        ),
+        (
+            &[("x_travel_mm = [-1.0, 20.0]", "x_travel_mm = [-1.0, 5.8]")],
+            "",
+            "part.stock_diameter_mm",
+            "travel of X",
+        ),
+        (
+            &[("tool_mm = [0.0, 0.0, 0.0]", "tool_mm = [0.0, 0.0, 9e9]")],
+            "",
+            "machine.stated.tool_mm[2]",
+            "µm",
+        ),
+        (
+            &[("compensate = false", "compensate = false\nminutes = -1.0")],
+            "",
+            "machine.minutes",
+            "at least 0",
+        ),
+        (
+            &[("compensate = false", "compensate = false\nfile = \"lathe.toml\"")],
+            "",
+            "machine.file",
+            "stands beside",
+        ),
+        (
+            &[("[machine.stated]", "[process.bending]\ntool_deg = 90.0\n[machine.stated]")],
+            "",
+            "process.bending.tool_deg",
+            "0 beside",
+        ),
+        (
+            &[(
+                "[machine.stated]",
+                "[[process.disturbance.guideway]]\nz_mm = 0.0\naway_um = 5.0\n[machine.stated]",
+            )],
             probe,
             "process.disturbance.guideway",
             "EXZ",
         ),
         (
-            &[("[machine.stated]", "[[process.disturbance.spindle_lobes]]\norder_upr = 3\namplitude_mm = 0.001\n[machine.stated]")],
+            &[(
+                "[machine.stated]",
+                "[[process.disturbance.spindle_lobes]]\norder_upr = 3\namplitude_mm = 0.001\n[machine.stated]",
+            )],
             "",
             "process.disturbance.spindle_lobes",
             "EXC",
         ),
-        (&[], "[machine.stated.errors.exc]\nfourier = [{ order = 400, amplitude_um = 0.1 }]\n", "errors.exc.fourier[0].order", "at most 359"),
+        (
+            &[],
+            "[machine.stated.errors.exc]\nfourier = [{ order = 400, amplitude_um = 0.1 }]\n",
+            "errors.exc.fourier[0].order",
+            "at most 359",
+        ),
     ];
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("job.toml");
