@@ -63,38 +63,36 @@ pub(crate) struct Lathe {
     cutting: State,
     /// While it is looked at.
     scanning: State,
-    /// What the control's own table is made of: the same directions, nothing drifted. None where
-    /// it does not compensate.
-    table: Option<State>,
+    /// The machine as the control's own table has it; none where it does not compensate.
+    table: Option<Box<Lathe>>,
 }
 
 impl Lathe {
-    /// A lathe by its settings and their functions.
+    /// A lathe by its settings and their functions, in a state.
     ///
     /// # Errors
     /// Undulations of the spindle that are finer than the angles at which they are taken.
     pub(super) fn new(
         settings: &MachineSettings,
         motion: Motion,
-        (state, ways): (Conditions, Ways),
-        compensates: bool,
+        state: &Conditions,
+        ways: Ways,
     ) -> Result<Self, SettingError> {
         check_orders(&motion)?;
-        let set =
-            |z_direction: Direction| Conditions { x_direction: Direction::Backward, z_direction, ..state };
-        let reference = Conditions::default();
-        let still = Conditions {
-            temperature_c: reference.temperature_c,
-            minutes: reference.minutes,
-            ..set(ways.cut)
-        };
+        let set = |z_direction| Conditions { x_direction: Direction::Backward, z_direction, ..*state };
         Ok(Self {
             cutting: State::new(&motion, set(ways.cut)),
             scanning: State::new(&motion, set(ways.scan)),
-            table: compensates.then(|| State::new(&motion, still)),
+            table: None,
             settings: settings.clone(),
             motion,
         })
+    }
+
+    /// The same with a control that compensates by a table of its own.
+    #[must_use]
+    pub(super) fn compensated_by(self, table: Self) -> Self {
+        Self { table: Some(Box::new(table)), ..self }
     }
 
     /// The machine's chain, levers and travels.
@@ -180,7 +178,7 @@ impl PathDisplacement for Lathe {
     }
 
     fn compensated_mm(&self, place: &PathPlace) -> f64 {
-        self.table.as_ref().map_or(0.0, |table| self.cut_in(place, table, &table.mean))
+        self.table.as_ref().map_or(0.0, |table| table.cut_mm(place))
     }
 }
 

@@ -24,6 +24,10 @@ pub struct RunMachine {
     /// Whether the control compensates the machine's static errors by a table of its own: at every
     /// station the command is less by what they add to the diameter there.
     pub compensate: bool,
+    /// File of the machine as the control's table has it, as it was identified; that of `file`
+    /// itself where it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table: Option<String>,
     /// Temperature of the machine, °C; the file's where it is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature_c: Option<f64>,
@@ -33,6 +37,9 @@ pub struct RunMachine {
     /// What `[machine]` of that file holds, in its place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) stated: Option<MachineSettings>,
+    /// What `[machine]` of that file holds, in its place.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) table_stated: Option<MachineSettings>,
 }
 
 /// What of a job a machine must agree with.
@@ -75,7 +82,11 @@ impl RunMachine {
         };
         // fields of a scan ascend along z; a followed pass is looked at while it is cut
         let ways = Ways { cut, scan: if followed { cut } else { Direction::Forward } };
-        let lathe = Lathe::new(settings, motion, (state, ways), self.compensate)?;
+        let mut lathe = Lathe::new(settings, motion, &state, ways)?;
+        if let Some(table) = self.table_of(settings, on.part)? {
+            let table = Lathe::new(table, table.motion().map_err(in_table)?, &Conditions::default(), ways);
+            lathe = lathe.compensated_by(table.map_err(in_table)?);
+        }
         if lathe.spindle_errs() && !on.spindle.synchronous.is_empty() {
             let why = "stands beside the errors of C in [machine], which move the part in the same way: one of them";
             return Err(SettingError::at("shaft.spindle.synchronous", why));
@@ -84,13 +95,35 @@ impl RunMachine {
     }
 
     fn needed(&self) -> Result<&MachineSettings, SettingError> {
-        if self.file.is_some() {
+        let unread = [("machine.file", &self.file), ("machine.table", &self.table)];
+        if let Some((key, _)) = unread.into_iter().find(|(_, name)| name.is_some()) {
             let why =
                 "a file beside a config is read with the config's own file; text alone needs machine.stated";
-            return Err(SettingError::at("machine.file", why));
+            return Err(SettingError::at(key, why));
         }
         let why = "names the file of a machine; or [machine.stated] has its chain, levers and errors";
         self.stated.as_ref().ok_or_else(|| SettingError::at("machine.file", why))
+    }
+
+    /// The machine of which the control's table is made; none where it does not compensate.
+    fn table_of<'a>(
+        &'a self,
+        own: &'a MachineSettings,
+        part: &LoopJob,
+    ) -> Result<Option<&'a MachineSettings>, SettingError> {
+        let table = match (&self.table_stated, self.compensate) {
+            (None, false) => return Ok(None),
+            (None, true) => return Ok(Some(own)),
+            (Some(_), false) => {
+                let why = "is not used where the control does not compensate: machine.compensate = true";
+                return Err(SettingError::at("machine.table", why));
+            }
+            (Some(table), true) => table,
+        };
+        let right = format!("{}, the machine's: the table is that of another one", own.chain.notation());
+        require(table.chain == own.chain, "machine.table", table.chain.notation(), &right)?;
+        check_travels(table, part)?;
+        Ok(Some(table))
     }
 
     fn state(&self) -> Result<Conditions, SettingError> {
@@ -110,6 +143,13 @@ impl RunMachine {
 fn in_stated(error: SettingError) -> SettingError {
     let key = error.key.strip_prefix("machine.").map(|key| format!("machine.stated.{key}"));
     SettingError { key: key.unwrap_or(error.key.clone()), ..error }
+}
+
+/// The same of the control's table.
+fn in_table(error: SettingError) -> SettingError {
+    let key =
+        error.key.replacen("machine.stated.", "machine.", 1).replacen("machine.", "machine.table_stated.", 1);
+    SettingError { key, ..error }
 }
 
 /// Settings of the job that state what the machine states, and parts of a cell on which its errors

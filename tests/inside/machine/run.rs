@@ -114,6 +114,26 @@ fn the_controls_table_takes_out_what_stands_still() {
     }
 }
 
+/// A table that was identified to four fifths leaves a fifth; that of another machine is refused.
+#[test]
+fn a_table_leaves_what_was_not_identified() {
+    let stated = LATHE.split_once("[machine.stated]").unwrap().1;
+    let table = |errors: &str| format!("{BOW}[machine.table_stated]\n{stated}{errors}");
+    let identified = BOW.replace("machine.stated", "machine.table_stated").replace("5.0", "4.0");
+    let compensated = ("compensate = false", "compensate = true");
+    let job = job(&[compensated], &table(&identified));
+    for (z, found) in PLACES.iter().zip(cut_um(&job, &PLACES)) {
+        close(found, 2.0 * (TAU * z / 240.0).cos(), 4e-3, &format!("z {z}"));
+    }
+    let refused = |text: &str| config::parse(text, "job.toml").unwrap_err().to_string();
+    let unused = refused(&text(&[], &table(&identified)));
+    assert!(unused.contains("machine.table") && unused.contains("compensate"), "{unused}");
+    let other =
+        table(&identified).replace("\"carriage\"", "\"t_shaped\"");
+    let other = refused(&text(&[compensated], &other));
+    assert!(other.contains("machine.table") && other.contains("another one"), "{other}");
+}
+
 #[test]
 fn exact_and_first_order_agree_and_rows_say_what_was_cut() {
     let errors =
