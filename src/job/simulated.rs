@@ -200,7 +200,7 @@ impl Job {
         let Some(lathe) = self.lathe()? else { return Ok(Vec::new()) };
         let order = self.loop_job();
         let stations = order.station_z_mm().len();
-        let plan = |pass| order.pass_plan(pass as u32, DiameterOffset::zero(stations));
+        let plan = |pass: usize| order.pass_plan(pass as u32, DiameterOffset::zero(stations));
         Ok((1..=passes).flat_map(|pass| lathe.contributions(&plan(pass))).collect())
     }
 

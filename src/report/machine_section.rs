@@ -22,12 +22,12 @@ pub(crate) fn machine_section(page: &mut Page, job: &Job, passes: usize) -> Resu
     figures(page, &rows);
     let cut = drawn(
         page,
-        cut_chart(&of_last),
+        &cut_chart(&of_last),
         "What the errors of the lathe add to the diameter cut in the last pass.",
     )?;
     let head = drawn(
         page,
-        head_chart(&of_last),
+        &head_chart(&of_last),
         "Where the head stood relative to the part, less where it should, with a station in the middle of its field.",
     )?;
     Ok(vec![("plots/machine_cut.svg".to_owned(), cut), ("plots/machine_head.svg".to_owned(), head)])
@@ -117,7 +117,7 @@ fn head_chart(rows: &[&MachineRow]) -> Chart {
 }
 
 /// Adds a chart to the page and returns its SVG.
-fn drawn(page: &mut Page, chart: Chart, caption: &str) -> Result<Vec<u8>, ReportError> {
+fn drawn(page: &mut Page, chart: &Chart, caption: &str) -> Result<Vec<u8>, ReportError> {
     let svg = chart.to_svg().map_err(ReportError::Draw)?;
     page.figure(&svg, caption);
     Ok(svg.into_bytes())

@@ -28,7 +28,7 @@ pub(super) struct Ways {
 
 /// A state of the machine, and the errors of C in it over a turn.
 #[derive(Clone, Debug)]
-pub(super) struct State {
+struct State {
     conditions: Conditions,
     /// Means over a turn, mm and rad.
     mean: [f64; 6],
@@ -186,7 +186,7 @@ impl PathDisplacement for Lathe {
 fn check_orders(motion: &Motion) -> Result<(), SettingError> {
     let most = ANGLES / 2 - 1;
     for name in &ErrorName::ALL[OF_C] {
-        let waves = motion.function(*name).map_or(&[][..], |function| &function.waves);
+        let waves = motion.function(*name).map_or(&[][..], |function| &function.waves[..]);
         if let Some(k) = waves.iter().position(|wave| wave.frequency > most as f64) {
             let key = format!("{}.fourier[{k}].order", key_of(*name).replace("machine.", "machine.stated."));
             return Err(SettingError::of(key, waves[k].frequency, format!("at most {most}")));

@@ -142,7 +142,7 @@ impl RunMachine {
 /// An error of `[machine]` where a job states it.
 fn in_stated(error: SettingError) -> SettingError {
     let key = error.key.strip_prefix("machine.").map(|key| format!("machine.stated.{key}"));
-    SettingError { key: key.unwrap_or(error.key.clone()), ..error }
+    SettingError { key: key.unwrap_or_else(|| error.key.clone()), ..error }
 }
 
 /// The same of the control's table.
