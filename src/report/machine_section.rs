@@ -42,7 +42,7 @@ fn introduction(job: &Job) -> String {
     };
     format!(
         "The simulated lathe's geometric errors displace the tool (\"cut\", in the diameters above) and the head that looks at the part. {by} \
-         Rows of all stations: truth_machine.csv."
+         The measured axis of the part has the head's own straightness in it. Rows of all stations: truth_machine.csv."
     )
 }
 
