@@ -100,7 +100,8 @@ fn a_spindle_askew_to_the_slide_turns_a_cone_and_a_slide_askew_to_it_a_cylinder(
 fn the_controls_table_takes_out_what_stands_still() {
     let compensated = ("compensate = false", "compensate = true");
     let left = cut_um(&job(&[compensated], BOW), &PLACES);
-    assert!(left.iter().all(|e| e.abs() < 2e-3), "{left:?}");
+    // the table bends at a station's middle, half a node from the nodes beside it: e''·.5·4.5/2
+    assert!(left.iter().all(|e| e.abs() < 1e-2), "{left:?}");
     // between two stations their chord is left, e''·h²/8 with stations 5 mm apart
     let between = cut_um(&job(&[compensated], BOW), &[30.0])[0];
     let wanted = 10.0 * (TAU * 30.0 / 240.0).cos() * (TAU / 240.0_f64).powi(2) * 25.0 / 8.0;
@@ -110,7 +111,7 @@ fn the_controls_table_takes_out_what_stands_still() {
     let warm = job(&[("compensate = false", "compensate = true\nminutes = 60.0")], &format!("{BOW}{drift}"));
     let wanted = -6.0 * (1.0 - (-1.0_f64).exp());
     for found in cut_um(&warm, &PLACES) {
-        close(found, wanted, 3e-3, "drift");
+        close(found, wanted, 1e-2, "drift");
     }
 }
 
@@ -123,7 +124,7 @@ fn a_table_leaves_what_was_not_identified() {
     let compensated = ("compensate = false", "compensate = true");
     let job = job(&[compensated], &table(&identified));
     for (z, found) in PLACES.iter().zip(cut_um(&job, &PLACES)) {
-        close(found, 2.0 * (TAU * z / 240.0).cos(), 4e-3, &format!("z {z}"));
+        close(found, 2.0 * (TAU * z / 240.0).cos(), 1e-2, &format!("z {z}"));
     }
     let refused = |text: &str| config::parse(text, "job.toml").unwrap_err().to_string();
     let unused = refused(&text(&[], &table(&identified)));
@@ -222,7 +223,8 @@ fn the_edge_on_the_tools_side_stands_still_while_the_spindle_errs() {
     assert!(spread(top(&alone)) > 4e-4, "the lobes alone move it");
     // second order: k²a²/2R
     assert!(spread(top(&outline)) < 1e-6, "{}", spread(top(&outline)));
-    assert!(spread(bottom) > 4e-4);
+    // opposite, order 3 is of constant width and stands still, too; order 8 counts twice
+    assert!(spread(bottom.clone()) > 1e-4 && spread(bottom) < 4.01e-4);
 }
 
 #[test]
