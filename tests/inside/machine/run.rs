@@ -129,8 +129,7 @@ fn a_table_leaves_what_was_not_identified() {
     let refused = |text: &str| config::parse(text, "job.toml").unwrap_err().to_string();
     let unused = refused(&text(&[], &table(&identified)));
     assert!(unused.contains("machine.table") && unused.contains("compensate"), "{unused}");
-    let other =
-        table(&identified).replace("\"carriage\"", "\"t_shaped\"");
+    let other = table(&identified).replace("\"carriage\"", "\"t_shaped\"");
     let other = refused(&text(&[compensated], &other));
     assert!(other.contains("machine.table") && other.contains("another one"), "{other}");
 }
