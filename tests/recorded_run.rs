@@ -113,7 +113,7 @@ fn recorded_frames_give_what_the_simulated_run_gave_and_a_missing_pass_is_waited
 fn sources_that_are_none_are_refused_by_their_names() {
     let folder = tempfile::tempdir().unwrap();
     for (source, word) in [
-        ("gige:10.0.0.7", "GigE"),
+        ("gige:", "IP address"),
         ("sim:job.toml", "simulated camera"),
         ("nowhere", "nowhere"),
         ("-", "pass by pass"),

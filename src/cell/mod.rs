@@ -7,8 +7,8 @@
 //! simulated cell, `operations` its commands, `on_order` its single frames, `in_process` a pass
 //! with the gauge behind the tool, `true_probe` its touch probe; `drawn_scan` is the scan of a
 //! shaft that is drawn, not turned, and `simulated_head` a live source of its frames; `recorded` is
-//! a cell of frames that were recorded. A new ability of a cell is a method of the trait with an
-//! error as its default.
+//! a cell of frames that were recorded, `wire` one whose process and renderer are another program.
+//! A new ability of a cell is a method of the trait with an error as its default.
 
 #[cfg(feature = "render")]
 mod drawn_scan;
@@ -29,6 +29,8 @@ mod simulated_head;
 #[cfg(feature = "render")]
 mod true_probe;
 mod turning_cell;
+#[cfg(all(feature = "render", feature = "camera"))]
+pub(crate) mod wire;
 
 #[cfg(feature = "render")]
 pub(crate) use drawn_scan::{drawn_scene, scan_request};

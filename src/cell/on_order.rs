@@ -41,6 +41,11 @@ impl SimulatedCell<'_> {
         number
     }
 
+    /// Number of frame `frame` (from 0) of the part since its last pass; none is taken.
+    pub(crate) fn part_frame(&self, frame: u64) -> u64 {
+        self.first_frame_id() + frame
+    }
+
     /// Number of frame `frame` (from 0) of a look at a pin.
     pub(crate) fn master_frame(&self, index: usize, frame: usize) -> u64 {
         self.first_frame_id() + (1 << 31) + ((index as u64) << 24) + frame as u64
@@ -94,7 +99,9 @@ mod tests {
         };
         for (frame, angle_deg) in wanted.iter().zip([0.0, 45.0]) {
             let scene = ordered.part_scene(&ordered.setup().clone()).unwrap();
-            let request = request(ordered.next_part_frame(), 20.0, angle_deg, ordered.seed());
+            let counted = ordered.next_part_frame();
+            assert_eq!(counted, ordered.part_frame(counted - ordered.part_frame(0)));
+            let request = request(counted, 20.0, angle_deg, ordered.seed());
             let single = renderer.render(&scene, &request, None).unwrap();
             assert_eq!(single.clone().into_buffer(), frame.clone().into_buffer());
         }

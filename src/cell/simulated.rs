@@ -89,7 +89,7 @@ pub(super) const PROCESS_STREAM: u64 = 0x0070_726f_6365_7373;
 const PASSES_OF_A_PART: u64 = 1024;
 /// Frame ids of pass k start at k·2³²: noise does not depend on how many frames an earlier pass
 /// took.
-const FRAMES_OF_A_PASS: u64 = 1 << 32;
+pub(super) const FRAMES_OF_A_PASS: u64 = 1 << 32;
 /// The scan of pass k starts k times this after the clock's zero: about the duration of a cut and
 /// its scan, and independent of whether this process scanned an earlier pass.
 const PASS_PERIOD_NS: u64 = 600_000_000_000;

@@ -32,7 +32,8 @@ pub struct Job {
     /// Seed of everything random.
     pub seed: u64,
     /// Where a run takes its frames from in place of the simulation: a folder with the frames of
-    /// its passes, from the folder of this file (docs/control.md).
+    /// its passes, from the folder of this file (docs/control.md), or a head on the wire, `gige:IP`
+    /// or `gige:NAME` (docs/cameras.md).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
     /// The part and its passes.

@@ -40,6 +40,9 @@ pub(crate) struct SceneOrder {
 pub(crate) struct FrameOrder {
     /// Number of the frame since the start of the acquisition, from 0.
     pub number: u64,
+    /// Number of the frame of the part since its pass, or of the pin, from 0, by which its noise is
+    /// drawn; `None` for the one after the last.
+    pub of_object: Option<u64>,
     /// Start of exposure on the head's clock, ns.
     pub t_ns: u64,
     /// Spindle angle then, degrees.
@@ -57,7 +60,7 @@ pub(crate) struct FrameOrder {
 /// A pass to cut.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PassOrder {
-    /// Its number, from 1.
+    /// Its number, from 1; 0: nothing is cut, a new blank is clamped.
     pub pass: u32,
     /// Offset of every station, mm of diameter.
     pub offset_mm: Vec<f64>,
@@ -71,7 +74,7 @@ pub(crate) trait FrameMaker {
     /// Why the scene cannot be taken, in one sentence; the next order is independent of it.
     fn frame(&mut self, order: &FrameOrder, reuse: Option<Frame>) -> Result<Frame, String>;
 
-    /// Cuts a pass.
+    /// Cuts a pass, or clamps a blank.
     ///
     /// # Errors
     /// Why it cannot be cut; the part is then as before.

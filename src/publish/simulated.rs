@@ -119,13 +119,22 @@ impl<'a> SimulatedHead<'a> {
         }
     }
 
+    fn part_number(&mut self, ordered: Option<u64>) -> Result<u64, String> {
+        let cell = self.cell()?;
+        Ok(match ordered {
+            Some(number) => cell.part_frame(number),
+            None => cell.next_part_frame(),
+        })
+    }
+
     /// Number of the frame, by which its noise is drawn, and of frames before it of the same pin.
     fn number(&mut self, order: &FrameOrder) -> Result<(u64, usize), String> {
         Ok(match order.scene.object {
             Object::Drawn => (order.number, 0),
-            Object::Part => (self.cell()?.next_part_frame(), 0),
+            Object::Part => (self.part_number(order.of_object)?, 0),
             Object::Master { index, clamped } => {
-                let before = if self.look.0 == clamped { self.look.1 } else { 0 };
+                let counted = if self.look.0 == clamped { self.look.1 } else { 0 };
+                let before = order.of_object.map_or(counted, |number| number as usize);
                 self.look = (clamped, before + 1);
                 (self.cell()?.master_frame(index as usize, before), before)
             }
@@ -158,9 +167,13 @@ impl FrameMaker for SimulatedHead<'_> {
     }
 
     fn cut(&mut self, order: &PassOrder) -> Result<(), String> {
+        self.scene = None;
+        if order.pass == 0 {
+            self.cell = None;
+            return self.cell().map(drop);
+        }
         let offset = DiameterOffset { o_mm: order.offset_mm.clone() };
         let plan = self.loop_job.pass_plan(order.pass, offset);
-        self.scene = None;
         self.cell()?.cut(&plan).map_err(|e| e.to_string())
     }
 }

@@ -2,21 +2,24 @@
 //!
 //! In: a file or folder (`folder`, in the order of `natural_order`, with `frame_table` where there
 //! is a `frames.csv`), a folder that a camera drops images into (`follow`), images one after
-//! another on a stream (`piped`, by `split`). Out: frames with their scale and encoding
-//! (`stored`), decoded on other threads where `ahead` is asked, in memory that is used again
-//! (`spare`). `raw` are pixels without a header of their own and Y4M, `live` sources with events,
-//! leases and counted losses, `camera` GigE Vision cameras (feature `camera`), `mcap` recordings,
-//! `address` the grammar of SOURCE. `recording` is the folder of a recorded run. `decode` chooses
-//! the reader of a format (`png`, `tiff`, `jpeg`, `bmp`, `pnm`); each returns a `raster` of
-//! channels, which `depth`, `transfer`, `orientation`, `packed` and `relaid` convert to the pixels
-//! of a frame. A new format is a file with a function from bytes to a raster, an entry in `decode`
-//! and one in `extension`; it comes on a stream where `split` finds its end.
+//! another on a stream (`piped`, by `split`). Out: frames with their scale and encoding (`stored`),
+//! decoded on other threads where `ahead` is asked, in memory that is used again (`spare`). `raw`
+//! are pixels without a header of their own and Y4M, `live` sources with events, leases and counted
+//! losses, `camera` GigE Vision cameras (feature `camera`), `commanded` what a cell asks of a head
+//! that takes frames by triggers, `mcap` recordings, `address` the grammar of SOURCE. `recording`
+//! is the folder of a recorded run. `decode` chooses the reader of a format (`png`, `tiff`, `jpeg`,
+//! `bmp`, `pnm`); each returns a `raster` of channels, which `depth`, `transfer`, `orientation`,
+//! `packed` and `relaid` convert to the pixels of a frame. A new format is a file with a function
+//! from bytes to a raster, an entry in `decode` and one in `extension`; it comes on a stream where
+//! `split` finds its end.
 
 mod address;
 mod ahead;
 mod bmp;
 #[cfg(feature = "camera")]
 pub(crate) mod camera;
+#[cfg(feature = "camera")]
+pub(crate) mod commanded;
 mod decode;
 mod depth;
 #[cfg(feature = "render")]

@@ -55,6 +55,8 @@ mod settled;
 mod stepped;
 mod tool;
 mod uncertainty;
+#[cfg(feature = "camera")]
+mod wire_cell;
 
 #[path = "../support/mod.rs"]
 mod support;

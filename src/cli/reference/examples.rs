@@ -26,6 +26,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge run my.toml --out out/my --controller ilc --seed 7",
             "shadowgauge run my.toml --out out/plain --passes 2 --no-reference --json",
             "shadowgauge run my.toml --out out/part --record frames",
+            "shadowgauge run configs/wire_loop.toml --out out/wire",
         ],
     ),
     (

@@ -1,4 +1,5 @@
-//! Where the frames of a run come from: a renderer behind the simulated cell, or a recording.
+//! Where the frames of a run come from: a renderer behind the simulated cell, a recording, or a
+//! head on the wire.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -12,7 +13,9 @@ use crate::job::{Job, LoopJob};
 use crate::measurement::edge_model;
 use crate::render::{BackendChoice, Renderer};
 use crate::setting::SettingError;
-use crate::source::{RecordedScan, Recording};
+use crate::source::{Address, RecordedScan, Recording};
+
+use super::wire_head::WireHead;
 
 /// Where frames come from.
 pub(crate) enum FramesFrom {
@@ -20,6 +23,8 @@ pub(crate) enum FramesFrom {
     Simulation(Renderer),
     /// A folder of frames.
     Recording(Recording),
+    /// A head whose process and renderer are another program.
+    Wire(WireHead),
 }
 
 impl FramesFrom {
@@ -33,12 +38,28 @@ impl FramesFrom {
         Ok(Self::Simulation(renderer))
     }
 
-    /// The recording that a job names beside its config file; `None` where it names none.
+    /// The head on the wire, or the recording beside its config file, that a job names; `None`
+    /// where it names neither.
     ///
     /// # Errors
-    /// The key `source`, for a source of another kind or a folder that is not there.
-    pub(super) fn recording(job: &Job, config: &Path) -> Result<Option<Self>, SettingError> {
+    /// Exit 2 for a key of the job, by `refused`: a source of another kind, a folder that is not
+    /// there, a head that contradicts the job. Exit 3 for a head that fails.
+    pub(super) fn source(
+        job: &Job,
+        config: &Path,
+        refused: &dyn Fn(SettingError) -> Failure,
+    ) -> Result<Option<Self>, Failure> {
         let Some(source) = &job.source else { return Ok(None) };
+        if source.starts_with("gige:") {
+            let address = Address::of(Path::new(source));
+            if let Address::Camera(name) = address.map_err(|why| refused(SettingError::at("source", why)))? {
+                return Ok(Some(Self::Wire(WireHead::open(job, &name, refused)?)));
+            }
+        }
+        Self::recording(job, source, config).map(Some).map_err(refused)
+    }
+
+    fn recording(job: &Job, source: &str, config: &Path) -> Result<Self, SettingError> {
         let folder = config.parent().unwrap_or(Path::new(""));
         let refused = |what: String| SettingError::at("source", what);
         let recording = Recording::open(source, folder).map_err(refused)?;
@@ -47,23 +68,30 @@ impl FramesFrom {
                 "a recorded run has frames; touches of [probe] are not recorded: leave it out".into(),
             ));
         }
-        Ok(Some(Self::Recording(recording)))
+        Ok(Self::Recording(recording))
     }
 
-    /// Backend of the renderer, or `recorded`.
+    /// Backend of the renderer, `recorded` or `head`.
     pub(super) fn backend(&self) -> &str {
         match self {
             Self::Simulation(renderer) => renderer.backend_name(),
             Self::Recording(_) => "recorded",
+            Self::Wire(_) => "head",
         }
     }
 
-    /// Adapter of the renderer, or the folder.
+    /// Adapter of the renderer, the folder, or the head.
     pub(super) fn adapter(&self) -> String {
         match self {
             Self::Simulation(renderer) => renderer.adapter_name().to_owned(),
             Self::Recording(recording) => recording.root().display().to_string(),
+            Self::Wire(head) => head.shown().to_owned(),
         }
+    }
+
+    /// Whether the frames lie in a folder already.
+    pub(super) fn is_recorded(&self) -> bool {
+        matches!(self, Self::Recording(_))
     }
 
     /// Whether process and truth are simulated, so that the same job can run without control.
@@ -82,6 +110,7 @@ impl FramesFrom {
                 let encoder = job.scan.encoder;
                 Box::new(RecordedCell::new(recording.clone().by_encoder(encoder)))
             }
+            Self::Wire(head) => head.cell(job)?,
         })
     }
 

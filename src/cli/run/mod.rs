@@ -4,8 +4,9 @@
 //! In: a job. Out: a run folder with its report; the exit code is that of the finished part.
 //! Arguments → job → `recorder` (cell and controller, pass after pass) → `tables` (what each pass
 //! leaves, read back when a run is resumed) → report → `finished` (what is printed). `frames_from`
-//! is a renderer or a recording: a job that names a `source` takes its frames from there and ends
-//! `waiting` where the next pass is not there yet; `recording` writes such a folder.
+//! is a renderer, a recording or a `wire_head`: a job that names a `source` takes its frames from
+//! there and, of a recording, ends `waiting` where the next pass is not there yet; `recording`
+//! writes such a folder.
 
 mod finished;
 pub(super) mod frames_from;
@@ -13,6 +14,7 @@ mod recorder;
 mod recording;
 mod tables;
 mod waiting;
+mod wire_head;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -80,7 +82,7 @@ pub(crate) fn run(args: &RunArgs) -> CommandResult {
         args.out.display(),
         interrupt::command_line()
     ));
-    let from = FramesFrom::recording(&job, &args.config).map_err(|e| refused(args, e))?;
+    let from = FramesFrom::source(&job, &args.config, &|e| refused(args, e))?;
     let from = from.map_or_else(|| FramesFrom::simulation(args.backend), Ok)?;
     let record = args.record.as_deref().map(|path| claim_record(&job, &from, path)).transpose()?;
     let how = Execution { from: &from, reference: !args.no_reference, record: record.as_ref() };
@@ -112,7 +114,7 @@ fn refused(args: &RunArgs, error: crate::setting::SettingError) -> Failure {
 fn claim_record(job: &Job, from: &FramesFrom, path: &Path) -> Result<OutputFolder, Failure> {
     let is_followed = job.scan.when == ScanWhen::DuringCut;
     let why = match () {
-        () if !from.is_simulated() => "the frames of this run are recorded already (source)",
+        () if from.is_recorded() => "the frames of this run are recorded already (source)",
         () if job.probe.is_some() => "a run with [probe] takes no frames",
         () if is_followed => {
             "scan.when = \"during_cut\": frames are recorded of a part that was cut (after_pass)"

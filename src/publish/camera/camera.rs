@@ -231,7 +231,9 @@ impl Camera {
         self.controller = None;
         self.acquisition = None;
         (self.channel, self.starts) = (self.channel + 1, self.starts + 1);
-        for address in [at::PRIVILEGE, at::CONTROLLER_PORT, at::CONTROLLER_ADDRESS, at::STREAM_PORT] {
+        // a client that is gone holds the number of no frame
+        let held = [at::CONTROLLER_PORT, at::CONTROLLER_ADDRESS, at::STREAM_PORT, at::HEAD_FRAME];
+        for address in [at::PRIVILEGE].into_iter().chain(held) {
             self.memory.set(address, 0);
         }
     }
@@ -255,6 +257,7 @@ impl Camera {
         let is_last = acquisition.remaining == Some(0);
         let order = FrameOrder {
             number,
+            of_object: self.memory.get(at::HEAD_FRAME).checked_sub(1).map(u64::from),
             t_ns: due_ns,
             angle_deg: self.angle_deg(started_ns + scene_ns),
             z_mm: self.memory.float(at::CARRIAGE_Z),

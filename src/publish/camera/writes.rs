@@ -131,8 +131,9 @@ impl Camera {
         match write.address {
             at::MASTER_INDEX | at::HEAD_OBJECT => self.clamped += 1,
             at::PASS_NUMBER => {
-                let index = (write.value() as usize).saturating_sub(1);
-                let nominal_mm = self.sheet.pass_nominal_mm.get(index).copied().unwrap_or(0.0);
+                let index = (write.value() as usize).checked_sub(1);
+                let nominal_mm = index.and_then(|index| self.sheet.pass_nominal_mm.get(index).copied());
+                let nominal_mm = nominal_mm.unwrap_or(0.0);
                 self.memory.set_float(at::PASS_NOMINAL, nominal_mm);
             }
             _ => {}

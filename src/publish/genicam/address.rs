@@ -165,7 +165,7 @@ own_registers! {
     SPINDLE_SPEED,
     /// Factor.
     CONTAMINATION,
-    /// Number of the pass, from 1.
+    /// Number of the pass, from 1; 0: a new blank.
     PASS_NUMBER,
     /// mm.
     PASS_NOMINAL,
@@ -203,6 +203,8 @@ own_registers! {
     PACKETS_RESENT,
     /// Triggers that made no frame.
     TRIGGERS_MISSED,
+    /// Number of every frame of the object, from 1; 0: counted.
+    HEAD_FRAME,
 }
 
 /// Switch of the image's chunk, always on; those of the others follow, eight bytes apart.

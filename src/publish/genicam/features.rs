@@ -212,6 +212,9 @@ fn head(sheet: &DataSheet) -> Vec<Feature> {
         new("MasterIndex", at::MASTER_INDEX, integer(0, sheet.masters.saturating_sub(1)))
             .written()
             .about("Master pin before the camera; writing it clamps the pin anew."),
+        new("HeadFrame", at::HEAD_FRAME, integer(0, MOST_FRAMES)).written().about(
+            "Number of every next frame since the pass, or of the pin, from 1: noise by it; 0 counts.",
+        ),
         diameter(new("ShaftDiameter", at::SHAFT_DIAMETER, Kind::Float(0.01, sheet.field_mm, "mm")))
             .about("Diameter of the drawn shaft; of a stepped one the drawing's, to read only."),
         new("SpindleSpeed", at::SPINDLE_SPEED, Kind::Float(-60_000.0, 60_000.0, "rev/min"))
@@ -225,6 +228,9 @@ fn head(sheet: &DataSheet) -> Vec<Feature> {
     ]
 }
 
+/// Most frames of a pass that are ordered by their numbers: those of a pin have 24 bits.
+const MOST_FRAMES: u32 = (1 << 24) - 1;
+
 /// Largest offset that a pass plan takes, mm of diameter.
 const LARGEST_OFFSET_MM: f64 = 10.0;
 
@@ -234,9 +240,11 @@ fn passes(sheet: &DataSheet) -> Vec<Feature> {
     let (count, z) = (sheet.station_z_mm.len().max(1) as u32, sheet.length_mm);
     let stations = |feature: Feature| feature.selected("PassStation", 8, count);
     vec![
-        new("PassNumber", at::PASS_NUMBER, integer(1, (sheet.pass_nominal_mm.len() as u32).max(1)))
+        new("PassNumber", at::PASS_NUMBER, integer(0, (sheet.pass_nominal_mm.len() as u32).max(1)))
             .written()
-            .about("Pass to cut, from 1; its nominal diameter and cutting data are the config's."),
+            .about(
+                "Pass to cut, from 1, by the config's diameter and cutting data; 0: PassCut clamps a blank.",
+            ),
         new("PassNominalDiameter", at::PASS_NOMINAL, Kind::Float(0.0, 1e4, "mm")).about("Of that pass."),
         new("PassStationCount", at::PASS_STATION_COUNT, integer(0, count)).about("Stations of the part."),
         new("PassStation", at::PASS_STATION_SELECTOR, integer(0, count - 1))

@@ -89,6 +89,11 @@ impl DeviceClock {
         (device_ns > 0).then_some(RoundTrip { host_before_ns, device_ns, host_after_ns })
     }
 
+    /// The clock, latched now, ns; `None` where it has no latch.
+    pub(super) fn now_ns(&self, io: &impl RegisterIo) -> Option<u64> {
+        Some(self.round_trip(io)?.device_ns)
+    }
+
     /// Ticks in nanoseconds.
     pub(super) fn ns(&self, ticks: u64) -> u64 {
         let ns = u128::from(ticks) * 1_000_000_000 / u128::from(self.frequency_hz);
@@ -145,6 +150,9 @@ mod tests {
     fn ticks_are_nanoseconds_and_the_latch_maps_them() {
         let clock = DeviceClock::read(&ticks(true)).unwrap();
         assert_eq!(clock.ns(125_000_000), 1_000_000_000);
+        let now_ns = clock.now_ns(&ticks(true)).unwrap() + 5_000_000_000;
+        assert!(now_ns.abs_diff(host_t_ns()) < 1_000_000_000, "{now_ns}");
+        assert_eq!(clock.now_ns(&ticks(false)), None);
         let bound = clock.bound_ns().unwrap();
         let mapped = clock.host_ns(7_000_000_000).unwrap();
         assert!(mapped.abs_diff(12_000_000_000) <= bound + 8, "{mapped} within {bound}");

@@ -7,8 +7,9 @@
 //! `find` is discovery, `features` access by name, `guard` what alters grey values and is set off,
 //! refused and restored, `image` the seven pixel formats, `ids` block ids to numbers, `chunks` and
 //! `clock` what comes beside the pixels, `watchdog` when a silent camera is asked; `session` joins
-//! them from opening to closing, `live_camera` opens again a camera that was away. One more feature
-//! that alters grey values is a line in `guard`.
+//! them from opening to closing, `live_camera` opens again a camera that was away, `commanded` is a
+//! camera with a process behind it, commanded by its features and triggers. One more feature that
+//! alters grey values is a line in `guard`.
 
 #![cfg_attr(
     not(feature = "cli"),
@@ -17,6 +18,7 @@
 
 mod chunks;
 mod clock;
+mod commanded;
 mod error;
 mod features;
 mod find;
@@ -28,5 +30,6 @@ mod session;
 mod settings;
 mod watchdog;
 
+pub(crate) use self::commanded::CommandedCamera;
 pub(crate) use self::live_camera::Camera;
 pub(crate) use self::settings::{CameraSettings, WhenGone};

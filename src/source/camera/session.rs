@@ -80,6 +80,37 @@ impl Session {
         self.camera.acquisition_start().map_err(|why| CameraError::failed("AcquisitionStart", why))
     }
 
+    /// Ceases to acquire; the stream stays open.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub(super) fn stop(&mut self) -> Result<(), CameraError> {
+        self.camera.acquisition_stop().map_err(|why| CameraError::failed("AcquisitionStop", why))
+    }
+
+    /// Its features, to be read.
+    pub(super) fn features(&self) -> &impl Features {
+        &self.camera
+    }
+
+    /// Its features, to be set.
+    pub(super) fn features_mut(&mut self) -> &mut impl Features {
+        &mut self.camera
+    }
+
+    /// Executes a command.
+    ///
+    /// # Errors
+    /// What the camera or its description refuses, in words.
+    pub(super) fn execute(&mut self, command: &str) -> Result<(), String> {
+        self.camera.execute_command(command).map_err(|error| error.to_string())
+    }
+
+    /// The camera's clock, latched now, ns; `None` where it has no latch.
+    pub(super) fn now_ns(&self) -> Option<u64> {
+        self.setup.clock?.now_ns(self.camera.transport())
+    }
+
     /// The next block, whole or not, after waiting at most so long; `None` where none came.
     ///
     /// # Errors

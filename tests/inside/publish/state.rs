@@ -94,6 +94,37 @@ fn address(camera: &mut Camera, name: &str) -> u32 {
 }
 
 #[test]
+fn the_number_of_a_frame_is_held_until_control_is_given_up_and_pass_0_is_a_blank() {
+    let mut camera = Camera::new(sheet());
+    let names = ["TriggerMode", "AcquisitionStart", "TriggerSoftware", "HeadFrame", "PassNumber", "PassCut"];
+    let [mode, start, trigger, number, pass, cut] = names.map(|name| address(&mut camera, name));
+    let mut now = 10 * MS;
+    let mut put = |camera: &mut Camera, address, value| {
+        now += MS;
+        assert_eq!(write(camera, A, now, address, value), 0, "{address:#x} = {value}");
+        camera.next_task(now)
+    };
+    put(&mut camera, PRIVILEGE, 2);
+    put(&mut camera, 0x0d18, 0x7f00_0001);
+    put(&mut camera, 0x0d00, 4000);
+    put(&mut camera, mode, 1);
+    put(&mut camera, start, 1);
+    let mut frame = |camera: &mut Camera, held: u32| {
+        put(camera, number, held);
+        let Some(Task::Frame(task)) = put(camera, trigger, 1) else { panic!("no frame") };
+        task.order.of_object
+    };
+    assert_eq!([3, 3, 1, 0].map(|held| frame(&mut camera, held)), [Some(2), Some(2), Some(0), None]);
+    assert_eq!(frame(&mut camera, 9), Some(8));
+    assert_eq!(write(&mut camera, A, 900 * MS, pass, 0), 0);
+    assert_eq!(write(&mut camera, A, 901 * MS, cut, 1), 0);
+    let Some(Task::Cut(order)) = camera.next_task(902 * MS) else { panic!("no blank") };
+    assert_eq!(order.pass, 0);
+    assert_eq!(write(&mut camera, A, 903 * MS, PRIVILEGE, 0), 0);
+    assert_eq!(read(&mut camera, B, 904 * MS, number), Ok(0));
+}
+
+#[test]
 fn a_repeated_command_is_answered_again_and_not_executed_again() {
     let mut camera = Camera::new(sheet());
     write(&mut camera, A, 0, PRIVILEGE, 2);
