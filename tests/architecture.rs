@@ -42,7 +42,7 @@ const ROOMS: [(&str, &str); 4] = [
     ),
     (
         "cli",
-        "failure process terminal input_output calibration_plan schema new completions man optics measure watch calibrate render publish doctor run demo \
+        "failure process terminal input_output calibration_plan schema new completions man optics measure calibrate render watch publish doctor run demo \
          nc tool optimize reproduce study reference",
     ),
 ];

@@ -6,7 +6,7 @@ use super::judged::{Deciding, Judged, StationJudgement, StationResult, Verdict};
 use super::result::{LargestDiameter, Measurement};
 use super::settings::MeasureSettings;
 use super::settled_part::{SettledPart, widen, widened};
-use super::stated::stated_budget;
+use super::stated::{drift_row, stated_budget};
 use super::statistics::FrameMeans;
 use super::turn_frames::{Asked, TurnFrames};
 use super::turn_sizes::needs_envelope;
@@ -65,6 +65,8 @@ pub(super) struct Inspector {
     pub(super) worst: Judgement,
     pub(super) turn: FollowedTurn,
     pub(super) settled: Option<SettledPart>,
+    /// Standard uncertainty by the drift since the last zero, mm, and what it is of.
+    pub(super) drift: Option<(f64, String)>,
     frames: usize,
     buffers: Buffers,
 }
@@ -127,6 +129,7 @@ impl Inspector {
                 jumps_left_out: 0,
             },
             settled: settings.settle_s.map(|s| SettledPart::new(s, settings.turn)),
+            drift: None,
             frames: 0,
             buffers: Buffers::default(),
             settings,
@@ -169,7 +172,7 @@ impl Inspector {
         }
         self.warn_of_blur(edges, out);
         let mut diameters = std::mem::take(&mut self.buffers.diameters);
-        self.calibration.diameters_into(edges, &self.conditions, &mut diameters);
+        self.take_diameters(edges, &mut diameters);
         if self.settings.turn {
             self.compare_with_turns(&meta, &mut diameters, out);
         }
@@ -209,6 +212,14 @@ impl Inspector {
         Ok(())
     }
 
+    /// Diameters of the columns, with the drift since the last zero in them.
+    fn take_diameters(&self, edges: &FrameEdges, diameters: &mut ColumnDiameters) {
+        self.calibration.diameters_into(edges, &self.conditions, diameters);
+        if let Some((u_mm, _)) = &self.drift {
+            diameters.widen(*u_mm);
+        }
+    }
+
     /// What is asked of the frames of a revolution.
     ///
     /// # Errors
@@ -236,6 +247,9 @@ impl Inspector {
         let mut budget = std::mem::take(&mut self.buffers.budget);
         let texts = if self.settings.budget { Texts::Written } else { Texts::LeftOut };
         stated_budget(&reading, &self.calibration, &self.conditions, texts, &mut budget);
+        if let Some((u_mm, since)) = &self.drift {
+            budget.contributions.extend(drift_row(*u_mm, since, texts));
+        }
         if !(budget.diameter_mm.is_finite() && budget.u_mm().is_finite()) {
             out.warnings.push(Warning::NoNumber);
             self.give_no_diameter(Reason::Implausible, edges, out);

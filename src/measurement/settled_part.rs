@@ -25,6 +25,18 @@ impl SettledPart {
         }
     }
 
+    /// Another part: nothing of the last one holds for it.
+    pub(super) fn restart(&mut self) {
+        self.settling.restart();
+        self.turns = self.turns.as_ref().map(|_| TurnMeans::default());
+        (self.last, self.good) = (Settled::Waiting { seen_s: 0.0, readings: 0 }, 0);
+    }
+
+    /// Readings are means of whole turns from now on.
+    pub(super) fn take_turns(&mut self) {
+        self.turns.get_or_insert_default();
+    }
+
     /// Adds a frame's mean diameter; a frame without one leaves the state as it is.
     pub(super) fn push(&mut self, meta: &FrameMeta, mean: Option<Diameter>) -> Settled {
         let reading = mean.and_then(|mean| match &mut self.turns {
@@ -45,18 +57,10 @@ impl SettledPart {
             Some(_) => self.last.u_trend_mm().is_some(),
             None => self.good > 0,
         };
-        let why = match self.last {
-            _ if is_good => return None,
-            Settled::Untimed => "the frames have no times (t_ns in frames.csv)".to_owned(),
-            Settled::Waiting { seen_s, readings } => {
-                format!("{readings} readings over {seen_s:.1} s are too few")
-            }
-            Settled::Trend { um_per_min, u_um_per_min } => format!(
-                "the diameter changes by {um_per_min:.2} um/min (u {u_um_per_min:.2} um/min): coolant that runs off, or a part \
-                 that cools"
-            ),
-            Settled::Agrees { .. } => "it settled in no frame".to_owned(),
-        };
+        if is_good {
+            return None;
+        }
+        let why = self.last.why().unwrap_or_else(|| "it settled in no frame".to_owned());
         Some(format!("the diameter has not settled, nothing is proven: {why}"))
     }
 }

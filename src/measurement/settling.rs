@@ -64,6 +64,21 @@ impl Settled {
             _ => None,
         }
     }
+
+    /// Why the diameter is not good yet; `None` where it is.
+    pub(crate) fn why(&self) -> Option<String> {
+        Some(match *self {
+            Self::Agrees { .. } => return None,
+            Self::Untimed => "the frames have no times (t_ns in frames.csv)".to_owned(),
+            Self::Waiting { seen_s, readings } => {
+                format!("{readings} readings over {seen_s:.1} s are too few")
+            }
+            Self::Trend { um_per_min, u_um_per_min } => format!(
+                "the diameter changes by {um_per_min:.2} um/min (u {u_um_per_min:.2} um/min): coolant that runs off, or a part \
+                 that cools"
+            ),
+        })
+    }
 }
 
 /// Readings of a part over time.

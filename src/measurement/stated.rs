@@ -1,4 +1,5 @@
-//! The budget of a diameter by a scale alone: rows for what is not stated.
+//! Rows of the budget beside the gauge's own: the drift since the last zero and, of a diameter by a
+//! scale alone, what is not stated.
 
 use crate::gauge::Calibration;
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, Texts, WidthReading};
@@ -29,6 +30,18 @@ pub(super) fn stated_budget(
             }
         }));
     }
+}
+
+/// The row of a gauge's drift since it was set to zero; none at the zero itself.
+pub(super) fn drift_row(u_mm: f64, since: &str, texts: Texts) -> Option<Contribution> {
+    (u_mm != 0.0).then(|| Contribution {
+        source: texts.of(format_args!("drift since the last zero")),
+        input: texts.of(format_args!("{since}")),
+        shape: Shape::Rectangular,
+        share: Share::Common,
+        freedom: None,
+        u_mm,
+    })
 }
 
 /// Whether the calibration is a scale only: no masters, no uncertainty.

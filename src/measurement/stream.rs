@@ -236,6 +236,43 @@ impl Stream {
         }
     }
 
+    /// Standard uncertainty of all diameters by the gauge's drift since its last zero, from the
+    /// next frame on, mm, with its inputs for the budget ("1.2 h, head +0.4 K"); without a
+    /// calibration there is none.
+    pub fn set_zero_drift(&mut self, u_mm: f64, since: String) {
+        if let Some(inspector) = &mut self.inspector {
+            inspector.drift = Some((u_mm, since));
+        }
+    }
+
+    /// Another part from the next frame on: its diameter has to settle by itself.
+    pub fn restart_settling(&mut self) {
+        if let Some(part) = self.inspector.as_mut().and_then(|i| i.settled.as_mut()) {
+            part.restart();
+        }
+    }
+
+    /// The part turns: what must agree are means of whole turns, by the angles of the frames.
+    pub fn settle_by_turns(&mut self) {
+        if let Some(part) = self.inspector.as_mut().and_then(|i| i.settled.as_mut()) {
+            part.take_turns();
+        }
+    }
+
+    /// Refuses the frame pushed last for a reason outside of it: it has no diameter then, and what
+    /// settled has to settle again.
+    #[cfg(feature = "cli")]
+    pub(crate) fn refuse_measured(&mut self, why: String) {
+        let columns = self.measurement.columns;
+        let (name, id) = (std::mem::take(&mut self.measurement.frame), self.measurement.frame_id);
+        self.begin(&name, id, columns);
+        self.measurement.refuse(Reason::Unreadable, why);
+        if let Some(inspector) = &mut self.inspector {
+            inspector.not_proven(&mut self.measurement);
+        }
+        self.restart_settling();
+    }
+
     /// The results over all frames.
     ///
     /// # Errors

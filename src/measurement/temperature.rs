@@ -36,7 +36,13 @@ pub struct TemperatureSample {
     pub part_c: f64,
     /// Limits of its error, ± K.
     pub limit_k: f64,
+    /// Temperature of the head, °C, where it is known.
+    pub head_c: Option<f64>,
 }
+
+/// Most samples that are kept, 48 MB of them: twelve days of one a second. Of more the older half
+/// is let go.
+const MOST: usize = 1 << 20;
 
 /// Temperatures over time.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,32 +61,62 @@ impl Temperatures {
         if samples.is_empty() {
             return Err("holds no temperature".to_owned());
         }
-        for (i, s) in samples.iter().enumerate() {
-            let number = i + 1;
-            if i > 0 && samples[i - 1].t_ns >= s.t_ns {
-                return Err(format!("sample {number}: t_ns {} does not rise", s.t_ns));
-            }
-            if !(-50.0..=400.0).contains(&s.part_c) {
-                return Err(format!("sample {number}: part_c {} must lie in -50 to 400 °C", s.part_c));
-            }
-            if !(0.0..=100.0).contains(&s.limit_k) {
-                return Err(format!("sample {number}: limit_k {} must lie in 0 to 100 K", s.limit_k));
-            }
+        let mut read = Self::awaited(age);
+        for (sample, number) in samples.into_iter().zip(1..) {
+            read.push(sample).map_err(|why| format!("sample {number}: {why}"))?;
         }
-        Ok(Self { samples, age })
+        Ok(read)
     }
 
-    /// Temperature of the part at `t_ns`, °C, and the limits of its error by age, ± K.
+    /// No sample yet: they come by [`Self::push`].
+    pub fn awaited(age: TemperatureAge) -> Self {
+        Self { samples: Vec::new(), age }
+    }
+
+    /// One more sample.
+    ///
+    /// # Errors
+    /// A time that does not rise, values out of range: the sample is then left out.
+    pub fn push(&mut self, sample: TemperatureSample) -> Result<(), String> {
+        let TemperatureSample { t_ns, part_c, limit_k, head_c } = sample;
+        if self.samples.last().is_some_and(|last| last.t_ns >= t_ns) {
+            return Err(format!("t_ns {t_ns} does not rise"));
+        }
+        let in_range = |c: f64| (-50.0..=400.0).contains(&c);
+        if !in_range(part_c) {
+            return Err(format!("part_c {part_c} must lie in -50 to 400 °C"));
+        }
+        if let Some(head_c) = head_c.filter(|c| !in_range(*c)) {
+            return Err(format!("head_c {head_c} must lie in -50 to 400 °C"));
+        }
+        if !(0.0..=100.0).contains(&limit_k) {
+            return Err(format!("limit_k {limit_k} must lie in 0 to 100 K"));
+        }
+        if self.samples.len() == MOST {
+            self.samples.drain(..MOST / 2);
+        }
+        self.samples.push(sample);
+        Ok(())
+    }
+
+    /// Time of the last sample, ns.
+    pub fn last_ns(&self) -> Option<u64> {
+        self.samples.last().map(|last| last.t_ns)
+    }
+
+    /// The last sample at `t_ns` or before.
     ///
     /// # Errors
     /// No sample before, or one that is too old.
-    pub fn at(&self, t_ns: u64) -> Result<(f64, f64), String> {
+    fn sample(&self, t_ns: u64) -> Result<(&TemperatureSample, f64), String> {
         let before = self.samples.partition_point(|s| s.t_ns <= t_ns);
         let Some(last) = before.checked_sub(1).and_then(|i| self.samples.get(i)) else {
-            return Err(format!(
-                "no temperature of the part before t_ns {t_ns}; the first is of {}",
-                self.samples[0].t_ns
-            ));
+            return Err(match self.samples.first() {
+                None => "no temperature of the part yet".to_owned(),
+                Some(first) => {
+                    format!("no temperature of the part before t_ns {t_ns}; the first is of {}", first.t_ns)
+                }
+            });
         };
         let age_s = 1e-9 * (t_ns - last.t_ns) as f64;
         if age_s > self.age.refused_age_s {
@@ -89,8 +125,25 @@ impl Temperatures {
                 self.age.refused_age_s
             ));
         }
+        Ok((last, age_s))
+    }
+
+    /// Temperature of the part at `t_ns`, °C, and the limits of its error by age, ± K.
+    ///
+    /// # Errors
+    /// No sample before, or one that is too old.
+    pub fn at(&self, t_ns: u64) -> Result<(f64, f64), String> {
+        let (last, age_s) = self.sample(t_ns)?;
         let stale_s = (age_s - self.age.max_age_s).max(0.0);
         Ok((last.part_c, last.limit_k + self.age.growth_k_per_s * stale_s))
+    }
+
+    /// Temperature of the head at `t_ns`, °C; `None` where the last sample has none.
+    ///
+    /// # Errors
+    /// As [`Self::at`].
+    pub fn head_at(&self, t_ns: u64) -> Result<Option<f64>, String> {
+        self.sample(t_ns).map(|(last, _)| last.head_c)
     }
 }
 
@@ -143,7 +196,7 @@ mod tests {
     const SECOND: u64 = 1_000_000_000;
 
     fn sample(t_s: u64, part_c: f64) -> TemperatureSample {
-        TemperatureSample { t_ns: t_s * SECOND, part_c, limit_k: 0.2 }
+        TemperatureSample { t_ns: t_s * SECOND, part_c, limit_k: 0.2, head_c: None }
     }
 
     #[test]
@@ -163,6 +216,20 @@ mod tests {
         ] {
             assert!(of(samples).unwrap_err().contains(word), "{word}");
         }
+    }
+
+    #[test]
+    fn samples_that_come_are_taken_where_their_times_rise() {
+        let mut awaited = Temperatures::awaited(TemperatureAge::default());
+        assert!(awaited.at(SECOND).unwrap_err().contains("yet") && awaited.last_ns().is_none());
+        awaited.push(TemperatureSample { head_c: Some(25.0), ..sample(10, 30.0) }).unwrap();
+        assert!(awaited.push(sample(10, 31.0)).unwrap_err().contains("does not rise"));
+        let hot = TemperatureSample { head_c: Some(900.0), ..sample(11, 30.0) };
+        assert!(awaited.push(hot).unwrap_err().contains("head_c"));
+        assert_eq!(awaited.head_at(11 * SECOND), Ok(Some(25.0)));
+        awaited.push(sample(12, 31.0)).unwrap();
+        assert_eq!(awaited.at(12 * SECOND), Ok((31.0, 0.2)));
+        assert_eq!((awaited.head_at(12 * SECOND), awaited.last_ns()), (Ok(None), Some(12 * SECOND)));
     }
 
     #[test]

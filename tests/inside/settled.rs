@@ -4,7 +4,7 @@
 use shadowgauge::conformity::Judgement;
 use shadowgauge::frame::FrameMeta;
 use shadowgauge::gauge::{Calibration, Gauge, GaugeSettings};
-use shadowgauge::measurement::{MeasureSettings, Settled, Stream, Verdict};
+use shadowgauge::measurement::{MeasureSettings, Measurement, Settled, Stream, Verdict};
 
 use super::support::gauge_synth::Synth;
 
@@ -74,4 +74,41 @@ fn a_series_that_never_settles_is_not_proven_and_says_why() {
             series.warnings
         );
     }
+}
+
+#[test]
+fn drift_since_the_zero_is_in_every_diameter_once() {
+    let at = |drift_mm: Option<f64>| {
+        let gauge = Gauge::new(GaugeSettings::default()).unwrap();
+        let settings = MeasureSettings { station_mm: Some(0.5), budget: true, ..MeasureSettings::default() };
+        let mut stream = Stream::calibrated(&gauge, &Calibration::from_scale(UM_PER_PX), settings).unwrap();
+        if let Some(u_mm) = drift_mm {
+            stream.set_zero_drift(u_mm, "1 h".to_owned());
+        }
+        push(&mut stream, 30, true);
+        stream.measurement().clone()
+    };
+    let (before, after) = (at(None), at(Some(3e-3)));
+    let grew = |a: f64, b: f64| (b * b - a * a).sqrt();
+    let (a, b) = (before.diameter.unwrap(), after.diameter.unwrap());
+    assert!((grew(a.u_mm, b.u_mm) - 3e-3).abs() < 1e-9, "{a:?} {b:?}");
+    let (a, b) = (before.mean.unwrap(), after.mean.unwrap());
+    assert!(a.d_mm == b.d_mm && (grew(a.u_common_mm, b.u_common_mm) - 3e-3).abs() < 1e-9, "{a:?} {b:?}");
+    let common = |m: &Measurement| m.stations.as_ref().unwrap()[0].reading.value().unwrap().u_common_mm;
+    assert!((grew(common(&before), common(&after)) - 3e-3).abs() < 1e-9);
+    let rows = after.budget.unwrap().contributions;
+    assert_eq!(
+        rows.iter().filter(|row| row.source == "drift since the last zero" && row.input == "1 h").count(),
+        1
+    );
+}
+
+#[test]
+fn another_part_settles_by_itself() {
+    let mut stream = stream(Some(5.0));
+    (30..60).for_each(|i| push(&mut stream, i, true));
+    assert!(stream.measurement().settled.unwrap().u_trend_mm().is_some());
+    stream.restart_settling();
+    push(&mut stream, 60, true);
+    assert_eq!(stream.measurement().settled, Some(Settled::Waiting { seen_s: 0.0, readings: 1 }));
 }

@@ -4,7 +4,8 @@
 //! conditions, an edge-spread function (`esf_argument`). Out, as the frames come (`results`): a
 //! table (`table`, `statistics`, `turn`, `words`, `legend`) or JSON (`document`), edges as CSV
 //! (`edges_file`), diameters as CSV and a report (`leaves`, `csv_file`); the
-//! offsets of the next part (`offsets`); times (`timing`). This
+//! offsets of the next part (`offsets`); times (`timing`). Values over time beside the frames are
+//! tables of `time_table`. This
 //! file turns arguments into settings and frames into a [`Stream`](crate::measurement::Stream);
 //! what is measured is in [`measurement`](crate::measurement), where a new result goes too.
 
@@ -27,7 +28,8 @@ mod results;
 mod ring;
 mod statistics;
 mod table;
-mod temperature_args;
+pub(super) mod temperature_args;
+pub(super) mod time_table;
 mod timing;
 mod turn;
 mod warnings;

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use super::time_table::{TimeRow, TimeTable, Wanted};
 use crate::cli::failure::Failure;
 use crate::measurement::{Stream, TemperatureAge, TemperatureSample, Temperatures};
 
 /// Limits of a thermometer that states none, ± K: those of a reading with unstated limits.
-const UNSTATED_K: f64 = 1.0;
+pub(crate) const UNSTATED_K: f64 = 1.0;
 
 /// Arguments of the part's temperature over time.
 #[derive(Debug, Default, clap::Args)]
@@ -16,11 +17,21 @@ pub(crate) struct TemperatureArgs {
     #[arg(long, value_name = "FILE.csv", conflicts_with = "part_temperature")]
     temperatures: Option<PathBuf>,
     /// Refuses frames whose last temperature is older.
-    #[arg(long, value_name = "S", requires = "temperatures", value_parser = seconds)]
+    #[arg(
+        long,
+        value_name = "S",
+        visible_alias = "temperature-max-age-s",
+        requires = "temperatures",
+        value_parser = seconds
+    )]
     temperature_max_s: Option<f64>,
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// Parses an age.
+///
+/// # Errors
+/// What is no number of seconds above 0.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|s| *s > 0.0 && s.is_finite());
     value.ok_or_else(|| "a number of seconds above 0 is needed, for instance 60".to_owned())
 }
@@ -69,33 +80,30 @@ pub(super) fn take_temperature(
     Ok(())
 }
 
-/// Rows of a table with commas or semicolons.
+/// Columns of temperatures over time.
+pub(crate) const TEMPERATURES: [Wanted; 3] = [
+    Wanted { name: "part_c", is_needed: true },
+    Wanted { name: "limit_k", is_needed: false },
+    Wanted { name: "head_c", is_needed: false },
+];
+
+/// The sample of a row; limits that are not stated are those of a reading of an unstated
+/// thermometer.
+pub(crate) fn sample(row: TimeRow<3>) -> TemperatureSample {
+    let [part_c, limit_k, head_c] = row.values;
+    TemperatureSample {
+        t_ns: row.t_ns,
+        part_c: part_c.unwrap_or(f64::NAN),
+        limit_k: limit_k.unwrap_or(UNSTATED_K),
+        head_c,
+    }
+}
+
 fn samples(text: &str) -> Result<Vec<TemperatureSample>, String> {
-    let text = text.trim_start_matches('\u{feff}');
     let mut lines = text.lines().zip(1..).filter(|(line, _)| !line.trim().is_empty());
     let Some((header, _)) = lines.next() else { return Err("is empty".to_owned()) };
-    let separator = if header.contains(';') { ';' } else { ',' };
-    let names: Vec<String> = header.split(separator).map(|n| n.trim().to_ascii_lowercase()).collect();
-    let column = |name: &str| names.iter().position(|n| n == name);
-    let needed = |name: &str| {
-        column(name).ok_or_else(|| format!("no column {name}; t_ns, part_c and, if known, limit_k are right"))
-    };
-    let (time, part, limit) = (needed("t_ns")?, needed("part_c")?, column("limit_k"));
-    let row = |(line, number): (&str, usize)| {
-        let fields: Vec<&str> = line.split(separator).map(str::trim).collect();
-        let field = |i: usize| fields.get(i).copied().unwrap_or("");
-        let wrong = |i: usize| format!("row {number}: {} {:?} is no number", names[i], field(i));
-        let value = |i: usize| {
-            let text = if separator == ';' { field(i).replace(',', ".") } else { field(i).to_owned() };
-            text.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| wrong(i))
-        };
-        Ok(TemperatureSample {
-            t_ns: field(time).parse().map_err(|_| wrong(time))?,
-            part_c: value(part)?,
-            limit_k: limit.filter(|i| !field(*i).is_empty()).map_or(Ok(UNSTATED_K), value)?,
-        })
-    };
-    lines.map(row).collect()
+    let table = TimeTable::of_header(header, TEMPERATURES)?;
+    lines.map(|(line, number)| table.row(line, number).map(sample)).collect()
 }
 
 #[cfg(test)]

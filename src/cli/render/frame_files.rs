@@ -47,7 +47,7 @@ impl FileFormat {
 /// # Errors
 /// When the encoder refuses it.
 pub(crate) fn encode_mask(view: &FrameView<'_>, mask: &[u8], um_per_px: f64) -> Result<Vec<u8>, IoError> {
-    write_png(view.columns(), view.rows(), png::BitDepth::Eight, mask, um_per_px)
+    write_png(view.columns(), view.rows(), png::BitDepth::Eight, mask, Some(um_per_px))
 }
 
 /// An 8-bit grey PNG without a scale, at the strongest compression.
@@ -67,12 +67,16 @@ pub(crate) fn write_grey(columns: usize, grey: &[u8]) -> Result<Vec<u8>, IoError
 /// Widest preview, px.
 const PREVIEW_COLUMNS: usize = 1224;
 
-/// A frame as the bytes of a file; `um_per_px` goes into the tags.
+/// A frame as the bytes of a file; `um_per_px` goes into the tags, where it is known.
 ///
 /// # Errors
 /// When an encoder refuses the frame.
-pub(crate) fn encode(frame: &Frame, format: FileFormat, um_per_px: f64) -> Result<Vec<u8>, IoError> {
-    let view = frame.view();
+pub(crate) fn encode(
+    frame: &Frame,
+    format: FileFormat,
+    um_per_px: impl Into<Option<f64>>,
+) -> Result<Vec<u8>, IoError> {
+    let (view, um_per_px) = (frame.view(), um_per_px.into());
     match (format, view.pixels()) {
         (FileFormat::Png16, Pixels::U16(p)) => png(&view, png::BitDepth::Sixteen, &big_endian(p), um_per_px),
         (FileFormat::Png16, Pixels::U8(p)) => {
@@ -109,7 +113,7 @@ pub(crate) fn preview(frame: &Frame, um_per_px: f64) -> Result<Vec<u8>, IoError>
     let (low, high) = percentiles(&small);
     let grey: Vec<u8> =
         small.iter().map(|v| ((v - low) / (high - low).max(1e-6) * 255.0).clamp(0.0, 255.0) as u8).collect();
-    write_png(columns, rows, png::BitDepth::Eight, &grey, um_per_px * step as f64)
+    write_png(columns, rows, png::BitDepth::Eight, &grey, Some(um_per_px * step as f64))
 }
 
 fn percentiles(values: &[f32]) -> (f32, f32) {
@@ -123,7 +127,12 @@ fn big_endian(pixels: &[u16]) -> Vec<u8> {
     pixels.iter().flat_map(|v| v.to_be_bytes()).collect()
 }
 
-fn png(view: &FrameView<'_>, depth: png::BitDepth, bytes: &[u8], um_per_px: f64) -> Result<Vec<u8>, IoError> {
+fn png(
+    view: &FrameView<'_>,
+    depth: png::BitDepth,
+    bytes: &[u8],
+    um_per_px: Option<f64>,
+) -> Result<Vec<u8>, IoError> {
     write_png(view.columns(), view.rows(), depth, bytes, um_per_px)
 }
 
@@ -132,24 +141,22 @@ fn write_png(
     rows: usize,
     depth: png::BitDepth,
     bytes: &[u8],
-    um_per_px: f64,
+    um_per_px: Option<f64>,
 ) -> Result<Vec<u8>, IoError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, columns as u32, rows as u32);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.set_depth(depth);
     encoder.set_compression(png::Compression::Fast);
-    let per_metre = (1e6 / um_per_px).round() as u32;
-    encoder.set_pixel_dims(Some(png::PixelDimensions {
-        xppu: per_metre,
-        yppu: per_metre,
-        unit: png::Unit::Meter,
+    encoder.set_pixel_dims(um_per_px.map(|um_per_px| {
+        let per_metre = (1e6 / um_per_px).round() as u32;
+        png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }
     }));
     encoder.write_header()?.write_image_data(bytes)?;
     Ok(file)
 }
 
-fn tiff<C>(view: &FrameView<'_>, pixels: &[C::Inner], um_per_px: f64) -> Result<Vec<u8>, IoError>
+fn tiff<C>(view: &FrameView<'_>, pixels: &[C::Inner], um_per_px: Option<f64>) -> Result<Vec<u8>, IoError>
 where
     C: colortype::ColorType,
     [C::Inner]: tiff::encoder::TiffValue,
@@ -158,8 +165,10 @@ where
     let write = |file: &mut Cursor<Vec<u8>>| -> Result<(), tiff::TiffError> {
         let mut encoder = TiffEncoder::new(file)?;
         let mut image = encoder.new_image::<C>(view.columns() as u32, view.rows() as u32)?;
-        let per_metre = Rational { n: (1e8 / um_per_px).round() as u32, d: 10_000 };
-        image.resolution(ResolutionUnit::Centimeter, per_metre);
+        if let Some(um_per_px) = um_per_px {
+            let per_metre = Rational { n: (1e8 / um_per_px).round() as u32, d: 10_000 };
+            image.resolution(ResolutionUnit::Centimeter, per_metre);
+        }
         image.write_data(pixels)
     };
     write(&mut file).map_err(IoError::other)?;

@@ -29,6 +29,15 @@ pub(crate) fn line() -> ProgressBar {
     line
 }
 
+/// Lines that are written over again, as [`line`].
+pub(crate) fn page() -> ProgressBar {
+    let page = BARS.add(ProgressBar::new_spinner());
+    if let Ok(style) = ProgressStyle::with_template("{msg}") {
+        page.set_style(style);
+    }
+    page
+}
+
 /// Does something that writes on the terminal, with the bars out of its way.
 pub(crate) fn beside<T>(write: impl FnOnce() -> T) -> T {
     BARS.suspend(write)

@@ -1,26 +1,40 @@
 //! `shadowgauge watch`: a source watched live.
 //!
-//! In: a source of frames, a scale or calibration, a tolerance. Out: on a terminal one line of the
-//! present diameter that is written over again, on stdout a line a part, or with `--json` a line a
-//! frame and a line an event (`shown`); an alarm with its command (`on_alarm`); counts at the
-//! end; the frames themselves (`recorded`).
+//! In: a source of frames, a scale or calibration, a tolerance, temperatures and zeros over time
+//! (`condition_args`; tables that grow: `growing_table`, a command: `thermometer`; taken into the
+//! measurement by `live_conditions`). Out: on a terminal one line of the present diameter that is
+//! written over again, on stdout a line a part, or with `--json` a line a frame and a line an event
+//! (`shown`); an alarm with its command (`on_alarm`, run by `shell`); counts at the end; the frames
+//! themselves (`recorded`), results and bad frames (`saved`); a page to set the gauge up by
+//! (`setup_page`).
 //! `session` takes the events of the source and measures; what is computed beside the measurement
 //! is in [`measurement::watch`](crate::measurement), where one more figure goes.
 
+mod condition_args;
+mod growing_table;
+mod live_conditions;
 mod on_alarm;
 #[cfg(feature = "mcap")]
 mod recorded;
+mod saved;
 mod session;
+mod setup_page;
+mod shell;
 mod shown;
+mod thermometer;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use self::condition_args::ConditionArgs;
+use self::live_conditions::LiveConditions;
 use self::on_alarm::OnAlarm;
 #[cfg(feature = "mcap")]
 use self::recorded::Recording;
-use self::session::{Ended, Session, SessionSettings};
-use self::shown::Shown;
+use self::saved::Saved;
+use self::session::{Beside, Ended, Session, SessionSettings};
+use self::setup_page::{SetupOf, SetupPage};
+use self::shown::{Shown, ShownAs};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::measure::frames::{FrameArgs, FrameChecks, ScaleArgument, paths};
 use crate::cli::measure::input::{Reading, StreamArgs, StreamSource, seconds};
@@ -60,6 +74,17 @@ pub(crate) struct WatchArgs {
     /// Probability of conformity to both limits behind GO (ISO 14253-1).
     #[arg(long, value_name = "P", default_value_t = 0.95)]
     conformance_probability: f64,
+    /// Seconds over which readings must agree before a diameter is good. Until then the reading is
+    /// invalid and nothing is proven; a trend (coolant that runs off, a part that cools) is named,
+    /// and what cannot be seen of it is in U.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    settle_s: Option<Duration>,
+    /// The part turns: the readings that must agree are means of whole turns, by the spindle angle
+    /// that the source gives of every frame.
+    #[arg(long, requires = "settle_s")]
+    turning: bool,
+    #[command(flatten)]
+    conditions: ConditionArgs,
     /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of
     /// focus, moving), with a warning.
     #[arg(long)]
@@ -77,6 +102,21 @@ pub(crate) struct WatchArgs {
     /// gap, invalid, alarm, end) with the key `event`.
     #[arg(long)]
     json: bool,
+    /// Adds the uncertainty budget of the largest diameter to the line of every frame.
+    #[arg(long)]
+    budget: bool,
+    /// Shows a page a second of focus along the field, tilt of the axis, contrast, gradient of the
+    /// edges, use of the grey scale with the exposure that suits it, and evenness of the light
+    /// against the calibrated flat; with --json an event. Frames need no part yet.
+    #[arg(long)]
+    setup: bool,
+    /// Saves all results as JSON lines in this new folder (results.jsonl), and the frames that are
+    /// invalid or not good as 16-bit PNG in frames/, as the source gave them, with frames.csv.
+    #[arg(long, value_name = "DIR")]
+    save: Option<PathBuf>,
+    /// Most frames that are saved; further ones are counted.
+    #[arg(long, value_name = "N", requires = "save", default_value_t = 200)]
+    save_frames: u32,
     /// Ends after S seconds without a frame.
     #[arg(long, value_name = "S", value_parser = seconds)]
     idle_s: Option<Duration>,
@@ -116,11 +156,18 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
         ));
     }
     let calibration = args.instrument.calibration(&args.frames, &[])?;
-    if args.tolerance.is_some() && calibration.is_none() {
-        return Err(Failure::refuse("--tolerance needs millimetres: give --calibration or --um-per-px"));
-    }
+    check(args, calibration.as_ref())?;
     let stream = measuring(args, calibration.as_ref())?;
     let watched = opened(args)?;
+    if watched.policy == Policy::Block && args.conditions.temperature_cmd.is_some() {
+        return Err(Failure::refuse(
+            "--temperature-cmd reads the temperature of now: of files and recordings give --temperatures FILE.csv",
+        ));
+    }
+    let beside = beside(args, calibration.as_ref())?;
+    let um_per_px = calibration.as_ref().map(|c| 1e3 * c.scale_mm_per_px);
+    let begun = |path: &PathBuf| Saved::begin(path, args.save_frames, um_per_px);
+    let shown = Shown::new(shown_as(args, calibration.as_ref()), args.save.as_ref().map(begun).transpose()?);
     #[cfg(feature = "mcap")]
     let (watched, recording) = recorded(watched, args.record.as_deref())?;
     let stop = interrupt::requested();
@@ -128,24 +175,77 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
     let settings = LiveSettings { policy: watched.policy, waiting, held: 1 };
     let mut live = Live::new(watched.producer, settings).map_err(Failure::fail)?;
     let checks = FrameChecks::new(&args.frames, calibration.as_ref(), args.instrument.scale());
-    let settings = SessionSettings { idle: args.idle_s, stale: args.stale_s, name: shown_name(args) };
-    let unit = if calibration.is_some() { "mm" } else { "px" };
-    let shown = Shown::new(args.json, args.tolerance.is_some(), unit);
-    let alarm = OnAlarm::new(args.on_alarm.clone());
-    let mut session = Session::new(stream, checks, shown, (settings, alarm));
+    let settings = session_settings(args, calibration.as_ref());
+    let mut session = Session::new(stream, checks, shown, settings, beside);
     let ended = session.watch(&mut live, &stop);
     live.stop();
     let is_alarmed = session.finish(&live.counters());
+    let saved = session.end_saving();
     // The producer ends with the source, and with it the recording.
     drop(live);
     #[cfg(feature = "mcap")]
-    let recorded = recording.map_or(Ok(()), Recording::finish);
+    let saved = recording.map_or(Ok(()), Recording::finish).and(saved);
     match ended {
         Ended::Failed(why) | Ended::Unmeasured(why) => Err(Failure::fail(why)),
-        #[cfg(feature = "mcap")]
-        Ended::Done if recorded.is_err() => recorded.map(|()| Outcome::Done),
+        Ended::Done if saved.is_err() => saved.map(|()| Outcome::Done),
         Ended::Done if is_alarmed => Ok(Outcome::OutOfTolerance),
         Ended::Done => Ok(Outcome::Done),
+    }
+}
+
+/// Refuses arguments that do not go together.
+fn check(args: &WatchArgs, calibration: Option<&Calibration>) -> Result<(), Failure> {
+    let of_millimetres = [
+        args.tolerance.map(|_| "--tolerance"),
+        args.settle_s.map(|_| "--settle-s"),
+        args.budget.then_some("--budget"),
+        args.conditions.needs_scale(),
+    ];
+    if let (None, Some(name)) = (calibration, of_millimetres.into_iter().flatten().next()) {
+        return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
+    }
+    if args.conditions.limits_no_age() {
+        return Err(Failure::refuse(
+            "--temperature-max-age-s limits the age of temperatures: give --temperatures or --temperature-cmd",
+        ));
+    }
+    Ok(())
+}
+
+/// What stands beside the measurement.
+fn beside(args: &WatchArgs, calibration: Option<&Calibration>) -> Result<Beside, Failure> {
+    let flat = calibration.and_then(|c| c.setup.as_ref()).and_then(|setup| setup.flat_field.as_ref());
+    let of = SetupOf {
+        black: flat.map_or(0.0, |flat| flat.black_counts),
+        has_flat: flat.is_some(),
+        is_backlit: !args.bright_on_dark,
+        vertical: args.vertical,
+    };
+    Ok(Beside {
+        on_alarm: OnAlarm::new(args.on_alarm.clone()),
+        conditions: LiveConditions::open(&args.conditions)?,
+        setup: args.setup.then(|| SetupPage::new(of)),
+    })
+}
+
+fn shown_as(args: &WatchArgs, calibration: Option<&Calibration>) -> ShownAs {
+    ShownAs {
+        json: args.json,
+        judges: args.tolerance.is_some(),
+        settles: args.settle_s.is_some(),
+        unit: if calibration.is_some() { "mm" } else { "px" },
+    }
+}
+
+fn session_settings(args: &WatchArgs, calibration: Option<&Calibration>) -> SessionSettings {
+    let setup = calibration.and_then(|c| c.setup.as_ref());
+    SessionSettings {
+        idle: args.idle_s,
+        stale: args.stale_s,
+        name: shown_name(args),
+        turning: args.turning,
+        scale: calibration.map_or(1.0, |c| c.scale_mm_per_px),
+        corrects: setup.is_some_and(|setup| setup.flat_field.is_some()),
     }
 }
 
@@ -178,13 +278,19 @@ fn measuring(args: &WatchArgs, calibration: Option<&Calibration>) -> Result<Stre
         tolerance: args.tolerance,
         conformance_probability: args.conformance_probability,
         accept_blur: args.accept_blur,
+        settle_s: args.settle_s.map(|settle| settle.as_secs_f64()),
+        budget: args.budget,
         ..MeasureSettings::default()
     };
-    match calibration {
+    let stream = match calibration {
         Some(calibration) => Stream::new(&gauge, calibration, &conditions, settings),
         None => Stream::in_pixels(&gauge, settings),
+    };
+    let mut stream = stream.map_err(failure)?;
+    if args.turning {
+        stream.settle_by_turns();
     }
-    .map_err(failure)
+    Ok(stream)
 }
 
 /// Opens the source. Files and pipes from files wait; what comes by itself does not.

@@ -1,7 +1,9 @@
 //! The command of an alarm.
 
-use std::process::{Child, Command, Stdio};
+use std::process::Child;
 use std::time::{Duration, Instant};
+
+use super::shell;
 
 /// How long the command is waited for at the end: longer than a request to a control takes, shorter
 /// than a person waits for a program that was ended.
@@ -22,14 +24,10 @@ impl OnAlarm {
         Self { command, running: None }
     }
 
-    /// Starts the command, and does not wait for it. Its stdin and stdout are closed: stdout has
-    /// results.
+    /// Starts the command, and does not wait for it.
     pub(super) fn start(&mut self, cause: &str) {
         let Some(text) = self.command.take() else { return };
-        let (shell, option) = if cfg!(windows) { ("cmd", "/C") } else { ("sh", "-c") };
-        let mut command = Command::new(shell);
-        command.args([option, &text]).env("SHADOWGAUGE_ALARM", cause);
-        match command.stdin(Stdio::null()).stdout(Stdio::null()).spawn() {
+        match shell::command(&text).env("SHADOWGAUGE_ALARM", cause).spawn() {
             Ok(child) => self.running = Some(child),
             Err(error) => tracing::error!("--on-alarm \"{text}\" cannot be run: {error}"),
         }

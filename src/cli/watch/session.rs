@@ -3,16 +3,19 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::live_conditions::{LiveConditions, TakenConditions};
 use super::on_alarm::OnAlarm;
+use super::setup_page::{PageOf, SetupPage};
 use super::shown::{Missed, Now, Shown, ShownFrame};
+use crate::cli::failure::Failure;
 use crate::cli::measure::frames::{FrameChecks, StatedOf};
 use crate::cli::terminal::output;
 use crate::frame::Frame;
 use crate::gauge::stated::stated;
 use crate::measurement::watch::{
-    Alarm, FrameValue, Invalid, Pace, PartValue, Presence, Seen, Trend, Validity,
+    Alarm, FrameValue, Invalid, Pace, PartValue, Presence, Profile, Seen, Trend, Validity, profile,
 };
-use crate::measurement::{Measurement, Stream};
+use crate::measurement::{Measurement, Settled, Stream};
 use crate::profile::Reason;
 use crate::source::host_t_ns;
 use crate::source::live::{Counters, Event, Gap, Lease, LiveFrame, LiveMeta, LiveSource, Remarks};
@@ -22,6 +25,11 @@ use crate::source::live::{Counters, Event, Gap, Lease, LiveFrame, LiveMeta, Live
 const LOOK: Duration = Duration::from_millis(100);
 /// Coverage factor of values in pixels, whose freedom is not stated.
 const K: f64 = 2.0;
+/// Cells of the profile: as many as are read at a glance beside the other figures.
+const CELLS: usize = 32;
+/// Standard uncertainties of a cell's mean that a profile must differ by to fill its height: of 32
+/// cells the range by noise is four of them in the mean.
+const NOISE: f64 = 4.0;
 
 /// What a session is given.
 #[derive(Debug)]
@@ -32,6 +40,22 @@ pub(super) struct SessionSettings {
     pub(super) stale: Duration,
     /// Name of the source in messages.
     pub(super) name: String,
+    /// Whether what must agree are means of whole turns, by the frames' angles.
+    pub(super) turning: bool,
+    /// Scale of the profile: mm per pixel, or 1 in pixels.
+    pub(super) scale: f64,
+    /// Whether frames are corrected by a flat field: what is saved is the frame before.
+    pub(super) corrects: bool,
+}
+
+/// What stands beside the measurement.
+pub(super) struct Beside {
+    /// The command of the alarm.
+    pub(super) on_alarm: OnAlarm,
+    /// Temperatures and zeros.
+    pub(super) conditions: LiveConditions,
+    /// The page of `--setup`.
+    pub(super) setup: Option<SetupPage>,
 }
 
 /// How a session ended.
@@ -51,7 +75,9 @@ pub(super) struct Session<'a> {
     checks: FrameChecks<'a>,
     shown: Shown,
     settings: SessionSettings,
-    on_alarm: OnAlarm,
+    beside: Beside,
+    /// Conditions of the last frame.
+    taken: TakenConditions,
     begun: Instant,
     pace: Pace,
     trend: Trend,
@@ -73,7 +99,8 @@ impl<'a> Session<'a> {
         stream: Stream,
         checks: FrameChecks<'a>,
         shown: Shown,
-        (settings, on_alarm): (SessionSettings, OnAlarm),
+        settings: SessionSettings,
+        beside: Beside,
     ) -> Self {
         let validity = Validity::new(settings.stale.as_secs_f64());
         Self {
@@ -81,7 +108,8 @@ impl<'a> Session<'a> {
             checks,
             shown,
             settings,
-            on_alarm,
+            beside,
+            taken: TakenConditions::default(),
             begun: Instant::now(),
             pace: Pace::default(),
             trend: Trend::default(),
@@ -117,7 +145,8 @@ impl<'a> Session<'a> {
             }
             self.look(&live.counters());
         }
-        match (failure, is_wanted() && self.measured == 0) {
+        // Who sets a gauge up may have no frame that can be measured yet.
+        match (failure, is_wanted() && self.measured == 0 && self.beside.setup.is_none()) {
             (Some(why), _) => Ended::Failed(why),
             (None, true) => {
                 let none = || format!("{}: no frame came", self.settings.name);
@@ -132,9 +161,20 @@ impl<'a> Session<'a> {
         if let Some(part) = self.presence.end() {
             self.part(part);
         }
-        self.on_alarm.finish();
+        self.beside.on_alarm.finish();
+        if let Some(page) = &self.beside.setup {
+            page.finish();
+        }
         self.shown.end(counters, [self.measured, self.presence.parts()], &self.pace);
         self.alarm.cause().is_some()
+    }
+
+    /// Waits until everything that is saved is written.
+    ///
+    /// # Errors
+    /// Where the disk refused.
+    pub(super) fn end_saving(self) -> Result<(), Failure> {
+        self.shown.end_saving()
     }
 
     fn is_idle(&self) -> bool {
@@ -147,43 +187,107 @@ impl<'a> Session<'a> {
     fn frame(&mut self, frame: LiveFrame) {
         let LiveFrame { lease: Lease { frame, slot }, meta, remarks } = frame;
         remarks.notices.iter().for_each(|notice| tracing::warn!("{notice}"));
-        if let Some(frame) = self.measure(frame, &meta, &remarks) {
+        if !self.presence.is_there() {
+            // Until a part is there it may be another one.
+            self.stream.restart_settling();
+        }
+        let raw = (self.settings.corrects && self.shown.saves_frames()).then(|| frame.clone());
+        let measured = self.measure(frame, &meta, &remarks);
+        let t_s = self.now_s();
+        self.set_up(t_s, measured.as_ref(), &meta);
+        let saved = self.save(meta.sequence, || raw.or_else(|| measured.clone()));
+        if let Some(frame) = measured {
             slot.give_back(frame);
         }
-        let t_s = self.now_s();
         let latency_ms = meta.host_t.map(|t| host_t_ns().saturating_sub(t.t_ns) as f64 * 1e-6);
         self.pace.push(t_s, latency_ms);
         let (value, seen) = seen(self.stream.measurement(), meta.sequence);
         self.take_value(t_s, value);
-        self.print(&meta, latency_ms);
+        self.print(&meta, latency_ms, saved);
         if let Some(part) = self.presence.push(seen) {
             self.part(part);
         }
     }
 
     /// Measures a frame, or counts why it cannot be; gives it back where its memory is whole.
-    fn measure(&mut self, frame: Frame, meta: &LiveMeta, remarks: &Remarks) -> Option<Frame> {
+    fn measure(&mut self, mut frame: Frame, meta: &LiveMeta, remarks: &Remarks) -> Option<Frame> {
+        if let (None, Some(host)) = (meta.device_t, meta.host_t) {
+            // To seconds, over which a diameter settles, that of arrival is as good.
+            frame.meta.t_ns = host.t_ns;
+        }
+        let conditions = self.take_conditions(meta);
         let number = format!("{:06}", meta.sequence);
         let stem = if remarks.stem.is_empty() { &number } else { &remarks.stem };
         let of = StatedOf { stem, scale: remarks.scale.as_ref(), changed: &remarks.changed };
-        let checked = self.checks.check(of, &frame);
-        match checked.and_then(|()| self.stream.prepared(stem, frame).map_err(|e| e.to_string())) {
+        if let Err(why) = self.checks.check(of, &frame) {
+            self.stream.push_unreadable(stem, why);
+            return Some(frame);
+        }
+        match self.stream.prepared(stem, frame) {
             Ok(frame) => {
-                // What a refused frame is refused for stands in its measurement.
-                let _ = self.stream.push_prepared(stem, &frame.meta, &frame.view());
+                // What a refused frame is refused for stands in its measurement; a field without a
+                // part is one under any conditions.
+                let measured = self.stream.push_prepared(stem, &frame.meta, &frame.view()).is_ok();
+                if let (true, Err(why)) = (measured, conditions) {
+                    self.stream.refuse_measured(why);
+                }
                 Some(frame)
             }
-            Err(why) => {
-                self.stream.push_unreadable(stem, why);
+            Err(error) => {
+                self.stream.push_unreadable(stem, error.to_string());
                 None
             }
         }
+    }
+
+    /// Takes temperatures, zero and angle of a frame.
+    ///
+    /// # Errors
+    /// What is lacking.
+    fn take_conditions(&mut self, meta: &LiveMeta) -> Result<(), String> {
+        self.taken = TakenConditions::default();
+        self.taken = self.beside.conditions.take(&mut self.stream, meta)?;
+        match (self.settings.turning, meta.angle_deg) {
+            (true, None) => {
+                Err("--turning needs the spindle angle of every frame (angle_deg in frames.csv, a \
+                                 camera's chunk): the source does not state it"
+                    .to_owned())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Shows the page of `--setup`, where it is time.
+    fn set_up(&mut self, t_s: f64, frame: Option<&Frame>, meta: &LiveMeta) {
+        let (Some(page), Some(frame)) = (&mut self.beside.setup, frame) else { return };
+        if !page.is_due(t_s) {
+            return;
+        }
+        let refusal = self.stream.measurement().refusal.as_ref();
+        let of = PageOf { frame, meta, edges: self.stream.edges(), refusal };
+        let keys = page.look(t_s, &of, !self.shown.is_json());
+        self.shown.set_up(keys);
+    }
+
+    /// Saves the frame that was measured last where it is invalid or not good; its file.
+    fn save(&mut self, number: u64, frame: impl FnOnce() -> Option<Frame>) -> Option<String> {
+        let measurement = self.stream.measurement();
+        let is_bad = match &measurement.refusal {
+            Some(refusal) => !is_empty(refusal.reason),
+            // Until a diameter has settled it is not proven, and nothing is wrong with its frames.
+            None => measurement.judgement.severity() > 0 && is_settled(measurement),
+        };
+        if !is_bad {
+            return None;
+        }
+        self.shown.save(number, frame)
     }
 
     /// The value of the frame that was measured last, or that it has none.
     fn take_value(&mut self, t_s: f64, value: Option<FrameValue>) {
         let measurement = self.stream.measurement();
         let refusal = measurement.refusal.as_ref().map(|refusal| refusal.why.clone());
+        let unsettled = measurement.settled.as_ref().and_then(Settled::why);
         let cause = value.filter(|v| v.severity > 1).map(|v| {
             let [d, u] = stated(v.value, v.expanded_u);
             format!("frame {}: {} at {d} mm, U {u} mm", measurement.frame, v.word)
@@ -191,7 +295,7 @@ impl<'a> Session<'a> {
         if let (Some(why), None) = (&refusal, &self.first_refusal) {
             self.first_refusal = Some(why.clone());
         }
-        self.validity.frame(t_s, refusal);
+        self.validity.frame(t_s, refusal.map(Invalid::Refused).or(unsettled.map(Invalid::NotSettled)));
         self.last = value.map(|v| (v.value, v.expanded_u, v.word));
         if let Some(value) = value {
             self.measured += 1;
@@ -205,11 +309,22 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn print(&mut self, meta: &LiveMeta, latency_ms: Option<f64>) {
+    fn print(&mut self, meta: &LiveMeta, latency_ms: Option<f64>, saved: Option<String>) {
         let missed = std::mem::take(&mut self.missed);
         let (slope, is_alarmed) = (self.trend.slope(), self.alarm.cause().is_some());
         let measurement = self.stream.measurement();
-        self.shown.frame(&ShownFrame { measurement, meta, missed, latency_ms, slope, is_alarmed });
+        let (conditions, is_settled) = (self.taken, is_settled(measurement));
+        self.shown.frame(&ShownFrame {
+            measurement,
+            meta,
+            missed,
+            latency_ms,
+            slope,
+            is_alarmed,
+            conditions,
+            is_settled,
+            saved,
+        });
     }
 
     fn gap(&mut self, gap: &Gap) {
@@ -238,7 +353,7 @@ impl<'a> Session<'a> {
     fn raise(&mut self, cause: &str) {
         if self.alarm.raise(|| cause.to_owned()) {
             self.shown.alarm(cause);
-            self.on_alarm.start(cause);
+            self.beside.on_alarm.start(cause);
         }
     }
 
@@ -258,8 +373,13 @@ impl<'a> Session<'a> {
             (Some(invalid), _) => Err(invalid),
             (None, None) => Err(&Invalid::NoFrame),
         };
+        if self.beside.setup.is_some() {
+            return;
+        }
+        let profile = reading.is_ok().then(|| self.profile()).flatten();
         self.shown.now(&Now {
             reading,
+            profile,
             slope: self.trend.slope(),
             pace: &self.pace,
             counters,
@@ -267,6 +387,29 @@ impl<'a> Session<'a> {
             alarm: self.alarm.cause(),
         });
     }
+
+    /// Diameters along the last frame, as far as a terminal shows them.
+    fn profile(&self) -> Option<Profile> {
+        let edges = self.stream.edges().filter(|_| self.shown.is_live())?;
+        let scale = self.settings.scale;
+        let in_cell = (edges.columns() / CELLS).max(1) as f64;
+        let (top, bottom) =
+            edges.top.iter().zip(&edges.bottom).find(|(t, b)| t.is_usable() && b.is_usable())?;
+        let u_px =
+            |own: f32, shared: f32| (f64::from(own).powi(2) / in_cell + f64::from(shared).powi(2)).sqrt();
+        let u = u_px(top.u_own_px, top.u_shared_px).hypot(u_px(bottom.u_own_px, bottom.u_shared_px));
+        let widths = (0..edges.columns()).map(|column| edges.width_px(column).map(|width| scale * width));
+        profile(widths, CELLS, NOISE * scale * u)
+    }
+}
+
+fn is_empty(reason: Reason) -> bool {
+    matches!(reason, Reason::NoEdge | Reason::LowContrast)
+}
+
+/// Whether the diameter is good by its course in time; true where that is not asked for.
+fn is_settled(measurement: &Measurement) -> bool {
+    measurement.settled.is_none_or(|settled| settled.u_trend_mm().is_some())
 }
 
 /// The value of a measured frame, and whether a part is in it.
@@ -274,12 +417,12 @@ fn seen(measurement: &Measurement, sequence: u64) -> (Option<FrameValue>, Seen) 
     let millimetres = measurement.diameter.as_ref().map(|d| (d.diameter.d_mm, d.expanded_u_mm));
     let pixels = measurement.largest.as_ref().map(|l| (l.diameter_px, K * l.u_px));
     if let Some(refusal) = &measurement.refusal {
-        let is_empty = matches!(refusal.reason, Reason::NoEdge | Reason::LowContrast);
-        return (None, if is_empty { Seen::Empty } else { Seen::Unclear });
+        return (None, if is_empty(refusal.reason) { Seen::Empty } else { Seen::Unclear });
     }
     let value = millimetres.or(pixels).filter(|(value, _)| value.is_finite());
     let Some((value, expanded_u)) = value else { return (None, Seen::Unclear) };
     let (severity, word) = (measurement.judgement.severity(), measurement.judgement.word());
-    let value = FrameValue { sequence, value, expanded_u, severity, word };
+    let is_settled = is_settled(measurement);
+    let value = FrameValue { sequence, value, expanded_u, severity, word, is_settled };
     (Some(value), Seen::Part(value))
 }

@@ -3,11 +3,15 @@
 use indicatif::ProgressBar;
 use serde_json::{Map, Value, json};
 
+use super::live_conditions::TakenConditions;
+use super::saved::Saved;
+use crate::cli::failure::Failure;
 use crate::cli::measure::document::line;
 use crate::cli::terminal::progress;
+use crate::frame::Frame;
 use crate::gauge::stated::stated;
 use crate::measurement::Measurement;
-use crate::measurement::watch::{Invalid, Pace, PartValue, Slope};
+use crate::measurement::watch::{Invalid, Pace, PartValue, Profile, Slope};
 use crate::source::Arrival;
 use crate::source::live::{Counters, Gap, Known, LiveMeta};
 
@@ -20,7 +24,7 @@ pub(super) struct Missed {
 }
 
 /// A frame, measured.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct ShownFrame<'a> {
     pub(super) measurement: &'a Measurement,
     pub(super) meta: &'a LiveMeta,
@@ -28,13 +32,20 @@ pub(super) struct ShownFrame<'a> {
     pub(super) latency_ms: Option<f64>,
     pub(super) slope: Option<Slope>,
     pub(super) is_alarmed: bool,
+    pub(super) conditions: TakenConditions,
+    /// Whether the diameter is good by its course in time.
+    pub(super) is_settled: bool,
+    /// The file that the frame is saved in.
+    pub(super) saved: Option<String>,
 }
 
 /// What the line of now shows.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Now<'a> {
     /// Diameter, U and the word of the judgement; or why there is none.
     pub(super) reading: Result<(f64, f64, &'a str), &'a Invalid>,
+    /// Diameters along the frame.
+    pub(super) profile: Option<Profile>,
     pub(super) slope: Option<Slope>,
     pub(super) pace: &'a Pace,
     pub(super) counters: &'a Counters,
@@ -42,30 +53,89 @@ pub(super) struct Now<'a> {
     pub(super) alarm: Option<&'a str>,
 }
 
+/// How results are shown.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShownAs {
+    /// As JSON, else as text.
+    pub(super) json: bool,
+    /// Whether they are judged.
+    pub(super) judges: bool,
+    /// Whether diameters have to settle.
+    pub(super) settles: bool,
+    /// `mm` or `px`.
+    pub(super) unit: &'static str,
+}
+
 /// Where results go.
-#[derive(Debug)]
 pub(super) struct Shown {
     json: bool,
     judges: bool,
+    settles: bool,
     unit: &'static str,
+    saved: Option<Saved>,
     now: ProgressBar,
 }
 
 impl Shown {
-    /// Results as JSON, or as text; whether they are judged; in `mm` or `px`.
-    pub(super) fn new(json: bool, judges: bool, unit: &'static str) -> Self {
-        Self { json, judges, unit, now: progress::line() }
+    /// Results on stdout, and all of them in a folder where that is wanted.
+    pub(super) fn new(shown: ShownAs, saved: Option<Saved>) -> Self {
+        let ShownAs { json, judges, settles, unit } = shown;
+        Self { json, judges, settles, unit, saved, now: progress::line() }
+    }
+
+    /// Whether stdout has JSON.
+    pub(super) fn is_json(&self) -> bool {
+        self.json
+    }
+
+    /// Whether a terminal has the line of now.
+    pub(super) fn is_live(&self) -> bool {
+        !self.now.is_hidden()
+    }
+
+    /// Whether frames are saved, and more of them may be.
+    pub(super) fn saves_frames(&self) -> bool {
+        self.saved.as_ref().is_some_and(Saved::has_room)
+    }
+
+    /// Saves a frame where that is wanted; its file.
+    pub(super) fn save(&mut self, number: u64, frame: impl FnOnce() -> Option<Frame>) -> Option<String> {
+        let saved = self.saved.as_mut()?;
+        let frame = if saved.has_room() { frame() } else { None };
+        saved.frame(number, frame)
+    }
+
+    /// Waits until everything that is saved is written.
+    ///
+    /// # Errors
+    /// Where the disk refused.
+    pub(super) fn end_saving(self) -> Result<(), Failure> {
+        self.saved.map_or(Ok(()), Saved::finish)
     }
 
     /// A frame.
-    pub(super) fn frame(&self, frame: &ShownFrame<'_>) {
+    pub(super) fn frame(&mut self, frame: &ShownFrame<'_>) {
+        if self.json || self.saved.is_some() {
+            self.line(&frame_line(frame));
+        }
+    }
+
+    /// A page of `--setup`.
+    pub(super) fn set_up(&mut self, keys: Value) {
+        self.event("setup", keys);
+    }
+
+    fn line(&mut self, line: &Value) {
         if self.json {
-            say_line!("{}", frame_line(frame));
+            say_line!("{line}");
+        }
+        if let Some(saved) = &mut self.saved {
+            saved.line(line);
         }
     }
 
     /// Numbers without a frame.
-    pub(super) fn gap(&self, gap: &Gap) {
+    pub(super) fn gap(&mut self, gap: &Gap) {
         // Frames that were left out are counted: each would have a line of its own.
         if gap.lost + gap.incomplete == 0 {
             return;
@@ -79,28 +149,33 @@ impl Shown {
     }
 
     /// A part that has left.
-    pub(super) fn part(&self, part: &PartValue) {
+    pub(super) fn part(&mut self, part: &PartValue) {
         let (value, u) = (format!("diameter_{}", self.unit), format!("expanded_u_{}", self.unit));
+        let mut keys = json!({ "part": part.number, "first": part.frames[0], "last": part.frames[1],
+            "frames": part.count, value: part.value, u: part.expanded_u });
+        if self.judges {
+            keys["judgement"] = json!(part.word);
+        }
+        if self.settles {
+            keys["settled"] = json!(part.is_settled);
+        }
+        self.event("part", keys);
         if self.json {
-            let mut keys = json!({ "part": part.number, "first": part.frames[0], "last": part.frames[1],
-                "frames": part.count, value: part.value, u: part.expanded_u });
-            if self.judges {
-                keys["judgement"] = json!(part.word);
-            }
-            return self.event("part", keys);
+            return;
         }
         let [value, u] = stated(part.value, part.expanded_u);
-        let (number, count, unit, word) = (part.number, part.count, self.unit, part.word);
+        let word = if part.is_settled { part.word } else { "has not settled" };
+        let (number, count, unit) = (part.number, part.count, self.unit);
         self.beside(&format!("part {number}: {value} {unit}, U {u} {unit}, {count} frames  {word}"));
     }
 
     /// No valid reading from here on.
-    pub(super) fn invalid(&self, invalid: &Invalid) {
+    pub(super) fn invalid(&mut self, invalid: &Invalid) {
         self.event("invalid", json!({ "reason": invalid.word(), "why": invalid.to_string() }));
     }
 
     /// The alarm is raised.
-    pub(super) fn alarm(&self, cause: &str) {
+    pub(super) fn alarm(&mut self, cause: &str) {
         tracing::error!("alarm: {cause}");
         self.event("alarm", json!({ "cause": cause }));
     }
@@ -114,17 +189,18 @@ impl Shown {
     }
 
     /// The counts at the end: of the source, of frames with a value and of parts.
-    pub(super) fn end(&self, counters: &Counters, [measured, parts]: [u64; 2], pace: &Pace) {
+    pub(super) fn end(&mut self, counters: &Counters, [measured, parts]: [u64; 2], pace: &Pace) {
         self.now.finish_and_clear();
         let [p50, p99] = [0.5, 0.99].map(|share| pace.latency_ms(share));
         let c = counters;
+        self.event(
+            "end",
+            json!({ "delivered": c.delivered, "measured": measured, "dropped": c.dropped, "incomplete": c.incomplete, "lost": c.lost,
+                "waiting": c.waiting, "repeated": c.repeated, "disappeared": c.disappeared, "parts": parts,
+                "latency_p50_ms": p50, "latency_p99_ms": p99 }),
+        );
         if self.json {
-            return self.event(
-                "end",
-                json!({ "delivered": c.delivered, "measured": measured, "dropped": c.dropped, "incomplete": c.incomplete, "lost": c.lost,
-                    "waiting": c.waiting, "repeated": c.repeated, "disappeared": c.disappeared, "parts": parts,
-                    "latency_p50_ms": p50, "latency_p99_ms": p99 }),
-            );
+            return;
         }
         say_line!(
             "{} frames: {} taken and {measured} measured, {} left out, {} incomplete, {} lost, {} waiting; {parts} parts{}",
@@ -152,6 +228,10 @@ impl Shown {
             let unit = if unit == "mm" { "µm" } else { "mpx" };
             text += &format!("  trend {slope} ± {u} {unit}/min");
         }
+        if let Some(Profile { blocks, span }) = &now.profile {
+            let unit = if unit == "mm" { "µm" } else { "mpx" };
+            text += &format!("  {blocks} {:.1} {unit}", 1e3 * span);
+        }
         if let Some(rate) = now.pace.rate_hz() {
             text += &format!("  {rate:.1}/s");
         }
@@ -166,13 +246,11 @@ impl Shown {
         now.alarm.map_or(text.clone(), |cause| format!("ALARM ({cause})  {text}"))
     }
 
-    /// A line of JSON; on other output nothing.
-    fn event(&self, name: &str, keys: Value) {
-        if self.json {
-            let Value::Object(mut all) = keys else { return };
-            all.insert("event".to_owned(), name.into());
-            say_line!("{}", Value::Object(all));
-        }
+    /// A line of JSON, on stdout and among the results that are saved; on other output nothing.
+    fn event(&mut self, name: &str, keys: Value) {
+        let Value::Object(mut all) = keys else { return };
+        all.insert("event".to_owned(), name.into());
+        self.line(&Value::Object(all));
     }
 
     /// A line of text above the line of now.
@@ -214,7 +292,7 @@ fn watched_keys(frame: &ShownFrame<'_>) -> Map<String, Value> {
         ("device_clock", meta.device_t.map(|t| json!(t.clock.word()))),
         ("exposed_host_t_ns", meta.exposed_t.map(|t| t.t_ns.into())),
         ("dropped", Some(frame.missed.dropped.into())),
-        ("valid", Some(frame.measurement.refusal.is_none().into())),
+        ("valid", Some((frame.measurement.refusal.is_none() && frame.is_settled).into())),
         ("alarm", Some(frame.is_alarmed.into())),
         ("latency_ms", frame.latency_ms.map(Value::from)),
         ("trend", slope),
@@ -222,6 +300,8 @@ fn watched_keys(frame: &ShownFrame<'_>) -> Map<String, Value> {
         ("z_mm", known(&meta.z_mm)),
         ("exposure_us", known(&meta.exposure_us)),
         ("gain_db", known(&meta.gain_db)),
+        ("saved", frame.saved.as_deref().map(Value::from)),
     ];
-    pairs.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))).collect()
+    let given = pairs.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?)));
+    given.chain(frame.conditions.keys()).collect()
 }

@@ -99,6 +99,15 @@ impl ColumnDiameters {
         })
     }
 
+    /// Takes another standard uncertainty that all columns share into them, mm.
+    pub(crate) fn widen(&mut self, u_mm: f64) {
+        for column in &mut self.columns {
+            if let Reading::Value(value) = &mut column.reading {
+                value.u_common_mm = value.u_common_mm.hypot(u_mm);
+            }
+        }
+    }
+
     /// The columns of a range, as far as there are.
     fn within(&self, columns: std::ops::Range<usize>) -> &[ColumnDiameter] {
         let to = columns.end.min(self.columns.len());

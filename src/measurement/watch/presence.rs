@@ -5,7 +5,8 @@
 //! first and the last frame may show it moving and are left out where there are others. Its value
 //! is the frame in the middle of the sorted diameters, with the uncertainty of that frame: frames
 //! of one part share most of it, so that more of them do not reduce it. It is judged as its worst
-//! frame is.
+//! frame is. Where diameters have to settle, value and judgement are of the frames that had; a part
+//! without any has the value of all of its frames, and is not proven.
 
 use std::collections::VecDeque;
 
@@ -27,6 +28,8 @@ pub(crate) struct FrameValue {
     pub severity: u8,
     /// The judgement's word; empty where nothing is judged.
     pub word: &'static str,
+    /// Whether the diameter had settled; true where it does not have to.
+    pub is_settled: bool,
 }
 
 /// What a frame shows.
@@ -57,6 +60,8 @@ pub(crate) struct PartValue {
     pub severity: u8,
     /// The judgement's word; empty where nothing is judged.
     pub word: &'static str,
+    /// Whether the diameter had settled in some frame.
+    pub is_settled: bool,
 }
 
 /// Parts as they come and go.
@@ -126,6 +131,10 @@ impl Presence {
                 settled.remove(0);
             }
         }
+        let is_settled = settled.iter().any(|frame| frame.is_settled);
+        if is_settled {
+            settled.retain(|frame| frame.is_settled);
+        }
         let worst = settled.iter().copied().max_by_key(|frame| frame.severity)?;
         settled.sort_by(|a, b| a.value.total_cmp(&b.value));
         let middle = settled.get((settled.len() - 1) / 2)?;
@@ -138,6 +147,7 @@ impl Presence {
             expanded_u: middle.expanded_u,
             severity: worst.severity,
             word: worst.word,
+            is_settled,
         })
     }
 }
@@ -147,7 +157,14 @@ mod tests {
     use super::*;
 
     fn part(sequence: u64, value: f64) -> Seen {
-        Seen::Part(FrameValue { sequence, value, expanded_u: 0.1 * value, severity: 0, word: "GO" })
+        Seen::Part(FrameValue {
+            sequence,
+            value,
+            expanded_u: 0.1 * value,
+            severity: 0,
+            word: "GO",
+            is_settled: true,
+        })
     }
 
     fn values(seen: &[Seen]) -> (Vec<PartValue>, Presence) {
@@ -182,10 +199,32 @@ mod tests {
 
     #[test]
     fn the_worst_frame_judges() {
-        let bad = FrameValue { sequence: 2, value: 9.0, expanded_u: 0.1, severity: 2, word: "HH" };
+        let bad = FrameValue {
+            sequence: 2,
+            value: 9.0,
+            expanded_u: 0.1,
+            severity: 2,
+            word: "HH",
+            is_settled: true,
+        };
         let (parts, _) =
             values(&[part(0, 9.0), part(1, 9.0), Seen::Part(bad), part(3, 9.0), Seen::Empty, Seen::Empty]);
         assert_eq!((parts[0].severity, parts[0].word), (2, "HH"));
+    }
+
+    #[test]
+    fn the_frames_that_had_settled_give_the_value() {
+        let waiting = |sequence, value| match part(sequence, value) {
+            Seen::Part(frame) => Seen::Part(FrameValue { severity: 1, word: "", is_settled: false, ..frame }),
+            other => other,
+        };
+        let mut seen: Vec<Seen> = (0..6).map(|k| waiting(k, 20.0 - k as f64)).collect();
+        seen.extend([part(6, 13.0), part(7, 12.0), part(8, 13.0), part(9, 13.5), Seen::Empty, Seen::Empty]);
+        seen.extend((10..14).map(|k| waiting(k, 30.0)));
+        seen.extend([Seen::Empty, Seen::Empty]);
+        let (parts, _) = values(&seen);
+        let found: Vec<_> = parts.iter().map(|p| (p.value, p.severity, p.is_settled, p.count)).collect();
+        assert_eq!(found, [(13.0, 0, true, 10), (30.0, 1, false, 4)]);
     }
 
     #[test]

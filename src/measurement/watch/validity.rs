@@ -9,6 +9,8 @@ pub(crate) enum Invalid {
     NoFrame,
     /// The last frame could not be measured, and why.
     Refused(String),
+    /// The diameter has not settled yet, and why.
+    NotSettled(String),
     /// The last frame is older than a reading may be, s.
     Stale(f64),
     /// The source disappeared, and why.
@@ -21,6 +23,7 @@ impl Invalid {
         match self {
             Self::NoFrame => "no_frame",
             Self::Refused(_) => "refused",
+            Self::NotSettled(_) => "not_settled",
             Self::Stale(_) => "stale",
             Self::SourceLost(_) => "source_lost",
         }
@@ -32,6 +35,7 @@ impl fmt::Display for Invalid {
         match self {
             Self::NoFrame => write!(f, "no frame yet"),
             Self::Refused(why) => write!(f, "{why}"),
+            Self::NotSettled(why) => write!(f, "the diameter has not settled: {why}"),
             Self::Stale(age_s) => write!(f, "no frame for {age_s:.1} s"),
             Self::SourceLost(why) => write!(f, "the source is gone: {why}"),
         }
@@ -42,8 +46,8 @@ impl fmt::Display for Invalid {
 #[derive(Clone, Debug)]
 pub(crate) struct Validity {
     stale_s: f64,
-    /// Time of the last frame, s, and why it has no value.
-    last: Option<(f64, Option<String>)>,
+    /// Time of the last frame, s, and why its value is none of now.
+    last: Option<(f64, Option<Invalid>)>,
     lost: Option<String>,
 }
 
@@ -53,9 +57,9 @@ impl Validity {
         Self { stale_s, last: None, lost: None }
     }
 
-    /// A frame came at `t_s`; why it was refused, if it was.
-    pub(crate) fn frame(&mut self, t_s: f64, refused: Option<String>) {
-        self.last = Some((t_s, refused));
+    /// A frame came at `t_s`; why it has no valid value, if it has none.
+    pub(crate) fn frame(&mut self, t_s: f64, invalid: Option<Invalid>) {
+        self.last = Some((t_s, invalid));
         self.lost = None;
     }
 
@@ -77,7 +81,7 @@ impl Validity {
         match &self.last {
             None => Some(Invalid::NoFrame),
             Some((t_s, _)) if now_s - t_s > self.stale_s => Some(Invalid::Stale(now_s - t_s)),
-            Some((_, refused)) => refused.clone().map(Invalid::Refused),
+            Some((_, invalid)) => invalid.clone(),
         }
     }
 }
@@ -93,8 +97,11 @@ mod tests {
         validity.frame(10.0, None);
         assert_eq!((validity.invalid(10.9), validity.age_s(10.5)), (None, Some(0.5)));
         assert_eq!(validity.invalid(12.0), Some(Invalid::Stale(2.0)));
-        validity.frame(12.0, Some("blurred".to_owned()));
-        assert_eq!(validity.invalid(12.0), Some(Invalid::Refused("blurred".to_owned())));
+        let refused = Invalid::Refused("blurred".to_owned());
+        validity.frame(12.0, Some(refused.clone()));
+        assert_eq!(validity.invalid(12.0), Some(refused));
+        validity.frame(12.5, Some(Invalid::NotSettled("it cools".to_owned())));
+        assert_eq!(validity.invalid(12.5).map(|i| i.word()), Some("not_settled"));
         validity.frame(13.0, None);
         validity.lost("no answer".to_owned());
         assert_eq!(validity.invalid(13.0).map(|i| i.word()), Some("source_lost"));
