@@ -60,4 +60,6 @@ pub(crate) use error::from_render;
 #[cfg(feature = "render")]
 pub use run_tool::RunTool;
 #[cfg(feature = "render")]
+pub(crate) use run_tool::CuttingTruth;
+#[cfg(feature = "render")]
 pub use simulated::Job;

@@ -151,3 +151,94 @@ fn of_a_colour_image_the_channel_is_measured_that_is_named() {
     let said = refused(&["tool", "nose", path, "--um-per-px", "2.415", "--channel", "r"], 3);
     assert!(said.contains("no insert"), "{said}");
 }
+
+/// An insert of the examples with its nose elsewhere; its image.
+fn moved(folder: &Path, name: &str, centre_px: [f64; 2]) -> String {
+    let text = std::fs::read_to_string(config("insert_new.toml")).unwrap();
+    let text = text.replace("[520.0, 640.0]", &format!("{centre_px:?}"));
+    assert!(text.contains(&format!("{centre_px:?}")));
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    let out = folder.join(format!("{name}.out"));
+    good(&["tool", "render", path.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    let image = folder.join(format!("{name}.png"));
+    std::fs::copy(out.join("frames/000000.png"), &image).unwrap();
+    image.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn moves_along_x_and_z_give_the_axes_of_the_image_and_the_tool_takes_them() {
+    let folder = tempfile::tempdir().unwrap();
+    // .2 mm are 82.8157 px; the image is turned by 1.5 degrees: +X to 91.5, +Z to 1.5
+    let (sin, cos) = 1.5_f64.to_radians().sin_cos();
+    let step = 200.0 / 2.415;
+    let at = |x: f64, z: f64| {
+        let (right, up) = (step * (z * cos - x * sin), step * (x * cos + z * sin));
+        [520.0 + right, 640.0 - up]
+    };
+    let places = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
+    let images: Vec<String> = places
+        .iter()
+        .enumerate()
+        .map(|(k, (x, z))| moved(folder.path(), &format!("{k}.toml"), at(*x, *z)))
+        .collect();
+    let tool = config("tool_set_new.toml").to_str().unwrap().to_owned();
+    let out = folder.path().join("turned.toml").to_str().unwrap().to_owned();
+    let mut arguments = vec!["tool", "axes"];
+    arguments.extend(images.iter().map(String::as_str));
+    let given = ["--um-per-px", "2.415", "--tool", &tool];
+    let with = |x: &'static str, z: &'static str, more: &[&str]| {
+        let mut all: Vec<String> = arguments.iter().chain(&given).map(|s| (*s).to_owned()).collect();
+        all.extend(["--x-mm", x, "--z-mm", z].map(str::to_owned));
+        all.extend(more.iter().map(|s| (*s).to_owned()));
+        all
+    };
+    let text = |all: &[String]| good(&all.iter().map(String::as_str).collect::<Vec<_>>());
+    let found: Value =
+        serde_json::from_str(&text(&with("0,0.2,0,0.2", "0,0,0.2,0.2", &["--json", "--out", &out]))).unwrap();
+    for (key, wanted, most) in
+        [("off_square_deg", 0.0, 0.02), ("um_per_px_x", 2.415, 0.001), ("um_per_px_z", 2.415, 0.001)]
+    {
+        let value = found[key].as_f64().unwrap();
+        assert!((value - wanted).abs() < most, "{key}: {value}");
+    }
+    let (x, z) = (&found["image"]["plus_x_deg"], &found["image"]["plus_z_deg"]);
+    assert!((x.as_f64().unwrap() - 91.5).abs() < 0.02 && (z.as_f64().unwrap() - 1.5).abs() < 0.02, "{found}");
+    assert!(found["u_plus_x_deg"].as_f64().unwrap() > 0.0);
+    let written: toml::Table = std::fs::read_to_string(&out).unwrap().parse().unwrap();
+    assert_eq!(written["image"]["plus_x_deg"].as_float(), x.as_f64());
+    assert_eq!(written["setting"]["x_extent_mm"].as_float(), Some(0.4));
+    let said = |all: &[String]| refused(&all.iter().map(String::as_str).collect::<Vec<_>>(), 2);
+    let few = said(&with("0,0.2,0", "0,0,0.2,0.2", &[]));
+    assert!(few.contains("--x-mm") && few.contains("4 images"), "{few}");
+    let line = said(&with("0,0.2,0,0.2", "0,0,0,0", &[]));
+    assert!(line.contains("lie on a line"), "{line}");
+    let diameters = said(&with("0,0.4,0,0.4", "0,0,0.2,0.2", &[]));
+    assert!(diameters.contains("half of diameters"), "{diameters}");
+}
+
+#[test]
+fn the_papers_mode_has_the_same_keys_without_uncertainties() {
+    let folder = tempfile::tempdir().unwrap();
+    let worn = render(folder.path(), "insert.toml");
+    let tool = config("tool.toml").to_str().unwrap().to_owned();
+    let call = ["tool", "nose", &worn, "--um-per-px", "2.415", "--mode", "paper"];
+    let with_tool = [&call[..], &["--tool", &tool, "--json"]].concat();
+    let found: Value = serde_json::from_str(&good(&with_tool)).unwrap();
+    let image = &found["images"][0];
+    let truth = folder.path().join("insert.toml/truth.json");
+    let truth: Value = serde_json::from_str(&std::fs::read_to_string(truth).unwrap()).unwrap();
+    for (key, most) in [("angle_deg", 0.005), ("mean_radius_px", 6.0)] {
+        let off = image[key].as_f64().unwrap() - truth[key].as_f64().unwrap();
+        assert!(off.abs() < most, "{key}: off by {off}");
+    }
+    for key in ["u_angle_deg", "u_centre_px", "u_mean_radius_px", "u_mean_radius_mm"] {
+        assert!(image[key].is_null(), "{key}");
+    }
+    assert!(image["u_reason"].as_str().unwrap().contains("--mode ml"));
+    assert!(image["sectors"].as_array().unwrap().len() > 110);
+    let said = refused(&call, 2);
+    assert!(said.contains("--tool"), "{said}");
+    let said = refused(&[&with_tool[..], &["--baseline", &worn]].concat(), 2);
+    assert!(said.contains("--baseline") && said.contains("--mode ml"), "{said}");
+}

@@ -71,7 +71,9 @@ use super::edge::wire::frame::WireFrameLimits;
 use super::edge::wire::joint_fit::WireFitLimits;
 use super::edge::wire::rounding::WireRoundingLimits;
 use super::limit::{Limit, Limits};
+use super::nose::axes::NoseAxesLimits;
 use super::nose::limits::NoseLimits;
+use super::nose::paper::limits::PaperNoseLimits;
 use super::ring::coarse::CoarseRingLimits;
 use super::ring::edge_pixels::BandLimits;
 use super::ring::fit::RingFitLimits;
@@ -248,7 +250,7 @@ fn of_uncertainty() -> Vec<Vec<Limit>> {
 
 /// Thresholds of noses, a group an entry.
 fn of_nose() -> Vec<Vec<Limit>> {
-    vec![NoseLimits::list()]
+    vec![NoseLimits::list(), NoseAxesLimits::list(), PaperNoseLimits::list()]
 }
 
 /// Thresholds of rings, a group an entry.

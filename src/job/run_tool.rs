@@ -3,6 +3,7 @@
 //! In: the contour that is turned, a tool and a nose. Out: the contour that this nose leaves when
 //! the control drives the program of a way along the part.
 
+use glam::DVec2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +37,18 @@ pub struct RunTool {
     /// The support of the nose, in place of `nose`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) support: Vec<NoseSupport>,
+    /// What really cuts where it is not what the program was made for: the truth of a study.
+    #[serde(skip)]
+    pub(crate) truth: Option<CuttingTruth>,
+}
+
+/// A nose that cuts by a program made for another one, on slides that stand off.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct CuttingTruth {
+    /// The nose.
+    pub nose: NoseProfile,
+    /// How far the slides stand off, (X, Z) in mm, X radial.
+    pub slides_mm: DVec2,
 }
 
 /// Support of the nose towards a surface.
@@ -160,7 +173,12 @@ impl RunTool {
         };
         compensator.check(&geometry).map_err(refused)?;
         let done = compensator.carry_out(self.way).map_err(refused)?;
-        Ok(Some(NosePath::new(&nose, &moves_of(&done.path))))
+        let moves = moves_of(&done.path);
+        let Some(truth) = &self.truth else { return Ok(Some(NosePath::new(&nose, &moves))) };
+        let real = Setting::new(&truth.nose, &geometry, &tool.stated()).map_err(refused)?;
+        let by = compensator.setting.to_tool_point_of(&real) + truth.slides_mm;
+        let moved: Vec<(DVec2, DVec2)> = moves.into_iter().map(|(a, b)| (a + by, b + by)).collect();
+        Ok(Some(NosePath::new(&truth.nose, &moved)))
     }
 }
 

@@ -25,6 +25,8 @@ mod inspector;
 mod judged;
 pub(crate) mod nose;
 mod one_frame;
+#[cfg(feature = "cli")]
+pub(crate) mod paper_nose;
 mod preparation;
 mod result;
 pub mod ring;

@@ -31,3 +31,4 @@ pub(crate) mod reproduction;
 pub(crate) mod stability;
 pub(crate) mod uncertainty;
 pub(crate) mod washers;
+pub(crate) mod worn_tool;

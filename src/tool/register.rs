@@ -92,6 +92,12 @@ impl<'a> Setting<'a> {
         DVec2::new(sx * of(self.x), sz * of(self.z))
     }
 
+    /// From the tool point of this nose to that of another one on the same path of the gauge point,
+    /// mm.
+    pub(crate) fn to_tool_point_of(&self, other: &Setting<'_>) -> DVec2 {
+        self.gauge_point() - other.gauge_point()
+    }
+
     /// Factor of R in e(a): 1 + σx·cos a + σz·sin a.
     pub(crate) fn factor(&self, a: f64) -> f64 {
         let (sx, sz) = self.tip.signs();

@@ -120,6 +120,13 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge tool nose worn.png --um-per-px 2.415",
             "shadowgauge tool nose worn.png --um-per-px 2.415 --tool tool.toml --baseline new.png --out nose.json --overlay nose.png",
             "shadowgauge tool nose images --calibration calibration.json --json",
+            "shadowgauge tool nose worn.png --um-per-px 2.415 --tool tool.toml --mode paper",
+        ],
+    ),
+    (
+        "tool axes",
+        &[
+            "shadowgauge tool axes 0.png 1.png 2.png --x-mm 0,0.5,0 --z-mm 0,0,0.5 --um-per-px 2.415 --tool tool.toml --out turned.toml",
         ],
     ),
     (
@@ -164,6 +171,13 @@ const EXAMPLES: &[Examples] = &[
         &[
             "shadowgauge study machine configs/machine_001.toml --out out/machine",
             "shadowgauge study machine configs/machine_001.toml --at 50,20 --at 50,80 --json",
+        ],
+    ),
+    (
+        "study tool",
+        &[
+            "shadowgauge study tool --out out/study_tool",
+            "shadowgauge study tool --cone-deg 15,45 --pieces 20 --json",
         ],
     ),
     ("study nose", &["shadowgauge study nose --noses 10", "shadowgauge study nose insert.toml --json"]),

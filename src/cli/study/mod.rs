@@ -16,6 +16,7 @@ mod machine;
 mod nose;
 mod parts;
 mod stability;
+mod tool;
 mod uncertainty;
 mod washers;
 
@@ -34,6 +35,7 @@ use self::machine::StudyMachineArgs;
 use self::nose::StudyNoseArgs;
 use self::parts::StudyPartsArgs;
 use self::stability::StudyStabilityArgs;
+use self::tool::StudyToolArgs;
 use self::uncertainty::StudyUncertaintyArgs;
 use self::washers::StudyWashersArgs;
 use crate::cli::failure::CommandResult;
@@ -61,6 +63,9 @@ pub(crate) enum Study {
     /// Noses of rendered inserts, measured: errors beside their stated uncertainties, by kind of
     /// wear.
     Nose(StudyNoseArgs),
+    /// Four workpieces cut by a worn nose that is measured in an image, before and after every way
+    /// to compensate, beside paper 004.
+    Tool(StudyToolArgs),
     /// One cutting variable at a time against the size error.
     Factor(StudyFactorArgs),
     /// What heads will measure a part to, and how fast, from their configs alone: side by side.
@@ -93,6 +98,7 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::LineCamera(args) => line_camera::run(args),
         Study::Machine(args) => machine::run(args),
         Study::Nose(args) => nose::run(args),
+        Study::Tool(args) => tool::run(args),
         Study::Factor(args) => factor::run(args),
         Study::Head(args) => head::run(args),
         Study::Limits(args) => limits::run(args),

@@ -1,8 +1,9 @@
 //! `shadowgauge tool`: the nose of a turning tool, and what it does to a part.
 
+mod axes;
 mod compensate;
 mod nose;
-mod overlay;
+pub(super) mod overlay;
 mod pictures;
 mod render;
 mod words;
@@ -12,6 +13,8 @@ use crate::cli::failure::CommandResult;
 /// What `tool` does.
 #[derive(Debug, clap::Subcommand)]
 pub(crate) enum ToolCommand {
+    /// How the camera's image lies in the machine, from moves of the tool along X and Z.
+    Axes(axes::AxesArgs),
     /// What a worn nose leaves of a part, and a program that takes it into account.
     Compensate(compensate::CompensateArgs),
     /// The nose of a back-lit insert: both edges, their angle, centre, radii and support.
@@ -26,6 +29,7 @@ pub(crate) enum ToolCommand {
 /// As the commands.
 pub(crate) fn run(command: &ToolCommand) -> CommandResult {
     match command {
+        ToolCommand::Axes(args) => axes::run(args),
         ToolCommand::Compensate(args) => compensate::run(args),
         ToolCommand::Nose(args) => nose::run(args),
         ToolCommand::Render(args) => render::run(args),

@@ -8,10 +8,12 @@ use crate::cli::input_output::{ConfigText, json_text};
 use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
+use crate::gauge::nose::paper::{PaperSettings, measure_paper_nose};
 use crate::gauge::nose::{
     BaselineNose, ExpectedNose, NoseMeasurement, NoseSettings, Reference, Wear, measure_nose, wear,
 };
-use crate::measurement::nose::{NoseDocument, NoseImage, read_baseline};
+use crate::measurement::nose::{NoseImage, read_baseline};
+use crate::measurement::paper_nose::{AnyNose, PaperNoseImage};
 use crate::nose::ToolGeometry;
 use crate::source::{Channel, FileFrames, listing};
 use crate::tool::ToolFile;
@@ -35,6 +37,10 @@ pub(crate) struct NoseArgs {
     /// A TOML file with the tool (`schema tool`): nominal radius and angles, which are checked.
     #[arg(long, value_name = "FILE")]
     tool: Option<PathBuf>,
+    /// How the nose is measured. `paper` is for comparison with paper 004: it needs --tool, states
+    /// no uncertainty and no support.
+    #[arg(long, value_enum, default_value_t = Mode::Ml)]
+    mode: Mode,
     /// Channel of colour images; green has half of a Bayer sensor's pixels.
     #[arg(long, default_value = "g")]
     channel: Channel,
@@ -49,18 +55,37 @@ pub(crate) struct NoseArgs {
     overlay: Option<PathBuf>,
 }
 
-fn scale(text: &str) -> Result<f64, String> {
+/// How a nose is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Mode {
+    /// Maximum likelihood of every pixel along the contour.
+    Ml,
+    /// Canny, lines of LSD, the angle forced to the insert's, the mean distance of the edge's
+    /// pixels.
+    Paper,
+}
+
+/// The images of one call.
+#[derive(Debug, Default, serde::Serialize)]
+struct Document {
+    images: Vec<AnyNose>,
+}
+
+/// A scale of the command line, µm per px.
+pub(super) fn scale(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|s| *s > 0.0 && s.is_finite());
     value.ok_or_else(|| "a scale above 0 is needed, µm per px, for instance 2.415".to_owned())
 }
 
 /// Images with their names.
-type Named = (String, Frame);
+pub(super) type Named = (String, Frame);
 
 /// What measures an image.
 struct Instrument {
     settings: NoseSettings,
     baseline: Option<BaselineNose>,
+    /// The paper's mode, where it is asked for.
+    paper: Option<PaperSettings>,
 }
 
 /// Runs the command.
@@ -82,17 +107,16 @@ pub(crate) fn run(args: &NoseArgs) -> CommandResult {
     let drawn = args.overlay.as_deref().map(|p| OutputFile::claim(p, inputs())).transpose()?;
     let um_per_px = 1e3 * calibration.scale_mm_per_px;
     let instrument = Instrument::new(args, um_per_px)?;
-    let (mut document, mut refused, mut picture) = (NoseDocument::default(), Vec::new(), None);
+    let (mut document, mut refused, mut picture) = (Document::default(), Vec::new(), None);
     for read in frames(paths, args.channel) {
         let (name, frame) = read?;
-        match instrument.measure(&frame) {
-            Ok((measured, wear)) => {
-                let image = NoseImage::new(name, &measured, wear.as_ref(), &calibration);
+        match found(&instrument, (&name, &frame), &calibration) {
+            Ok((image, measured)) => {
                 if !args.json {
                     print(&image);
                 }
                 document.images.push(image);
-                if drawn.is_some() {
+                if let Some(measured) = measured.filter(|_| drawn.is_some()) {
                     picture = Some(overlay(&frame.view(), &measured).map_err(Failure::fail)?);
                 }
             }
@@ -108,6 +132,21 @@ pub(crate) fn run(args: &NoseArgs) -> CommandResult {
     Err(Failure::fail(error))
 }
 
+/// An image by the mode that is asked for, and what can be drawn over it.
+fn found(
+    instrument: &Instrument,
+    (name, frame): (&str, &Frame),
+    calibration: &Calibration,
+) -> Result<(AnyNose, Option<NoseMeasurement>), String> {
+    if let Some(paper) = &instrument.paper {
+        let nose = measure_paper_nose(&frame.view(), paper).map_err(|e| e.to_string())?;
+        return Ok((AnyNose::Paper(PaperNoseImage::new(name.to_owned(), &nose, calibration)), None));
+    }
+    let (measured, wear) = instrument.measure(frame)?;
+    let image = NoseImage::new(name.to_owned(), &measured, wear.as_ref(), calibration);
+    Ok((AnyNose::Own(Box::new(image)), Some(measured)))
+}
+
 /// The failure for images that were refused.
 fn end(refused: &[String], measured: usize) -> Option<String> {
     match refused {
@@ -121,7 +160,7 @@ fn end(refused: &[String], measured: usize) -> Option<String> {
 
 fn write(
     args: &NoseArgs,
-    document: &NoseDocument,
+    document: &Document,
     out: Option<OutputFile>,
     (drawn, picture): (Option<OutputFile>, Option<Vec<u8>>),
 ) -> CommandResult {
@@ -148,7 +187,7 @@ fn calibration(args: &NoseArgs) -> Result<Calibration, Failure> {
 }
 
 /// The images of files, one after another.
-fn frames(paths: Vec<PathBuf>, channel: Channel) -> impl Iterator<Item = Result<Named, Failure>> {
+pub(super) fn frames(paths: Vec<PathBuf>, channel: Channel) -> impl Iterator<Item = Result<Named, Failure>> {
     let mut source = FileFrames::new(paths).of_channel(Some(channel));
     std::iter::from_fn(move || {
         let read = source.next_stored()?;
@@ -169,13 +208,36 @@ impl Instrument {
             settings.nominal_radius_px = Some(1e3 * geometry.nose_radius_mm / um_per_px);
             settings.expected = Some(expected(&file, &geometry));
         }
-        let mut instrument = Self { settings, baseline: None };
+        let mut instrument = Self { settings, baseline: None, paper: None };
+        if args.mode == Mode::Paper {
+            instrument.paper = Some(instrument.by_paper(args)?);
+            return Ok(instrument);
+        }
         if let Some(path) = &args.baseline {
             let baseline = instrument.baseline(path, args.channel)?;
             instrument.settings.nominal_radius_px = Some(baseline.nominal_radius_px);
             instrument.baseline = Some(baseline);
         }
         Ok(instrument)
+    }
+
+    /// What the paper's mode takes from the tool's file.
+    fn by_paper(&self, args: &NoseArgs) -> Result<PaperSettings, Failure> {
+        if let Some(other) = [("--baseline", args.baseline.is_some()), ("--overlay", args.overlay.is_some())]
+            .into_iter()
+            .find_map(|(name, given)| given.then_some(name))
+        {
+            return Err(Failure::refuse(format!(
+                "{other}: --mode paper has none; leave it out, or take --mode ml"
+            )));
+        }
+        let (Some(nominal_radius_px), Some(expected)) =
+            (self.settings.nominal_radius_px, self.settings.expected)
+        else {
+            let why = "--mode paper takes the nominal radius and the included angle from the tool: give its file by --tool";
+            return Err(Failure::refuse(why));
+        };
+        Ok(PaperSettings { nominal_radius_px, epsilon_deg: expected.epsilon_deg, expected: Some(expected) })
     }
 
     /// A baseline by its document, or by its image: its own radius is the nominal one.
@@ -220,7 +282,24 @@ fn expected(file: &ToolFile, geometry: &ToolGeometry) -> ExpectedNose {
     ExpectedNose { epsilon_deg: file.epsilon_r_deg, normals_deg, by: "tool's file" }
 }
 
-fn print(image: &NoseImage) {
+fn print(image: &AnyNose) {
+    match image {
+        AnyNose::Own(image) => print_own(image),
+        AnyNose::Paper(p) => say_line!(
+            "{}: angle {:.4}° ({:.4}° as found), centre column {:.3} row {:.3} px, mean radius {:.3} px = {:.6} mm; {}",
+            p.image,
+            p.angle_deg,
+            p.found_angle_deg,
+            p.centre_px[0],
+            p.centre_px[1],
+            p.mean_radius_px,
+            p.mean_radius_mm,
+            p.u_reason
+        ),
+    }
+}
+
+fn print_own(image: &NoseImage) {
     let flags =
         if image.flags.is_empty() { String::new() } else { format!(", flagged {}", image.flags.join(", ")) };
     say_line!(

@@ -14,7 +14,7 @@ const MEASURED: [u8; 3] = [230, 159, 0];
 ///
 /// # Errors
 /// Where the encoder refuses it, as text.
-pub(super) fn overlay(view: &FrameView<'_>, m: &NoseMeasurement) -> Result<Vec<u8>, String> {
+pub(crate) fn overlay(view: &FrameView<'_>, m: &NoseMeasurement) -> Result<Vec<u8>, String> {
     let (rows, columns) = (view.rows(), view.columns());
     let [low, high] = m.levels;
     let grey = |row: usize, column: usize| {

@@ -30,6 +30,23 @@ impl Mask {
 
 /// The runs of the contour of the insert.
 pub(super) fn runs(view: &FrameView<'_>) -> Result<Vec<Run>, NoseImageError> {
+    let (grey, level) = grey_and_level(view)?;
+    let image = GrayImage::from_fn(grey.columns as u32, grey.rows as u32, |c, r| {
+        let value = f64::from(grey.values[r as usize * grey.columns + c as usize]);
+        Luma([if value < level { 255 } else { 0 }])
+    });
+    let labels = connected_components(&image, Connectivity::Four, Luma([0])).into_raw();
+    let own = largest(&labels, grey.columns)?;
+    let mask = Mask { labels, own, rows: grey.rows, columns: grey.columns };
+    let runs = split(&trace(&mask), &mask);
+    if runs.is_empty() {
+        return Err(NoseImageError::NoInsert { why: "the shadow fills the field".to_owned() });
+    }
+    Ok(runs)
+}
+
+/// Grey values, and the level between shadow and light.
+pub(super) fn grey_and_level(view: &FrameView<'_>) -> Result<(Grey, f64), NoseImageError> {
     let ring = |e: RingError| match e {
         RingError::NotFinite { row, column } => NoseImageError::NotFinite { row, column },
         other => NoseImageError::NoInsert { why: other.to_string() },
@@ -43,18 +60,7 @@ pub(super) fn runs(view: &FrameView<'_>) -> Result<Vec<Run>, NoseImageError> {
         },
         other => ring(other),
     })?;
-    let image = GrayImage::from_fn(grey.columns as u32, grey.rows as u32, |c, r| {
-        let value = f64::from(grey.values[r as usize * grey.columns + c as usize]);
-        Luma([if value < level { 255 } else { 0 }])
-    });
-    let labels = connected_components(&image, Connectivity::Four, Luma([0])).into_raw();
-    let own = largest(&labels, grey.columns)?;
-    let mask = Mask { labels, own, rows: grey.rows, columns: grey.columns };
-    let runs = split(&trace(&mask), &mask);
-    if runs.is_empty() {
-        return Err(NoseImageError::NoInsert { why: "the shadow fills the field".to_owned() });
-    }
-    Ok(runs)
+    Ok((grey, level))
 }
 
 /// Label of the largest shadow, the only one that is no contamination.

@@ -6,13 +6,15 @@
 //! and noise pooled, the contour free in every sector. The edges' calipers give two lines with
 //! their covariance (`line`), these the centre at the nominal radius from both (`centre`), the
 //! nose's sectors its radii, and a penalised smooth of them the support of the convex hull with its
-//! covariance (`support`). `wear` compares with the same insert new.
+//! covariance (`support`). `wear` compares with the same insert new, `axes` finds the machine's axes
+//! from moves; `paper` measures by the way of a published paper, for comparison.
 //!
 //! Places are (column, −row), px: as seen, directions count from the right counter-clockwise.
 //!
 //! In: a frame and [`NoseSettings`]. Out: [`NoseMeasurement`] (`result`) in px, or a
 //! [`NoseImageError`]. One more figure of a nose is a field of `result`, computed in `measurement`.
 
+pub(crate) mod axes;
 mod bands;
 mod centre;
 mod contour;
@@ -21,6 +23,7 @@ mod error;
 pub(crate) mod limits;
 mod line;
 mod measurement;
+pub(crate) mod paper;
 mod path;
 mod result;
 mod settings;

@@ -9,8 +9,9 @@ use glam::DVec2;
 
 use super::inputs::{HUNDREDTH_MM, Inputs, MICROMETRE_MM, PrintedPart};
 use super::nose_rows::CAMERA_PX;
-use super::paper_mode;
 use super::parts::{MEASURED, RATE_PERCENT};
+use super::seat::projected_angle;
+use crate::gauge::nose::paper;
 use crate::studies::reproduction::{Accept, Row};
 use crate::tool::Setting;
 
@@ -278,7 +279,7 @@ fn rates(inputs: &Inputs) -> Vec<Row> {
 
 /// c09: the exponent of the number of tests.
 fn false_alarms(inputs: &Inputs) -> Vec<Row> {
-    let tests = |exponent: f64| paper_mode::tests(CAMERA_PX, exponent, 1.0);
+    let tests = |exponent: f64| paper::tests(CAMERA_PX, exponent, 1.0);
     vec![
         Row::printed(
             ("c09.exponent", "exponent of NM in the number of regions (eq. 5)", ""),
@@ -328,7 +329,7 @@ fn seat(inputs: &Inputs) -> Vec<Row> {
     let slope = -SEAT_DEG.to_radians().tan();
     // the leading edge lies at κ_r to the feed, in X-Z as seen
     let leading = (inputs.kappa_r_deg - 90.0).to_radians();
-    let seen = paper_mode::projected_angle(inputs.epsilon_r_deg.to_radians(), leading, DVec2::splat(slope));
+    let seen = projected_angle(inputs.epsilon_r_deg.to_radians(), leading, DVec2::splat(slope));
     let row = Row::printed(
         ("c12.angle", "angle of the cutting edges in the reference plane on a seat of −6° and −6°", "°"),
         Some(inputs.epsilon_r_deg),

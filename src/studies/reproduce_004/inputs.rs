@@ -30,7 +30,7 @@ pub(crate) struct PrintedPart {
 
 impl PrintedPart {
     /// Mean of four readings, mm.
-    pub(super) fn mean_mm(readings: &[f64; 4]) -> f64 {
+    pub(crate) fn mean_mm(readings: &[f64; 4]) -> f64 {
         readings.iter().sum::<f64>() / 4.0
     }
 
@@ -48,7 +48,7 @@ impl PrintedPart {
     }
 
     /// Reduction of the mean of the raw readings, %.
-    pub(super) fn raw_percent(&self) -> f64 {
+    pub(crate) fn raw_percent(&self) -> f64 {
         percent(Self::mean_mm(&self.before_mm), Self::mean_mm(&self.after_mm))
     }
 

@@ -2,11 +2,11 @@
 //! of its nose, compensation and workpieces beside ours. Its flank is left out.
 //!
 //! In: [`Inputs`], what the paper prints, and the angles of the cones where they are stated. Out:
-//! rows with verdicts ([`super::reproduction`]) and curves. `paper_mode` holds the paper's way of
-//! measuring as functions, `nose_rows` scale, radii and line detector, `parts` Table 4, `lathe`
-//! Table 2, `contradictions` thirteen places where the paper disagrees with itself (c01 to c13),
-//! `model` the paper's nose in e(a) of `tool`. A further figure is a row in the file of its
-//! subject.
+//! rows with verdicts ([`super::reproduction`]) and curves. The paper's way of measuring is that of
+//! `gauge::nose::paper`; `nose_rows` has scale, radii and line detector, `seat` how a holder tilts
+//! an insert, `parts` Table 4, `lathe` Table 2, `contradictions` thirteen places where the paper
+//! disagrees with itself (c01 to c13), `model` the paper's nose in e(a) of `tool`. A further figure
+//! is a row in the file of its subject.
 
 mod contradictions;
 mod curves;
@@ -15,12 +15,12 @@ mod inputs;
 mod lathe;
 mod model;
 mod nose_rows;
-mod paper_mode;
 mod parts;
+mod seat;
 
 pub(crate) use curves::{Curve, Curves, PartError};
 pub(crate) use error::ReproductionError;
-pub(crate) use inputs::Inputs;
+pub(crate) use inputs::{Inputs, PrintedPart};
 
 use super::reproduction::Row;
 

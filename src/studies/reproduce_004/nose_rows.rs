@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::inputs::{Inputs, TENTH_UM_MM};
-use super::paper_mode::{self, Line};
+use crate::gauge::nose::paper::{self, Line};
 use crate::nose::ToolGeometry;
 use crate::studies::reproduction::{Accept, Row};
 
@@ -66,18 +66,18 @@ fn detector(inputs: &Inputs) -> Vec<Row> {
     // a direction within ±τ by chance
     let p = inputs.tolerance_deg / 180.0;
     let aligned = |exponent: f64| {
-        let tests = paper_mode::tests(CAMERA_PX, exponent, inputs.gamma);
-        paper_mode::aligned_needed(REGION_PX, p, tests).map_or(f64::NAN, f64::from)
+        let tests = paper::tests(CAMERA_PX, exponent, inputs.gamma);
+        paper::aligned_needed(REGION_PX, p, tests).map_or(f64::NAN, f64::from)
     };
     vec![
         Row::ours(
             ("lsd.rho", "least gradient ρ = q/sin τ", ""),
-            paper_mode::gradient_threshold(inputs.grey_error, tau),
+            paper::gradient_threshold(inputs.grey_error, tau),
             "q 2, τ 22.5°; the paper prints no value, and the text has lost the bar of this fraction",
         ),
         Row::identity(
             ("eq6.whole", "eq. 6, B(n, 0, p) less 1", ""),
-            paper_mode::binomial_tail(REGION_PX, 0, p) - 1.0,
+            paper::binomial_tail(REGION_PX, 0, p) - 1.0,
             1e-9,
             "all outcomes together are certain",
         ),
@@ -100,7 +100,7 @@ fn centre(inputs: &Inputs) -> Vec<Row> {
     let half = (0.5 * inputs.epsilon_r_deg).to_radians();
     let line = |side: f64| Line { normal: DVec2::new(half.sin(), side * half.cos()), constant: 0.0 };
     let lines = [line(1.0), line(-1.0)];
-    let four = paper_mode::centres(lines, inputs.nominal_mm).map_or(Vec::new(), |four| four.to_vec());
+    let four = paper::centres(lines, inputs.nominal_mm).map_or(Vec::new(), |four| four.to_vec());
     let inside: Vec<DVec2> = four.iter().copied().filter(|p| p.to_angle().abs() < half).collect();
     let reach = inside.first().map_or(f64::NAN, |p| p.length());
     let away = four.iter().flat_map(|p| lines.map(|l| (l.distance(*p).abs() - inputs.nominal_mm).abs()));

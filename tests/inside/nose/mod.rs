@@ -2,6 +2,7 @@
 
 mod drawn;
 mod found;
+mod paper;
 mod refused;
 
 use shadowgauge::gauge::nose::{NoseImageError, NoseMeasurement, NoseSettings, measure_nose};

@@ -6,4 +6,5 @@ mod envelope;
 mod parts;
 mod profile;
 mod program;
+mod study;
 mod worn_part;
