@@ -27,9 +27,12 @@ use thiserror::Error;
 use toml::de::DeTable;
 
 use crate::job::Job;
+use crate::machine::{Conditions, MachineSettings};
 use crate::render::form::read_contour;
 use crate::render::settings::Esf;
 use crate::setting::SettingError;
+use crate::studies::machine::MachineStudyConfig;
+use machine_tables::read_error_tables;
 use mistake::Mistake;
 
 /// The preset of the main job, built into the binary; the same file as
@@ -166,6 +169,7 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
     };
     read_measured_edge(&mut job.optics.esf, folder)?;
     read_tool(job, folder)?;
+    read_machine(job, folder)?;
     if let Some(name) = job.shaft.contour_file.take() {
         if !job.shaft.contour.is_empty() {
             return Err(SettingError::at(
@@ -205,6 +209,46 @@ fn read_tool(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
         tool.take_nose(&text)?;
     }
     Ok(())
+}
+
+/// Reads the files of `[machine]`, beside the config that names them, with the tables beside those
+/// files; their contents replace the names.
+fn read_machine(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
+    let Some(machine) = &mut job.machine else { return Ok(()) };
+    for (own, stated) in [("stated", &mut machine.stated), ("table_stated", &mut machine.table_stated)] {
+        let Some(stated) = stated else { continue };
+        let key = |key: String| key.replacen("machine.", &format!("machine.{own}."), 1);
+        read_error_tables(stated, folder).map_err(|e| SettingError { key: key(e.key), ..e })?;
+    }
+    let twice = |key: &str| SettingError::at(key, format!("stands beside {key}; give one of them"));
+    if let Some(name) = machine.file.clone() {
+        if machine.stated.is_some() {
+            return Err(SettingError { key: "machine.file".to_owned(), ..twice("machine.stated") });
+        }
+        let (stated, conditions) = read_machine_file("machine.file", &folder.join(name))?;
+        machine.take(stated, &conditions);
+    }
+    if let Some(name) = machine.table.take() {
+        if machine.table_stated.is_some() {
+            return Err(SettingError { key: "machine.table".to_owned(), ..twice("machine.table_stated") });
+        }
+        machine.table_stated = Some(read_machine_file("machine.table", &folder.join(name))?.0);
+    }
+    Ok(())
+}
+
+/// A machine and its state from a file that `key` names.
+fn read_machine_file(key: &str, path: &Path) -> Result<(MachineSettings, Conditions), SettingError> {
+    let shown = path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| SettingError::at(key, format!("{shown}: cannot be read: {e}")))?;
+    let found = parse_as(&text, &shown).map_err(|e| SettingError::at(key, e.to_string()))?;
+    let MachineStudyConfig { machine: mut stated, conditions, .. } = found;
+    read_error_tables(&mut stated, path.parent().unwrap_or(Path::new("")))
+        .and_then(|()| conditions.validate())
+        .and_then(|()| stated.motion().map(drop))
+        .map_err(|e| SettingError::at(key, format!("{shown}: {e}")))?;
+    Ok((stated, conditions))
 }
 
 /// Fills `[process.tool]` from the tool's file where the text leaves its keys out.

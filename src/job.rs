@@ -10,8 +10,8 @@
 //!
 //! `part` (with `part_section`), `scan`, `nc_job`, `probe` and `follow` are tables and plans of the
 //! loop; `stations` are a function of its part, `sections` make of a drawing a contour that can be
-//! turned; `simulated` is the whole job, `run_tool` its tool with a worn nose, `drawn` what a
-//! picture of it needs, `workpiece` what the model-based controller takes from it, `edge` and
+//! turned; `simulated` is the whole job, `run_tool` its tool with a worn nose, `machine` the lathe's
+//! errors in a run, `drawn` what a picture of it needs, `workpiece` what the model-based controller takes from it, `edge` and
 //! `gauge_settings` give the gauge the edge of the job's own optics; `error` is what a check
 //! refuses. A new table of the loop is a field of both with a check of its own, called in
 //! [`LoopJob::check`]; one of the simulation a field of [`Job`] alone.
@@ -26,6 +26,8 @@ mod follow;
 #[cfg(feature = "render")]
 mod gauge_settings;
 mod loop_job;
+#[cfg(feature = "render")]
+mod machine;
 mod nc_job;
 mod part;
 #[cfg(feature = "render")]
@@ -57,6 +59,10 @@ pub(crate) use edge::NominalEdge;
 pub(crate) use edge::sampled_edge;
 #[cfg(feature = "render")]
 pub(crate) use error::from_render;
+#[cfg(feature = "render")]
+pub use machine::RunMachine;
+#[cfg(feature = "render")]
+pub(crate) use machine::{HeadView, Lathe, MachineRow};
 #[cfg(feature = "render")]
 pub use run_tool::RunTool;
 #[cfg(feature = "render")]

@@ -5,6 +5,7 @@ use super::seen_burst::SeenBurst;
 use super::simulated::SimulatedCell;
 use super::turning_cell::{CellError, FollowedCut, TurningCell as _};
 use crate::frame::{Frame, FrameSource, SourceError};
+use crate::job::HeadView;
 use crate::plan::{DiameterOffset, FollowFrame, FollowPlan, PassPlan};
 use crate::process::FollowedPass;
 use crate::render::{FrameRequest, OpticalSetup, RenderError, Scene};
@@ -52,21 +53,28 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
         if let Some(burst) = self.cell.followed.last_mut() {
             burst.add(at.field_z_mm, &shaft);
         }
+        let view = self.cell.lathe.as_ref().map(|lathe| lathe.head(at.field_z_mm));
+        let shaft = match &view {
+            Some(view) => view.seen(shaft),
+            None => shaft,
+        };
         let scene = Scene::new(&self.setup, shaft)?;
         let camera = &self.setup.nominal.camera;
         let windows = camera.windows.map(|w| w.rois(camera.columns));
         let request = FrameRequest {
             frame_id: self.cell.frame_id,
             t_ns: self.time_ns(at.turns),
-            z_mm: at.field_z_mm,
-            angle_deg: at.angle_deg,
+            z_mm: view.as_ref().map_or(at.field_z_mm, HeadView::z_mm),
+            angle_deg: view.as_ref().map_or(at.angle_deg, |view| view.angle_deg(at.angle_deg)),
             noise: true,
             roi: windows.map(|w| w[0]),
             second_roi: windows.map(|w| w[1]),
             format: None,
             seed: self.cell.batch.seed(),
         };
-        self.cell.renderer.render(&scene, &request, self.spare.take())
+        let mut frame = self.cell.renderer.render(&scene, &request, self.spare.take())?;
+        (frame.meta.z_mm, frame.meta.angle_deg) = (at.field_z_mm, at.angle_deg);
+        Ok(frame)
     }
 }
 

@@ -5,7 +5,7 @@
 //! values of the part. [`TurningCell`] and `FollowedCut` are the interface between the closed loop
 //! and a lathe; an adapter to a real lathe implements them. `simulated` holds the state of the
 //! simulated cell, `operations` its commands, `on_order` its single frames, `in_process` a pass
-//! with the gauge behind the tool, `true_probe` its touch probe; `drawn_scan` is the scan of a
+//! with the gauge behind the tool, `moved_head` the head by the errors of a lathe, `true_probe` its touch probe; `drawn_scan` is the scan of a
 //! shaft that is drawn, not turned, and `simulated_head` a live source of its frames; `recorded` is
 //! a cell of frames that were recorded, `wire` one whose process and renderer are another program.
 //! A new ability of a cell is a method of the trait with an error as its default.
@@ -14,6 +14,8 @@
 mod drawn_scan;
 #[cfg(feature = "render")]
 mod in_process;
+#[cfg(feature = "render")]
+mod moved_head;
 #[cfg(feature = "render")]
 mod on_order;
 #[cfg(feature = "render")]

@@ -1,6 +1,7 @@
 //! The commands of the simulated cell: cut, scan, touch, change the part.
 
 use super::in_process::SimulatedCut;
+use super::moved_head::Shown;
 use super::seen_burst::{axis_of, axis_seen};
 use super::simulated::{Acquisition, Batch, MASTER_STREAM, PROCESS_STREAM, SimulatedCell, hand_poses};
 use super::true_probe::Target;
@@ -26,10 +27,14 @@ impl TurningCell for SimulatedCell<'_> {
     }
 
     fn scan(&mut self, plan: &ScanPlan) -> Result<Box<dyn FrameSource + '_>, CellError> {
-        let scene = Scene::new(&self.setup, self.process.as_scanned(&self.part))?;
+        let part = self.process.as_scanned(&self.part);
+        let shown = match &self.lathe {
+            Some(lathe) => Shown::moved(lathe.clone(), self.setup.clone(), part),
+            None => Shown::Scenes(vec![Scene::new(&self.setup, part)?]),
+        };
         let stops =
             plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
-        Ok(self.acquire(vec![scene], stops, Acquisition::Part))
+        Ok(self.acquire(shown, stops, Acquisition::Part))
     }
 
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError> {
@@ -47,7 +52,7 @@ impl TurningCell for SimulatedCell<'_> {
             .collect();
         self.masters.frame_id = self.first_frame_id() + (1 << 31) + ((index as u64) << 24);
         let stops = (0..frames).map(|_| (0.0, 0.0)).collect();
-        Ok(self.acquire(scenes?, stops, Acquisition::Master))
+        Ok(self.acquire(Shown::Scenes(scenes?), stops, Acquisition::Master))
     }
 
     fn touch(&mut self, master: Option<usize>, orders: &[TouchOrder]) -> Result<Vec<Touch>, CellError> {

@@ -1,19 +1,25 @@
 //! The simulated cell: process and renderer in place of a lathe and a camera.
 
+use std::sync::Arc;
+
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
+use super::moved_head::Shown;
 use super::seen_burst::SeenBurst;
 use super::true_probe::TrueProbe;
 use super::turning_cell::CellError;
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::gauge::MasterCertificate;
-use crate::job::Job;
+use crate::job::{Job, Lathe};
 use crate::process::bending::sum_of_lines;
-use crate::process::{BaseForm, ProcessError, Stock, TurningProcess};
+use crate::process::{
+    BaseForm, PathDisplacement, PathPlace, ProcessError, ProcessSettings, Stock, TurningProcess,
+};
 use crate::render::form::form_shaft;
-use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
+use crate::render::settings::Camera;
+use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer};
 use crate::shaft::{AxisKnot, Pose, ProfileKnot, Shaft};
 
 impl From<ProcessError> for CellError {
@@ -33,6 +39,8 @@ pub struct SimulatedCell<'a> {
     pub(super) renderer: &'a Renderer,
     pub(super) setup: OpticalSetup,
     pub(super) process: TurningProcess,
+    /// The lathe with its errors; none where it stands as commanded.
+    pub(super) lathe: Option<Arc<Lathe>>,
     /// The part at 20 °C.
     pub(super) part: Shaft,
     /// `[shaft.deflection]`: bending of the axis besides the process.
@@ -135,7 +143,10 @@ impl<'a> SimulatedCell<'a> {
         let stock = Stock { diameter_mm: job.part.stock_diameter_mm, length_mm: job.part.length_mm };
         let formed = formed(job)?;
         let form = base_form_of(job, &formed)?;
-        let process = TurningProcess::new(&job.process, stock, &form, job.seed ^ PROCESS_STREAM)?;
+        let lathe = job.lathe().map_err(ProcessError::from)?.map(Arc::new);
+        let settings = process_settings(job, lathe.as_deref());
+        let process = TurningProcess::new(&settings, stock, &form, job.seed ^ PROCESS_STREAM)?;
+        let process = process.on(lathe.clone().map(|lathe| lathe as Arc<dyn PathDisplacement>));
         let blank = process.blank();
         let deflection = sum_of_lines(&formed.deflection, &blank.deflection);
         let part = Shaft { deflection, spindle: formed.spindle, ..blank };
@@ -143,6 +154,7 @@ impl<'a> SimulatedCell<'a> {
             renderer,
             setup,
             process,
+            lathe,
             part,
             deflection: formed.deflection,
             masters: TrueMasters { diameter_mm: true_masters_mm(&job.masters.pins, job.seed), frame_id: 0 },
@@ -176,16 +188,17 @@ impl SimulatedCell<'_> {
         self.clock_ns = (self.batch.part * PASSES_OF_A_PART + u64::from(pass)) * PASS_PERIOD_NS;
     }
 
-    /// Acquires with one scene for all stops, or one per stop.
+    /// Acquires at stops (z, angle).
     pub(super) fn acquire(
         &mut self,
-        scenes: Vec<Scene>,
+        shown: Shown,
         stops: Vec<(f64, f64)>,
         acquire: Acquisition,
     ) -> Box<dyn FrameSource + '_> {
         Box::new(SimulatedFrames {
             renderer: self.renderer,
-            scenes,
+            camera: self.setup.nominal.camera.clone(),
+            shown,
             stops,
             next: 0,
             frame_id: match acquire {
@@ -197,6 +210,17 @@ impl SimulatedCell<'_> {
             spare: None,
         })
     }
+}
+
+/// `[process]` with the lobes that the spindle of a lathe leaves in the middle of the part.
+fn process_settings(job: &Job, lathe: Option<&Lathe>) -> ProcessSettings {
+    let mut settings = job.process.clone();
+    if let Some(lathe) = lathe.filter(|lathe| lathe.spindle_errs()) {
+        let last = job.part.passes() as u32;
+        let (z_mm, diameter_mm) = (0.5 * job.part.length_mm, job.part.target_mm(last));
+        settings.disturbance.spindle_lobes = lathe.lobes(&PathPlace { z_mm, diameter_mm, taper: 0.0 });
+    }
+    settings
 }
 
 /// True diameters of the masters, mm: drawn from the values and uncertainties of their
@@ -223,7 +247,8 @@ pub(super) fn hand_poses(frames: usize, seed: u64) -> Vec<Pose> {
 
 struct SimulatedFrames<'a> {
     renderer: &'a Renderer,
-    scenes: Vec<Scene>,
+    camera: Camera,
+    shown: Shown,
     stops: Vec<(f64, f64)>,
     next: usize,
     frame_id: &'a mut u64,
@@ -235,27 +260,30 @@ struct SimulatedFrames<'a> {
 impl FrameSource for SimulatedFrames<'_> {
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
         let Some(&(z_mm, angle_deg)) = self.stops.get(self.next) else { return Ok(None) };
-        let scene = &self.scenes[self.next.min(self.scenes.len() - 1)];
-        let camera = &scene.setup().nominal.camera;
+        let failed = |e: RenderError, frame_id: u64| SourceError {
+            what: format!("frame {frame_id} (z = {z_mm} mm, {angle_deg}°) was not rendered"),
+            cause: Some(Box::new(e)),
+        };
+        let stop = self.shown.stop(self.next, (z_mm, angle_deg)).map_err(|e| failed(e, *self.frame_id))?;
+        let camera = &self.camera;
         let windows = camera.windows.map(|w| w.rois(camera.columns));
         let request = FrameRequest {
             frame_id: *self.frame_id,
             t_ns: *self.clock_ns,
-            z_mm,
-            angle_deg,
+            z_mm: stop.z_mm,
+            angle_deg: stop.angle_deg,
             noise: true,
             roi: windows.map(|w| w[0]),
             second_roi: windows.map(|w| w[1]),
             format: None,
             seed: self.seed,
         };
-        let frame = self.renderer.render(scene, &request, self.spare.take()).map_err(|e| SourceError {
-            what: format!("frame {} (z = {z_mm} mm, {angle_deg}°) was not rendered", request.frame_id),
-            cause: Some(Box::new(e)),
-        })?;
+        let frame = self.renderer.render(stop.scene, &request, self.spare.take());
+        let mut frame = frame.map_err(|e| failed(e, request.frame_id))?;
+        (frame.meta.z_mm, frame.meta.angle_deg) = (z_mm, angle_deg);
         self.next += 1;
         *self.frame_id += 1;
-        *self.clock_ns += (scene.setup().nominal.camera.period_ms() * 1e6) as u64;
+        *self.clock_ns += (self.camera.period_ms() * 1e6) as u64;
         Ok(Some(frame))
     }
 

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::error::from_render;
 use super::field_of_view::FieldOfView;
 use super::loop_job::LoopJob;
+use super::machine::{Lathe, MachineRow, OnMachine, RunMachine};
 use super::nc_job::NcJob;
 use super::part::Part;
 use super::run_tool::{self, RunTool};
@@ -14,7 +15,7 @@ use super::workpiece;
 use crate::control::{ControlSettings, ControllerName};
 use crate::gauge::GaugeSettings;
 use crate::gauge::calibration::Conditions;
-use crate::plan::{Contour, CuttingData};
+use crate::plan::{Contour, CuttingData, DiameterOffset};
 use crate::probe::ProbeSettings;
 use crate::process::ProcessSettings;
 use crate::render::contamination::Contamination;
@@ -67,6 +68,9 @@ pub struct Job {
     /// The tool by its file, and its measured nose: what a worn one leaves is what is cut.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool: Option<RunTool>,
+    /// The lathe with its geometric errors: they displace the tool and the head.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub machine: Option<RunMachine>,
     /// The gauge.
     pub gauge: GaugeSettings,
     /// A touch probe: where it stands, the loop takes its diameters from it in place of the camera.
@@ -100,6 +104,7 @@ impl Default for Job {
             departures: SetupDeviations::default(),
             process: ProcessSettings::default(),
             tool: None,
+            machine: None,
             gauge: GaugeSettings::default(),
             probe: None,
             control: ControlSettings::default(),
@@ -172,6 +177,34 @@ impl Job {
         Ok((drawn, worn))
     }
 
+    /// The lathe with its errors; none where the machine stands as commanded.
+    ///
+    /// # Errors
+    /// A machine that is missing, cannot be right, or does not fit the job.
+    pub(crate) fn lathe(&self) -> Result<Option<Lathe>, SettingError> {
+        let Some(machine) = &self.machine else { return Ok(None) };
+        let on = OnMachine {
+            part: &self.loop_job(),
+            process: &self.process,
+            spindle: &self.shaft.spindle,
+            is_recorded: self.source.is_some(),
+        };
+        machine.lathe(&on).map(Some)
+    }
+
+    /// What the machine's errors amount to at the stations of the first `passes` passes, for
+    /// comparison only; empty where the machine stands as commanded.
+    ///
+    /// # Errors
+    /// As [`Self::lathe`].
+    pub(crate) fn machine_rows(&self, passes: usize) -> Result<Vec<MachineRow>, SettingError> {
+        let Some(lathe) = self.lathe()? else { return Ok(Vec::new()) };
+        let order = self.loop_job();
+        let stations = order.station_z_mm().len();
+        let plan = |pass: usize| order.pass_plan(pass as u32, DiameterOffset::zero(stations));
+        Ok((1..=passes).flat_map(|pass| lathe.contributions(&plan(pass))).collect())
+    }
+
     /// The camera's data sheet.
     fn field_of_view(&self) -> FieldOfView {
         FieldOfView {
@@ -218,7 +251,8 @@ impl Job {
         self.process.validate()?;
         in_loop.check_stages()?;
         self.tool.as_ref().map_or(Ok(None), |tool| tool.path(&in_loop, self.nc.as_ref()))?;
-        in_loop.check_instrument()
+        in_loop.check_instrument()?;
+        self.lathe().map(drop)
     }
 
     /// Whether the fields cover the part, the angles determine its uncertainty, the last pass aims
@@ -235,6 +269,7 @@ impl Job {
         }
         let in_loop = self.loop_job();
         in_loop.check_coverage()?;
+        self.machine.as_ref().map_or(Ok(()), |machine| machine.check_fields(&in_loop))?;
         if self.scan.when != ScanWhen::DuringCut {
             return Ok(());
         }

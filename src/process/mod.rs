@@ -9,9 +9,9 @@
 //! `kienzle`, with `force_components`), the beam (`beam`, `line`, `fem`, `stepped`: different
 //! methods), `bending` (the supported shaft under all loads), `disturbance`, `texture`, `grid` (the
 //! nodes along plain and stepped shafts), `envelope` (the surface that a measured nose leaves on
-//! its path) and `turning`, which joins them in a pass. `settings` is the `[process]` table. A new
-//! force law is a variant of `ForceLaw`; a new cause of error a table of `settings` and a term in
-//! `turning`.
+//! its path), `path_displacement` (a lathe's errors, by interface) and `turning`, which joins them
+//! in a pass. `settings` is the `[process]` table. A new force law is a variant of `ForceLaw`; a
+//! new cause of error a table of `settings` and a term in `turning`.
 
 pub(crate) mod beam;
 pub(crate) mod bending;
@@ -28,6 +28,7 @@ mod grid;
 pub(crate) mod kienzle;
 pub(crate) mod line;
 pub(crate) mod material;
+mod path_displacement;
 mod random;
 mod section;
 mod settings;
@@ -51,5 +52,6 @@ pub(crate) use envelope::NosePath;
 pub(crate) use force::DepthLaw;
 pub(crate) use force::FITTED_TO;
 pub(crate) use force_components::Components;
+pub(crate) use path_displacement::{PathDisplacement, PathPlace};
 pub(crate) use section::Section;
 pub(crate) use turning::followed::{Contributions, FollowedPass};

@@ -8,6 +8,9 @@
 //! those of the unloaded shaft at 20 °C.
 
 pub(super) mod followed;
+mod on_machine;
+
+use std::sync::Arc;
 
 use thiserror::Error;
 
@@ -17,6 +20,7 @@ use super::cut::{Cut, CutNode, Passed, UncutNode};
 use super::force::DepthLaw;
 use super::grid::Grid;
 use super::material::Material;
+use super::path_displacement::PathDisplacement;
 use super::section::Section;
 use super::settings::{BelowMinimumChip, ProcessSettings};
 use super::texture;
@@ -130,6 +134,8 @@ pub struct TurningProcess {
     /// Recession of the edge when the next pass starts, mm (radial).
     wear_mm: f64,
     last_cut: Option<CutSummary>,
+    /// What displaces the tool's path; none where it stands as commanded.
+    machine: Option<Arc<dyn PathDisplacement>>,
 }
 
 impl TurningProcess {
@@ -177,6 +183,7 @@ impl TurningProcess {
             since_cold: 0,
             wear_mm: 0.0,
             last_cut: None,
+            machine: None,
         })
     }
 
@@ -268,7 +275,7 @@ impl TurningProcess {
     pub(crate) fn next_blank(&self, stock: Stock, seed: u64) -> Result<Self, ProcessError> {
         let fresh = Self::new(&self.settings, stock, &self.form, seed)?;
         let Self { cuts, since_cold, wear_mm, .. } = *self;
-        Ok(Self { cuts, since_cold, wear_mm, ..fresh })
+        Ok(Self { cuts, since_cold, wear_mm, machine: self.machine.clone(), ..fresh })
     }
 
     /// Cuts a pass and returns the shaft that remains. On an error the workpiece is unchanged.
@@ -380,26 +387,35 @@ impl TurningProcess {
         1.0 + 1e-6 * self.material.expansion_um_per_m_k * rise_k
     }
 
-    /// Diameter at which the edge stands, mm: the command, linear between station middles with the
-    /// end pieces continued, displaced by wear, guideway, drift and scatter.
+    /// Diameter at which the edge stands, mm: the command, displaced by the machine, wear,
+    /// guideway, drift and scatter.
     fn tool_path(&self, plan: &PassPlan) -> Vec<f64> {
         let d = &self.settings.disturbance;
-        let stations: Vec<f64> = plan.commanded_mm().collect();
         let common = d.common_mm(self.seed, plan.pass, self.since_cold);
-        let stepped = self.stepped_path(plan);
+        let compensated = self.compensated(plan);
+        let path = self.displaced_by_machine(self.commanded(compensated.as_ref().unwrap_or(plan)));
+        let displaced = |(z, at): (f64, f64)| {
+            let wear = self.wear_mm + 1e-3 * d.wear_um_per_pass * self.share_cut(z);
+            let away = wear + d.guideway_mm(z);
+            at + common + 2.0 * away
+        };
+        self.node_z_mm().zip(path).map(displaced).collect()
+    }
+
+    /// The command at every node, mm: linear between station middles with the end pieces continued.
+    fn commanded(&self, plan: &PassPlan) -> Vec<f64> {
+        if let Some(path) = self.stepped_path(plan) {
+            return path;
+        }
+        let stations: Vec<f64> = plan.commanded_mm().collect();
         let mut upper = 1;
-        self.node_z_mm()
-            .enumerate()
-            .map(|(node, z)| {
-                while upper + 1 < stations.len() && plan.station_z_mm[upper] < z {
-                    upper += 1;
-                }
-                let wear = self.wear_mm + 1e-3 * d.wear_um_per_pass * self.share_cut(z);
-                let away = wear + d.guideway_mm(z);
-                let plain = || linear(&plan.station_z_mm, &stations, upper, z);
-                stepped.as_ref().map_or_else(plain, |path| path[node]) + common + 2.0 * away
-            })
-            .collect()
+        let at = |z: f64| {
+            while upper + 1 < stations.len() && plan.station_z_mm[upper] < z {
+                upper += 1;
+            }
+            linear(&plan.station_z_mm, &stations, upper, z)
+        };
+        self.node_z_mm().map(at).collect()
     }
 
     /// The command at every node of a stepped shaft, mm: the contour less the offsets, which step

@@ -88,6 +88,11 @@ impl<'a> SimulatedHead<'a> {
     fn cell(&mut self) -> Result<&mut SimulatedCell<'a>, String> {
         if self.cell.is_none() {
             self.job.check().map_err(|e| format!("the config cuts no part: {e}"))?;
+            if self.job.machine.is_some() {
+                let why =
+                    "a published head does not draw the lathe's own pose of the head: leave [machine] out";
+                return Err(why.to_owned());
+            }
             self.cell = Some(SimulatedCell::new(self.job, self.renderer).map_err(|e| e.to_string())?);
         }
         self.cell.as_mut().ok_or_else(|| "the head has no part".to_owned())

@@ -6,6 +6,7 @@ use super::budget_words::{BUDGET_HEADER, budget_rows, budget_words};
 use super::error::ReportError;
 use super::form_report::form_section;
 use super::html::{Page, Tone};
+use super::machine_section::machine_section;
 use super::plot::{Chart, Mark, Series};
 use super::shaft_report::{forces, turn_picture};
 use super::{probe_report, sample, section_report};
@@ -156,6 +157,7 @@ pub(crate) fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
         files.extend(sample::figures(&mut page, sample).map_err(ReportError::Draw)?);
     }
     forces(&mut page, &rows.passes);
+    files.extend(machine_section(&mut page, view.job, rows.passes.len())?);
     form_section(&mut page, &record.sections, &record.parts, view.form)?;
     files.extend(axis_section(&mut page, &record.axis, &record.true_axis)?);
     files.extend(turn_picture(&mut page, &rows.passes, &rows.levelled, &record.true_axis));

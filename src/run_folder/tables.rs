@@ -4,6 +4,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::folder::{RunFolder, RunFolderError};
+use crate::job::MachineRow;
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 
 /// A row of `passes.csv`: one finished pass. The `true_` columns are for comparison only; they and
@@ -159,6 +160,14 @@ impl RunFolder {
     /// Where it cannot be read or parsed.
     pub(crate) fn true_axis(&self) -> Result<Vec<TrueAxisRow>, RunFolderError> {
         self.read_csv("truth_axis.csv")
+    }
+
+    /// Writes `truth_machine.csv`: what the errors of the lathe amount to, for comparison only.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub(crate) fn write_machine(&self, rows: &[MachineRow]) -> Result<(), RunFolderError> {
+        self.write_csv("truth_machine.csv", rows)
     }
 
     /// Writes `passes.csv`.

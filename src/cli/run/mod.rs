@@ -163,6 +163,10 @@ pub(crate) fn execute(job: &Job, out: &Path, how: &Execution<'_>) -> Result<Fini
     let reference = how.reference && controlled && how.from.is_simulated();
     let (main, reference) = run_both(job, &folder, how, reference)?;
     if main.waits.is_none() {
+        let machine = job.machine_rows(main.passes.len()).map_err(Failure::refuse)?;
+        if !machine.is_empty() {
+            folder.write_machine(&machine).map_err(folder_failure)?;
+        }
         let adapter = how.from.adapter();
         let page = report::run_report(&main.view(job, (&folder, reference.as_ref()), (how.from, &adapter)));
         let page = page.map_err(Failure::fail)?;

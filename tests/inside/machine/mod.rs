@@ -6,6 +6,7 @@ mod chain;
 mod cli;
 mod functions;
 mod response;
+mod run;
 mod spindle;
 mod study;
 

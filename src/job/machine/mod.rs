@@ -1,0 +1,20 @@
+//! The lathe of a run with its geometric errors: the `[machine]` table.
+//!
+//! In: a machine of [`crate::machine`] by its file or stated in the config, the job that runs on
+//! it. Out: a [`Lathe`], which displaces the tool's path (with the control's own compensation where
+//! `compensate` asks for it), the pose of the head before the part at any field ([`HeadView`]), and
+//! what both amount to at the stations ([`MachineRow`]), for comparison only. `turn_harmonics`
+//! takes what the spindle's errors do over a turn apart into lobes. One more thing that rides on
+//! the machine is a method of `Lathe` with its station.
+
+mod contribution;
+mod head_view;
+mod lathe;
+mod run_machine;
+mod turn_harmonics;
+
+pub(crate) use contribution::MachineRow;
+pub(crate) use head_view::HeadView;
+pub(crate) use lathe::Lathe;
+pub(super) use run_machine::OnMachine;
+pub use run_machine::RunMachine;
