@@ -90,5 +90,5 @@ pub(crate) enum AnyNose {
     /// The program's own.
     Own(Box<NoseImage>),
     /// The paper's.
-    Paper(PaperNoseImage),
+    Paper(Box<PaperNoseImage>),
 }

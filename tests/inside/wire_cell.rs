@@ -344,11 +344,14 @@ fn refusal(head: &mut Scripted, job: &LoopJob) -> (String, String) {
     }
 }
 
+/// What is changed of a head that fits, the key that is refused, and words of the reason.
+type Misfit<'a> = (&'a dyn Fn(&mut Scripted), &'a str, &'a str);
+
 #[test]
 fn a_head_that_does_not_fit_is_refused_by_the_key_of_the_job() {
     let job = LoopJob::default();
     assert!(check(&mut Scripted::of(&job), &job).is_ok());
-    let cases: [(&dyn Fn(&mut Scripted), &str, &str); 7] = [
+    let cases: [Misfit<'_>; 7] = [
         (&|head| head.values.retain(|name, _| !name.starts_with("Pass")), "source", "publish CONFIG.toml"),
         (&|head| drop(head.values.insert("Width".into(), "640".into())), "camera.columns", "640"),
         (&|head| drop(head.values.insert("SpindleSpeed".into(), "1200".into())), "source", "1200 rev/min"),

@@ -24,7 +24,7 @@ pub(crate) enum FramesFrom {
     /// A folder of frames.
     Recording(Recording),
     /// A head whose process and renderer are another program.
-    Wire(WireHead),
+    Wire(Box<WireHead>),
 }
 
 impl FramesFrom {
@@ -53,7 +53,7 @@ impl FramesFrom {
         if source.starts_with("gige:") {
             let address = Address::of(Path::new(source));
             if let Address::Camera(name) = address.map_err(|why| refused(SettingError::at("source", why)))? {
-                return Ok(Some(Self::Wire(WireHead::open(job, &name, refused)?)));
+                return Ok(Some(Self::Wire(Box::new(WireHead::open(job, &name, refused)?))));
             }
         }
         Self::recording(job, source, config).map(Some).map_err(refused)

@@ -140,7 +140,10 @@ fn found(
 ) -> Result<(AnyNose, Option<NoseMeasurement>), String> {
     if let Some(paper) = &instrument.paper {
         let nose = measure_paper_nose(&frame.view(), paper).map_err(|e| e.to_string())?;
-        return Ok((AnyNose::Paper(PaperNoseImage::new(name.to_owned(), &nose, calibration)), None));
+        return Ok((
+            AnyNose::Paper(Box::new(PaperNoseImage::new(name.to_owned(), &nose, calibration))),
+            None,
+        ));
     }
     let (measured, wear) = instrument.measure(frame)?;
     let image = NoseImage::new(name.to_owned(), &measured, wear.as_ref(), calibration);

@@ -17,7 +17,7 @@ const ZEROS: [Wanted; 1] = [Wanted { name: "head_c", is_needed: false }];
 
 /// Where temperatures come from.
 enum Origin {
-    Table(GrowingTable<3>),
+    Table(Box<GrowingTable<3>>),
     Command(Thermometer),
 }
 
@@ -61,7 +61,8 @@ impl LiveConditions {
         let awaited = || Temperatures::awaited(args.age());
         if let Some(path) = &args.temperatures {
             std::fs::File::open(path).map_err(|e| Failure::fail(format!("{}: {e}", path.display())))?;
-            open.temperatures = Some((awaited(), Origin::Table(GrowingTable::new(path, TEMPERATURES))));
+            open.temperatures =
+                Some((awaited(), Origin::Table(Box::new(GrowingTable::new(path, TEMPERATURES)))));
         }
         if let Some(command) = &args.temperature_cmd {
             let failed = |why: &dyn std::fmt::Display| Failure::fail(format!("--temperature-cmd: {why}"));
@@ -143,11 +144,11 @@ impl LiveConditions {
                 thermometer.readings().for_each(|reading| {
                     let pushed = reading.and_then(|sample| temperatures.push(sample));
                     note(pushed.map_err(|why| format!("--temperature-cmd: {why}")));
-                })
+                });
             }
             Some((temperatures, Origin::Table(table))) => match table.look() {
                 Ok(rows) => {
-                    rows.into_iter().for_each(|row| note(row.and_then(|row| later(temperatures, row))))
+                    rows.into_iter().for_each(|row| note(row.and_then(|row| later(temperatures, row))));
                 }
                 Err(why) => note(Err(why)),
             },

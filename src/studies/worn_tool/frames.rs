@@ -46,7 +46,7 @@ impl<'a> Frames<'a> {
             return Err(WornToolError::Surface { workpiece: cut.workpiece.number(), what });
         }
         let mean = read.iter().map(|d| d.d_mm).sum::<f64>() / read.len() as f64;
-        let u = read.iter().map(|d| d.u_mm()).fold(0.0, f64::max);
+        let u = read.iter().map(crate::profile::Diameter::u_mm).fold(0.0, f64::max);
         Ok((1e3 * (mean - LARGE_MM), Some(1e3 * u)))
     }
 

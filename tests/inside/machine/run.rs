@@ -226,74 +226,62 @@ fn the_edge_on_the_tools_side_stands_still_while_the_spindle_errs() {
     assert!(spread(bottom.clone()) > 1e-4 && spread(bottom) < 4.01e-4);
 }
 
+/// Changes of the job's text, text added behind it, the key that is refused, and words of the reason.
+type Misfit = (&'static [(&'static str, &'static str)], &'static str, &'static str, &'static str);
+
+const MISFITS: [Misfit; 9] = [
+    (&[("z_travel_mm = [-20.0, 100.0]", "z_travel_mm = [-20.0, 50.0]")], "", "part.length_mm", "travel of Z"),
+    (
+        &[("x_travel_mm = [-1.0, 20.0]", "x_travel_mm = [-1.0, 5.8]")],
+        "",
+        "part.stock_diameter_mm",
+        "travel of X",
+    ),
+    (&[("tool_mm = [0.0, 0.0, 0.0]", "tool_mm = [0.0, 0.0, 9e9]")], "", "machine.stated.tool_mm[2]", "µm"),
+    (&[("compensate = false", "compensate = false\nminutes = -1.0")], "", "machine.minutes", "at least 0"),
+    (
+        &[("compensate = false", "compensate = false\nfile = \"lathe.toml\"")],
+        "",
+        "machine.file",
+        "stands beside",
+    ),
+    (
+        &[("[machine.stated]", "[process.bending]\ntool_deg = 90.0\n[machine.stated]")],
+        "",
+        "process.bending.tool_deg",
+        "0 beside",
+    ),
+    (
+        &[(
+            "[machine.stated]",
+            "[[process.disturbance.guideway]]\nz_mm = 0.0\naway_um = 5.0\n[machine.stated]",
+        )],
+        "[machine.stated.errors.exz]\nreversal_um = 0.0\n",
+        "process.disturbance.guideway",
+        "EXZ",
+    ),
+    (
+        &[(
+            "[machine.stated]",
+            "[[process.disturbance.spindle_lobes]]\norder_upr = 3\namplitude_mm = 0.001\n[machine.stated]",
+        )],
+        "",
+        "process.disturbance.spindle_lobes",
+        "EXC",
+    ),
+    (
+        &[],
+        "[machine.stated.errors.exc]\nfourier = [{ order = 400, amplitude_um = 0.1 }]\n",
+        "errors.exc.fourier[0].order",
+        "at most 359",
+    ),
+];
+
 #[test]
 fn what_does_not_fit_is_refused_with_its_place() {
-    let probe = "[machine.stated.errors.exz]\nreversal_um = 0.0\n";
-    let cases: [(&[(&str, &str)], &str, &str, &str); 9] = [
-        (
-            &[("z_travel_mm = [-20.0, 100.0]", "z_travel_mm = [-20.0, 50.0]")],
-            "",
-            "part.length_mm",
-            "travel of Z",
-        ),
-        (
-            &[("x_travel_mm = [-1.0, 20.0]", "x_travel_mm = [-1.0, 5.8]")],
-            "",
-            "part.stock_diameter_mm",
-            "travel of X",
-        ),
-        (
-            &[("tool_mm = [0.0, 0.0, 0.0]", "tool_mm = [0.0, 0.0, 9e9]")],
-            "",
-            "machine.stated.tool_mm[2]",
-            "µm",
-        ),
-        (
-            &[("compensate = false", "compensate = false\nminutes = -1.0")],
-            "",
-            "machine.minutes",
-            "at least 0",
-        ),
-        (
-            &[("compensate = false", "compensate = false\nfile = \"lathe.toml\"")],
-            "",
-            "machine.file",
-            "stands beside",
-        ),
-        (
-            &[("[machine.stated]", "[process.bending]\ntool_deg = 90.0\n[machine.stated]")],
-            "",
-            "process.bending.tool_deg",
-            "0 beside",
-        ),
-        (
-            &[(
-                "[machine.stated]",
-                "[[process.disturbance.guideway]]\nz_mm = 0.0\naway_um = 5.0\n[machine.stated]",
-            )],
-            probe,
-            "process.disturbance.guideway",
-            "EXZ",
-        ),
-        (
-            &[(
-                "[machine.stated]",
-                "[[process.disturbance.spindle_lobes]]\norder_upr = 3\namplitude_mm = 0.001\n[machine.stated]",
-            )],
-            "",
-            "process.disturbance.spindle_lobes",
-            "EXC",
-        ),
-        (
-            &[],
-            "[machine.stated.errors.exc]\nfourier = [{ order = 400, amplitude_um = 0.1 }]\n",
-            "errors.exc.fourier[0].order",
-            "at most 359",
-        ),
-    ];
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("job.toml");
-    for (changes, errors, key, words) in cases {
+    for (changes, errors, key, words) in MISFITS {
         std::fs::write(&path, text(changes, errors)).unwrap();
         let refused = config::load(&path).unwrap_err().to_string();
         assert!(refused.contains(key) && refused.contains(words), "{key}: {refused}");
