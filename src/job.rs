@@ -10,11 +10,11 @@
 //!
 //! `part` (with `part_section`), `scan`, `nc_job`, `probe` and `follow` are tables and plans of the
 //! loop; `stations` are a function of its part, `sections` make of a drawing a contour that can be
-//! turned; `simulated` is the whole job, `run_tool` its tool with a worn nose, `machine` the lathe's
-//! errors in a run, `drawn` what a picture of it needs, `workpiece` what the model-based controller takes from it, `edge` and
-//! `gauge_settings` give the gauge the edge of the job's own optics; `error` is what a check
-//! refuses. A new table of the loop is a field of both with a check of its own, called in
-//! [`LoopJob::check`]; one of the simulation a field of [`Job`] alone.
+//! turned; `simulated` is the whole job, `run_tool` its tool with a worn nose, `machine` the
+//! lathe's errors in a run, `drawn` what a picture of it needs, `workpiece` what the model-based
+//! controller takes from it, `edge` and `gauge_settings` give the gauge the edge of the job's own
+//! optics; `error` is what a check refuses. A new table of the loop is a field of both with a check
+//! of its own, called in [`LoopJob::check`]; one of the simulation a field of [`Job`] alone.
 
 #[cfg(feature = "render")]
 mod drawn;

@@ -5,10 +5,11 @@
 //! values of the part. [`TurningCell`] and `FollowedCut` are the interface between the closed loop
 //! and a lathe; an adapter to a real lathe implements them. `simulated` holds the state of the
 //! simulated cell, `operations` its commands, `on_order` its single frames, `in_process` a pass
-//! with the gauge behind the tool, `moved_head` the head by the errors of a lathe, `true_probe` its touch probe; `drawn_scan` is the scan of a
-//! shaft that is drawn, not turned, and `simulated_head` a live source of its frames; `recorded` is
-//! a cell of frames that were recorded, `wire` one whose process and renderer are another program.
-//! A new ability of a cell is a method of the trait with an error as its default.
+//! with the gauge behind the tool, `moved_head` the head by the errors of a lathe, `true_probe` its
+//! touch probe; `drawn_scan` is the scan of a shaft that is drawn, not turned, and `simulated_head`
+//! a live source of its frames; `recorded` is a cell of frames that were recorded, `wire` one whose
+//! process and renderer are another program. A new ability of a cell is a method of the trait with
+//! an error as its default.
 
 #[cfg(feature = "render")]
 mod drawn_scan;

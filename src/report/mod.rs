@@ -4,10 +4,10 @@
 //! self-contained page and the files beside it. [`html`] makes pages, [`plot`] charts (`marks`:
 //! their series, `picture`: frames), in the `colours` of both schemes; a report is a file of
 //! sections, each a function of a page and its data (`shaft_report`, `form_report`, `axis_report`,
-//! `machine_section`, `probe_report`, `sample`, `budget_words`, for `measure_report` `measured_frames`,
-//! `measured_values`, `measured_setup`, `measured_charts`, `measured_series` and `reason_words`,
-//! for `head_report` `head_rows`). A new section is a file and one call in the report it belongs
-//! to.
+//! `machine_section`, `probe_report`, `sample`, `budget_words`, for `measure_report`
+//! `measured_frames`, `measured_values`, `measured_setup`, `measured_charts`, `measured_series` and
+//! `reason_words`, for `head_report` `head_rows`). A new section is a file and one call in the
+//! report it belongs to.
 
 mod axis_report;
 mod budget_words;

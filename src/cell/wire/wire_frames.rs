@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::source::commanded::{Arrived, CommandedHead, HeadError, HeadFrame, Place};
 
-/// Wait for a frame before the head is asked what became of it: with two answers that are awaited as
-/// long, a head that is gone is reported within a second.
+/// Wait for a frame before the head is asked what became of it: with two answers that are awaited
+/// as long, a head that is gone is reported within a second.
 const LOOK: Duration = Duration::from_millis(250);
 /// Longest wait for a frame of a head that answers: two minutes are no exposure, and no drawing of
 /// a frame that a loop could wait for in every pass.

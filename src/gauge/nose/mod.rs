@@ -6,8 +6,8 @@
 //! and noise pooled, the contour free in every sector. The edges' calipers give two lines with
 //! their covariance (`line`), these the centre at the nominal radius from both (`centre`), the
 //! nose's sectors its radii, and a penalised smooth of them the support of the convex hull with its
-//! covariance (`support`). `wear` compares with the same insert new, `axes` finds the machine's axes
-//! from moves; `paper` measures by the way of a published paper, for comparison.
+//! covariance (`support`). `wear` compares with the same insert new, `axes` finds the machine's
+//! axes from moves; `paper` measures by the way of a published paper, for comparison.
 //!
 //! Places are (column, −row), px: as seen, directions count from the right counter-clockwise.
 //!

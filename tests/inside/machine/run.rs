@@ -226,7 +226,8 @@ fn the_edge_on_the_tools_side_stands_still_while_the_spindle_errs() {
     assert!(spread(bottom.clone()) > 1e-4 && spread(bottom) < 4.01e-4);
 }
 
-/// Changes of the job's text, text added behind it, the key that is refused, and words of the reason.
+/// Changes of the job's text, text added behind it, the key that is refused, and words of the
+/// reason.
 type Misfit = (&'static [(&'static str, &'static str)], &'static str, &'static str, &'static str);
 
 const MISFITS: [Misfit; 9] = [
