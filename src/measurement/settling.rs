@@ -151,6 +151,8 @@ impl Settling {
 /// Angle by which a turning part may seem to turn back, degrees: an encoder at rest jitters by some
 /// counts, and a thousand of them are a turn at least.
 const JITTER_DEG: f64 = 1.0;
+/// What rounding may leave of a whole turn of even steps, degrees.
+const ROUNDING_DEG: f64 = 1e-6;
 
 /// Means of whole turns of a part that turns, one a turn, whichever way it turns.
 ///
@@ -186,7 +188,7 @@ impl TurnMeans {
         self.turned_deg += step_deg;
         let after_deg = self.turned_deg.abs();
         let mean = |share: f64| last_mm + 0.5 * share * (d_mm - last_mm);
-        if after_deg < 360.0 {
+        if after_deg < 360.0 - ROUNDING_DEG {
             // a step back within the jitter takes its part off again
             self.sum_mm_deg += (after_deg - before_deg) * mean(1.0);
             return None;
