@@ -19,6 +19,7 @@ use serde::Serialize;
 
 use crate::numerics::distributions::student;
 use crate::numerics::line::Line;
+use crate::position::shorter_way_deg;
 
 /// Probability that a steady diameter is called a trend, a test.
 const FALSE_ALARM: f64 = 0.01;
@@ -206,11 +207,6 @@ impl TurnMeans {
     }
 }
 
-/// The step from one angle to another by the shorter way, above -180 to 180 degrees.
-fn shorter_way_deg(from_deg: f64, to_deg: f64) -> f64 {
-    180.0 - (180.0 - (to_deg - from_deg)).rem_euclid(360.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -345,8 +341,5 @@ mod tests {
         // at rest, with the jitter of a count, there is no turn
         let mut rest = TurnMeans::default();
         assert!((0..1000).all(|i| rest.push(i, 0.1 * (i % 2) as f64, 20.0).is_none()));
-        assert!((shorter_way_deg(350.0, 10.0) - 20.0).abs() < 1e-12);
-        assert!((shorter_way_deg(10.0, 350.0) + 20.0).abs() < 1e-12);
-        assert_eq!((shorter_way_deg(0.0, 180.0), shorter_way_deg(180.0, 0.0)), (180.0, 180.0));
     }
 }
