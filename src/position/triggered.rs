@@ -170,6 +170,11 @@ impl TriggerCount {
     }
 
     fn place(&self, counted: &Counted) -> Place {
+        if !(counted.step_ns > 0.0) {
+            let why = "no rising times of it and its neighbours: a trigger that was ignored would not be seen, and the speed that \
+                       moves its angle to mid-exposure is unknown";
+            return Place::Void(why.to_owned());
+        }
         let Some(trigger) = counted.trigger else {
             return Place::Void(
                 "the number of its trigger is not known: triggers were missed before it; begin anew at an index pulse".to_owned(),
@@ -181,9 +186,6 @@ impl TriggerCount {
         let turn = trigger.div_euclid(self.per_turn);
         if let Some((_, why)) = self.void.iter().find(|(void, _)| *void == turn) {
             return Place::Void(why.clone());
-        }
-        if counted.step_ns <= 0.0 {
-            return Place::Void("it is alone: the speed that moves its angle to mid-exposure is unknown".to_owned());
         }
         let counts_a_step = f64::from(self.settings.counts_per_turn) / self.per_turn as f64;
         let sign = self.settings.forward(1) as f64;

@@ -5,8 +5,8 @@
 //! table (`table`, `statistics`, `turn`, `words`, `legend`) or JSON (`document`), edges as CSV
 //! (`edges_file`), diameters as CSV and a report (`leaves`, `csv_file`); the
 //! offsets of the next part (`offsets`); times (`timing`). Values over time beside the frames are
-//! tables of `time_table`. This
-//! file turns arguments into settings and frames into a [`Stream`](crate::measurement::Stream);
+//! tables of `time_table`, also while they grow (`growing_table`); samples of an encoder are such
+//! (`encoder_samples`). This file turns arguments into settings and frames into a [`Stream`](crate::measurement::Stream);
 //! what is measured is in [`measurement`](crate::measurement), where a new result goes too.
 
 mod camera_source;
@@ -15,9 +15,11 @@ mod closing;
 mod csv_file;
 pub(super) mod document;
 mod edges_file;
-mod encoder_args;
+pub(super) mod encoder_args;
+mod encoder_samples;
 pub(super) mod esf_argument;
 pub(super) mod frames;
+pub(super) mod growing_table;
 pub(super) mod input;
 pub(super) mod instrument_args;
 mod judge_args;
@@ -168,7 +170,7 @@ impl Instrument {
 impl MeasureArgs {
     /// Files read beside the frames.
     fn other_inputs(&self) -> Vec<PathBuf> {
-        let named = self.instrument.files().chain(self.temperatures.file());
+        let named = self.instrument.files().chain(self.temperatures.file()).chain(self.encoder.file());
         named.chain(self.esf.as_ref().map(PathBuf::from)).chain(self.offsets.inputs()).collect()
     }
 
@@ -337,7 +339,7 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
         report_uncalibrated(&stream);
     }
     let temperatures = args.temperatures.read()?;
-    let encoder = args.encoder.encoder(&input)?;
+    let encoder = args.encoder.of_input(input.is_stream())?;
     let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
     let stop = opened.stop.clone();
     let checks = FrameChecks::new(&args.frames, instrument.calibration.as_ref(), args.instrument.scale());
@@ -435,7 +437,7 @@ fn rings(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandRe
     settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
     let calibration = instrument.calibration.as_ref();
     let json = args.json.then(|| if input.is_stream() { ring::Json::lines() } else { ring::Json::whole() });
-    let encoder = args.encoder.encoder(&input)?;
+    let encoder = args.encoder.of_input(input.is_stream())?;
     let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
     let checks = FrameChecks::new(&args.frames, calibration, args.instrument.scale());
     let mut source = Frames::new(opened.frames, checks);

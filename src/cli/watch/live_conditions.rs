@@ -3,9 +3,9 @@
 use serde_json::{Map, Value};
 
 use super::condition_args::ConditionArgs;
-use super::growing_table::GrowingTable;
 use super::thermometer::Thermometer;
 use crate::cli::failure::Failure;
+use crate::cli::measure::growing_table::GrowingTable;
 use crate::cli::measure::temperature_args::{TEMPERATURES, sample};
 use crate::cli::measure::time_table::{TimeRow, Wanted};
 use crate::measurement::watch::{Drift, Zero, Zeros};

@@ -1,7 +1,7 @@
 //! `shadowgauge watch`: a source watched live.
 //!
 //! In: a source of frames, a scale or calibration, a tolerance, temperatures and zeros over time
-//! (`condition_args`; tables that grow: `growing_table`, a command: `thermometer`; taken into the
+//! (`condition_args`; a command: `thermometer`; taken into the
 //! measurement by `live_conditions`). Out: on a terminal one line of the present diameter that is
 //! written over again, on stdout a line a part, or with `--json` a line a frame and a line an event
 //! (`shown`); an alarm with its command (`on_alarm`, run by `shell`); counts at the end; the frames
@@ -11,7 +11,6 @@
 //! is in [`measurement::watch`](crate::measurement), where one more figure goes.
 
 mod condition_args;
-mod growing_table;
 mod live_conditions;
 mod on_alarm;
 #[cfg(feature = "mcap")]
@@ -36,8 +35,9 @@ use self::session::{Beside, Ended, Session, SessionSettings};
 use self::setup_page::{SetupOf, SetupPage};
 use self::shown::{Shown, ShownAs};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::measure::encoder_args::{EncoderArgs, bound};
 use crate::cli::measure::frames::{FrameArgs, FrameChecks, ScaleArgument, paths};
-use crate::cli::measure::input::{Reading, StreamArgs, StreamSource, seconds};
+use crate::cli::measure::input::{Reading, StreamArgs, StreamSource, check_untimed, seconds};
 use crate::cli::measure::instrument_args::InstrumentArgs;
 use crate::cli::measure::{failure, positive_px};
 use crate::cli::process::interrupt;
@@ -48,6 +48,9 @@ use crate::source::live::{Live, LiveSettings, LiveSource as _, Policy, Producer,
 
 /// Frames that wait where every one is measured: some are decoded while one is measured.
 const WAITING: usize = 4;
+/// Frames that wait where they come turn by turn: those of two turns of 32, as many as are held in
+/// frames of 2048 × 2048.
+const OF_A_TURN: usize = 64;
 
 /// Arguments of `shadowgauge watch`.
 #[derive(Debug, clap::Args)]
@@ -83,6 +86,8 @@ pub(crate) struct WatchArgs {
     /// that the source gives of every frame.
     #[arg(long, requires = "settle_s")]
     turning: bool,
+    #[command(flatten)]
+    encoder: EncoderArgs,
     #[command(flatten)]
     conditions: ConditionArgs,
     /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of
@@ -171,7 +176,12 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
     #[cfg(feature = "mcap")]
     let (watched, recording) = recorded(watched, args.record.as_deref())?;
     let stop = interrupt::requested();
-    let waiting = if watched.policy == Policy::Block { WAITING } else { 1 };
+    let waiting = match watched.policy {
+        Policy::Block => WAITING,
+        // a bound source delivers the frames of a turn together
+        _ if args.encoder.is_given() => OF_A_TURN,
+        _ => 1,
+    };
     let settings = LiveSettings { policy: watched.policy, waiting, held: 1 };
     let mut live = Live::new(watched.producer, settings).map_err(Failure::fail)?;
     let checks = FrameChecks::new(&args.frames, calibration.as_ref(), args.instrument.scale());
@@ -298,18 +308,29 @@ fn opened(args: &WatchArgs) -> Result<Watched, Failure> {
     let all = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.map_or_else(all, usize::from);
     let read = Reading::new(args.frames.channel(), threads, true);
-    let Some(stream) = StreamSource::of(&args.source, &args.stream)? else {
-        return opened_path(&args.source, &read);
+    let beside = args.encoder.binding()?;
+    let watched = match StreamSource::of(&args.source, &args.stream)? {
+        None => opened_path(args, &read)?,
+        Some(stream) => {
+            args.encoder.in_table(true)?;
+            if !stream.has_times() {
+                check_untimed(beside.as_ref())?;
+            }
+            let policy = if stream.is_file() { Policy::Block } else { Policy::DropOldest };
+            Watched { producer: stream.producer(&read)?, policy }
+        }
     };
-    let policy = if stream.is_file() { Policy::Block } else { Policy::DropOldest };
-    Ok(Watched { producer: stream.producer(&read)?, policy })
+    let is_live = watched.policy != Policy::Block;
+    Ok(Watched { producer: bound(watched.producer, beside, is_live), ..watched })
 }
 
-fn opened_path(path: &Path, read: &Reading) -> Result<Watched, Failure> {
+fn opened_path(args: &WatchArgs, read: &Reading) -> Result<Watched, Failure> {
+    let path = &args.source;
+    let in_table = args.encoder.in_table(path.is_dir())?;
     let (frames, policy) = if path.is_dir() {
         (read.followed(path.to_owned(), None)?, Policy::DropOldest)
     } else {
-        (read.files(paths(&[path.to_owned()])?, None)?, Policy::Block)
+        (read.files(paths(&[path.to_owned()])?, in_table)?, Policy::Block)
     };
     Ok(Watched { producer: Box::new(StoredProducer::new(frames)), policy })
 }
