@@ -220,7 +220,6 @@ impl StreamSource {
     /// A file that cannot be opened, a config that is refused, an encoder beside frames without
     /// times; a system that refuses threads.
     pub(crate) fn ahead(self, read: &Reading, beside: Option<Binding>) -> Result<Ahead, Failure> {
-        let is_live = matches!(self, Self::Camera(_));
         let (producer, policy, waiting, name) = match self {
             Self::Simulation(config) => {
                 let name = format!("sim:{}", config.display());
@@ -238,6 +237,8 @@ impl StreamSource {
             }
         };
         let settings = LiveSettings { policy, waiting, held: 1 };
+        // what does not wait for this program is live
+        let is_live = policy != Policy::Block;
         read.live(bound(producer, beside, is_live), settings, name)
     }
 

@@ -118,6 +118,8 @@ impl LiveConditions {
             stream.set_part_temperature(part.0, part.1);
             taken.part = Some(part);
         }
+        // a thermometer beside the head is stated by the user, that of the camera is its own
+        let head_c = head_c.or(meta.head_c.map(|known| known.value));
         if let Some((zeros, _)) = &self.zeros {
             let drift = zeros.at(t_ns, head_c)?;
             stream.set_zero_drift(drift.u_mm, drift.to_string());
