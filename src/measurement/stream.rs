@@ -6,6 +6,7 @@ use super::error::MeasureError;
 use super::inspector::Inspector;
 use super::judged::{Deciding, Judged};
 use super::preparation::{check_size, copied, laid, prepared};
+use super::reference_pin::{PinReader, ReferencePin, meta_of};
 use super::result::Measurement;
 use super::series::Series;
 use super::settings::MeasureSettings;
@@ -47,6 +48,8 @@ pub struct Stream {
     unlearnt: usize,
     /// Memory of the last corrected frame.
     corrected: Option<Buffer>,
+    /// A fixed pin beside the part.
+    pin: Option<PinReader>,
 }
 
 impl Stream {
@@ -104,8 +107,22 @@ impl Stream {
             measurement: Measurement::default(),
             unlearnt: 0,
             corrected: None,
+            pin: None,
             settings,
         }
+    }
+
+    /// With a fixed pin beside the part that corrects every frame: the part is measured in the
+    /// columns of the pin's wider side, which are counted from there on.
+    ///
+    /// # Errors
+    /// A stream that gives pixels only.
+    pub fn with_reference_pin(mut self, gauge: &Gauge, pin: ReferencePin) -> Result<Self, MeasureError> {
+        let Some(inspector) = &self.inspector else {
+            return Err(MeasureError::NeedsScale { setting: "reference_pin" });
+        };
+        self.pin = Some(PinReader::new(pin, gauge, &inspector.calibration));
+        Ok(self)
     }
 
     /// Measures a frame, as the camera gives it, by its number.
@@ -169,8 +186,56 @@ impl Stream {
         view: &FrameView<'_>,
     ) -> Result<&Measurement, MeasureError> {
         let view = laid(view, self.settings.vertical);
+        if self.pin.is_some() {
+            return self.push_beside_pin(name, meta, &view);
+        }
+        self.push_laid(name, meta, &view)
+    }
+
+    /// Measures a frame, its shaft lying level, beside the reference pin.
+    fn push_beside_pin(
+        &mut self,
+        name: &str,
+        meta: &FrameMeta,
+        view: &FrameView<'_>,
+    ) -> Result<&Measurement, MeasureError> {
+        match self.read_pin(view) {
+            Err(why) => {
+                self.begin(name, meta.frame_id, view.columns());
+                self.refuse(MeasureError::ReferencePin { frame: name.to_owned(), why })
+            }
+            Ok((part, columns)) => {
+                let pitch_mm = self.inspector.as_ref().map_or(0.0, |i| i.calibration.scale_mm_per_px);
+                let meta = meta_of(meta, columns, view.columns(), pitch_mm);
+                self.push_laid(name, &meta, &part)
+            }
+        }
+    }
+
+    /// Takes the correction of a frame by its pin; the view of the part, and its columns.
+    fn read_pin<'a>(&mut self, view: &FrameView<'a>) -> Result<(FrameView<'a>, [usize; 2]), String> {
+        let (Some(pin), Some(inspector)) = (&mut self.pin, &mut self.inspector) else {
+            return Err("there is none".to_owned());
+        };
+        let columns = pin.part_columns(view.columns())?;
+        inspector.pin = Some(pin.read(view)?);
+        if let Some(place) = pin.part_place(columns[0]) {
+            // the lens of the part's columns, once the size of the frames is known
+            inspector.calibration = place;
+        }
+        let part = view.columns_between(columns[0], columns[1]).ok_or("it leaves no part")?;
+        Ok((part, columns))
+    }
+
+    /// Measures a frame whose shaft lies level.
+    fn push_laid(
+        &mut self,
+        name: &str,
+        meta: &FrameMeta,
+        view: &FrameView<'_>,
+    ) -> Result<&Measurement, MeasureError> {
         self.begin(name, meta.frame_id, view.columns());
-        if let Err(error) = self.measure_edges(name, meta, &view) {
+        if let Err(error) = self.measure_edges(name, meta, view) {
             return self.refuse(error);
         }
         self.take_edges();

@@ -26,6 +26,7 @@ mod judge_args;
 mod leaves;
 mod legend;
 pub(super) mod offsets;
+pub(super) mod reference_pin_args;
 mod results;
 mod ring;
 mod statistics;
@@ -54,6 +55,7 @@ use self::judge_args::JudgeArgs;
 use self::leaves::{Inputs, Leaves, LeavesArgs, MeasuredBy};
 use self::legend::Legend;
 use self::offsets::{OffsetArgs, OffsetJob};
+use self::reference_pin_args::ReferencePinArgs;
 use self::results::{Beside, Printed, Results, head};
 use self::temperature_args::{TemperatureArgs, take_temperature};
 use self::warnings::{report_uncalibrated, report_unlearnt};
@@ -64,7 +66,9 @@ use crate::frame::{Frame, FrameView};
 use crate::gauge::calibration::Conditions;
 use crate::gauge::ring::RingSettings;
 use crate::gauge::{Calibration, EsfModel, Gauge, GaugeSettings, Polarity};
-use crate::measurement::{MeasureError, MeasureSettings, Series, Stream, Temperatures, edge_model, prepared};
+use crate::measurement::{
+    MeasureError, MeasureSettings, ReferencePin, Series, Stream, Temperatures, edge_model, prepared,
+};
 use crate::source::Arrival;
 
 /// Arguments of `shadowgauge measure`.
@@ -78,6 +82,8 @@ pub(crate) struct MeasureArgs {
     temperatures: TemperatureArgs,
     #[command(flatten)]
     encoder: EncoderArgs,
+    #[command(flatten)]
+    pin: ReferencePinArgs,
     #[command(flatten)]
     frames: FrameArgs,
     #[command(flatten)]
@@ -154,6 +160,7 @@ struct Instrument {
     calibration: Option<Calibration>,
     conditions: Conditions,
     settings: MeasureSettings,
+    pin: Option<ReferencePin>,
 }
 
 impl Instrument {
@@ -163,6 +170,10 @@ impl Instrument {
             Some(calibration) => Stream::new(&self.gauge, calibration, &self.conditions, settings),
             None => Stream::in_pixels(&self.gauge, settings),
         }
+        .and_then(|stream| match self.pin {
+            Some(pin) => stream.with_reference_pin(&self.gauge, pin),
+            None => Ok(stream),
+        })
         .map_err(failure)
     }
 }
@@ -206,7 +217,8 @@ pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     check_offsets(args, &input)?;
     let calibration = args.instrument.calibration(&args.frames, input.files())?;
     let conditions = args.instrument.conditions(calibration.as_ref())?;
-    if let (None, Some(name)) = (&calibration, args.judge.needs_scale()) {
+    let needs_scale = args.judge.needs_scale().or(args.pin.given());
+    if let (None, Some(name)) = (&calibration, needs_scale) {
         return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
     }
     let esf = stated_edge_model(args, calibration.as_ref())?;
@@ -214,7 +226,8 @@ pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     // The report shows a budget.
     let budget = args.judge.shows_budgets() || args.leaves.has_report() && calibration.is_some();
     let settings = MeasureSettings { budget, ..args.settings() };
-    let instrument = Instrument { gauge, calibration, conditions, settings };
+    let pin = args.pin.reference_pin;
+    let instrument = Instrument { gauge, calibration, conditions, settings, pin };
     if args.shape == Shape::Ring {
         return rings(args, &instrument, input);
     }
@@ -417,6 +430,7 @@ fn bench(
         calibration,
         conditions: instrument.conditions,
         settings,
+        pin: instrument.pin,
     };
     Ok(timing::benchmark(&instrument.gauge, level.stream()?, &views, count))
 }
@@ -430,7 +444,8 @@ fn rings(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandRe
     {
         return Err(Failure::refuse("--edges, --bench, --vertical and --esf belong to --shape shaft"));
     }
-    if let Some(name) = args.judge.needs_scale().or(args.choice.given()).or(args.leaves.given()) {
+    let of_shaft = args.judge.needs_scale().or(args.choice.given()).or(args.leaves.given());
+    if let Some(name) = of_shaft.or(args.pin.given()) {
         return Err(Failure::refuse(format!("{name} belongs to --shape shaft")));
     }
     let mut settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };

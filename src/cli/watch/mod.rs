@@ -39,6 +39,7 @@ use crate::cli::measure::encoder_args::{EncoderArgs, bound};
 use crate::cli::measure::frames::{FrameArgs, FrameChecks, ScaleArgument, paths};
 use crate::cli::measure::input::{Reading, StreamArgs, StreamSource, check_untimed, seconds};
 use crate::cli::measure::instrument_args::InstrumentArgs;
+use crate::cli::measure::reference_pin_args::ReferencePinArgs;
 use crate::cli::measure::{failure, positive_px};
 use crate::cli::process::interrupt;
 use crate::conformity::Tolerance;
@@ -88,6 +89,8 @@ pub(crate) struct WatchArgs {
     turning: bool,
     #[command(flatten)]
     encoder: EncoderArgs,
+    #[command(flatten)]
+    pin: ReferencePinArgs,
     #[command(flatten)]
     conditions: ConditionArgs,
     /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of
@@ -210,6 +213,7 @@ fn check(args: &WatchArgs, calibration: Option<&Calibration>) -> Result<(), Fail
         args.settle_s.map(|_| "--settle-s"),
         args.budget.then_some("--budget"),
         args.conditions.needs_scale(),
+        args.pin.given(),
     ];
     if let (None, Some(name)) = (calibration, of_millimetres.into_iter().flatten().next()) {
         return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
@@ -297,6 +301,9 @@ fn measuring(args: &WatchArgs, calibration: Option<&Calibration>) -> Result<Stre
         None => Stream::in_pixels(&gauge, settings),
     };
     let mut stream = stream.map_err(failure)?;
+    if let Some(pin) = args.pin.reference_pin {
+        stream = stream.with_reference_pin(&gauge, pin).map_err(failure)?;
+    }
     if args.turning {
         stream.settle_by_turns();
     }
