@@ -39,8 +39,8 @@ const MOST_DRIFT: f64 = 5e-4;
 const MOST_STEP: f64 = 2e-5;
 /// Standard uncertainties by which noise may depart, beside it: one frame in two million.
 const NOISE: f64 = 5.0;
-/// Readings whose median is compared with: an even number would take the mean of two.
-const COMPARED: usize = 15;
+/// Readings whose median is compared with: more would lag behind a drift, one alone has its noise.
+const COMPARED: usize = 3;
 /// Expanded uncertainty of a diameter that is stated without one, µm: the limits of a pin gauge of a
 /// micrometre's class.
 const UNSTATED_UM: f64 = 1.0;
