@@ -131,7 +131,7 @@ impl EncoderArgs {
     }
 }
 
-/// A source with its frames bound, where that is asked for; `is_live`: it waits for nobody.
+/// A source with its frames bound, where that is asked for; `is_live`: it goes on whether its frames are taken or not.
 pub(crate) fn bound(
     source: Box<dyn Producer>,
     binding: Option<Binding>,
