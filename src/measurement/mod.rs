@@ -59,7 +59,7 @@ pub use self::settings::MeasureSettings;
 pub use self::settling::{Settled, Settling, TurnMeans};
 pub use self::statistics::Statistics;
 pub use self::stream::Stream;
-pub use self::temperature::{TemperatureAge, TemperatureSample, Temperatures, ZeroDrift};
+pub use self::temperature::{ScaleDrift, TemperatureAge, TemperatureSample, Temperatures, ZeroDrift};
 pub use self::turn::{SectionUncertainty, TurnForm};
 pub use self::turn_angles::{Coverage, Smear};
 pub use self::turn_sizes::{JudgedSize, TurnJudged};

@@ -50,6 +50,8 @@ pub struct Stream {
     corrected: Option<Buffer>,
     /// A fixed pin beside the part.
     pin: Option<PinReader>,
+    /// Limits of the scale's drift that the conditions state, ± ppm, beside that by temperature.
+    stated_drift_ppm: Option<f64>,
 }
 
 impl Stream {
@@ -108,6 +110,7 @@ impl Stream {
             unlearnt: 0,
             corrected: None,
             pin: None,
+            stated_drift_ppm: None,
             settings,
         }
     }
@@ -298,6 +301,16 @@ impl Stream {
             let conditions = &mut inspector.conditions;
             (conditions.temperature_c, conditions.limit_temperature_k) = (part_c, limit_k);
             conditions.unstated.temperature = false;
+        }
+    }
+
+    /// Limits of the scale's drift by its temperature since the calibration, from the next frame on,
+    /// ± ppm; they add to those that the conditions state. Without a calibration there are none.
+    pub fn set_scale_drift(&mut self, limit_ppm: f64) {
+        if let Some(inspector) = &mut self.inspector {
+            let drift_ppm = &mut inspector.conditions.limit_drift_ppm;
+            let stated_ppm = *self.stated_drift_ppm.get_or_insert(*drift_ppm);
+            *drift_ppm = stated_ppm + limit_ppm;
         }
     }
 

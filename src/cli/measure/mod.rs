@@ -29,6 +29,7 @@ pub(super) mod offsets;
 pub(super) mod reference_pin_args;
 mod results;
 mod ring;
+pub(super) mod scale_drift_args;
 mod statistics;
 mod table;
 pub(super) mod temperature_args;
@@ -57,7 +58,7 @@ use self::legend::Legend;
 use self::offsets::{OffsetArgs, OffsetJob};
 use self::reference_pin_args::ReferencePinArgs;
 use self::results::{Beside, Printed, Results, head};
-use self::temperature_args::{TemperatureArgs, take_temperature};
+use self::temperature_args::{StatedTemperatures, TemperatureArgs, take_temperature};
 use self::warnings::{report_uncalibrated, report_unlearnt};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::terminal::output;
@@ -67,7 +68,7 @@ use crate::gauge::calibration::Conditions;
 use crate::gauge::ring::RingSettings;
 use crate::gauge::{Calibration, EsfModel, Gauge, GaugeSettings, Polarity};
 use crate::measurement::{
-    MeasureError, MeasureSettings, ReferencePin, Series, Stream, Temperatures, edge_model, prepared,
+    MeasureError, MeasureSettings, ReferencePin, Series, Stream, edge_model, prepared,
 };
 use crate::source::Arrival;
 
@@ -295,7 +296,7 @@ fn measure_one(
     stream: &mut Stream,
     arrival: &Arrival,
     read: Result<Frame, String>,
-    temperatures: Option<&Temperatures>,
+    temperatures: Option<&StatedTemperatures>,
 ) -> Option<Frame> {
     let stem = arrival.stem.as_str();
     let timed = read.and_then(|mut frame| {
