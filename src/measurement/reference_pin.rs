@@ -65,7 +65,8 @@ impl FromStr for ReferencePin {
     /// Reads `FROM-TO,DIAMETER_MM[,U_UM]`: columns with both ends, expanded uncertainty in µm.
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || {
-            "columns and a diameter in mm are needed, and where it is known its U in µm: 0-199,10.0003,0.3".to_owned()
+            "columns and a diameter in mm are needed, and where it is known its U in µm: 0-199,10.0003,0.3"
+                .to_owned()
         };
         let parts: Vec<&str> = text.split(',').map(str::trim).collect();
         let (columns, diameter, u) = match parts[..] {
@@ -193,7 +194,9 @@ impl PinReader {
         self.edge_stream.measure(&own, &mut self.edges).map_err(|refused| refused.to_string())?;
         self.calibration.diameters_into(&self.edges, &Conditions::default(), &mut self.diameters);
         let columns = self.seen()?;
-        let Reading::Value(mean) = self.diameters.mean(columns) else { return Err("it has no diameter".to_owned()) };
+        let Reading::Value(mean) = self.diameters.mean(columns) else {
+            return Err("it has no diameter".to_owned());
+        };
         let stated_mm = self.pin.diameter_mm;
         let (drift, u_reading) = (mean.d_mm / stated_mm - 1.0, mean.u_random_mm / stated_mm);
         let u_stated = self.pin.expanded_u_mm / K / stated_mm;
@@ -214,12 +217,16 @@ impl PinReader {
         let is_seen = |k: &usize| columns[*k].reading.value().is_some();
         let all = 0..columns.len();
         let ends = all.clone().find(is_seen).zip(all.clone().rev().find(is_seen));
-        let (first, last) = ends.filter(|(a, b)| b - a + 1 >= LEAST_COLUMNS / 2).ok_or("it shows too few columns")?;
+        let (first, last) =
+            ends.filter(|(a, b)| b - a + 1 >= LEAST_COLUMNS / 2).ok_or("it shows too few columns")?;
         let trimmed = ((last - first + 1) as f64 * END_SHARE).ceil() as usize;
         let taken = first + trimmed..last + 1 - trimmed;
         let seen = taken.clone().filter(is_seen).count();
         let refused = all.filter(|k| {
-            matches!(columns[*k].reading, Reading::Gap(Reason::Contaminated | Reason::Residual | Reason::Outlier))
+            matches!(
+                columns[*k].reading,
+                Reading::Gap(Reason::Contaminated | Reason::Residual | Reason::Outlier)
+            )
         });
         let refused = refused.count();
         let limit = MOST_MISSING * taken.len() as f64;
@@ -284,14 +291,16 @@ mod tests {
         assert_eq!((pin.columns, pin.diameter_mm), ([20, 220], 10.0003));
         assert!((pin.expanded_u_mm - 3e-4).abs() < 1e-12);
         assert!(("0-63,1".parse::<ReferencePin>().unwrap().expanded_u_mm - 1e-3).abs() < 1e-12);
-        for text in ["", "10", "0-99", "0-99,x", "0-99,-1", "0-99,10,-1", "99-0,10", "0-62,10", "0-99,10,1,1"] {
+        for text in ["", "10", "0-99", "0-99,x", "0-99,-1", "0-99,10,-1", "99-0,10", "0-62,10", "0-99,10,1,1"]
+        {
             assert!(text.parse::<ReferencePin>().is_err(), "{text}");
         }
     }
 
     #[test]
     fn the_correction_has_the_pins_noise_once_and_what_a_drift_of_edges_would_have_made() {
-        let correction = PinCorrection { ratio: 1.0 / 1.00005, u_reading: 2e-6, u_stated: 1e-5, diameter_mm: 10.0 };
+        let correction =
+            PinCorrection { ratio: 1.0 / 1.00005, u_reading: 2e-6, u_stated: 1e-5, diameter_mm: 10.0 };
         assert!((correction.drift() - 5e-5).abs() < 1e-12);
         // half a µm of both edges of 10 mm is a µm of 20 mm by the scale: half a µm between them
         assert!((correction.u_kind_mm(20.0) - 5e-4 / 3.0_f64.sqrt()).abs() < 1e-12);

@@ -333,7 +333,8 @@ mod tests {
         // 300° on, 200° back, and on again: no turn before 360° in one sense
         let mut back = TurnMeans::default();
         let mut turns = 0;
-        let ways = (0..=10).map(|i| 30 * i).chain((3..10).rev().map(|i| 30 * i)).chain((4..15).map(|i| 30 * i));
+        let ways =
+            (0..=10).map(|i| 30 * i).chain((3..10).rev().map(|i| 30 * i)).chain((4..15).map(|i| 30 * i));
         for (i, angle) in ways.enumerate() {
             turns += u32::from(back.push(i as u64, f64::from(angle), 20.0).is_some());
         }

@@ -60,7 +60,12 @@ pub(super) fn correct_by_pin(budget: &mut Budget, pin: &PinCorrection, texts: Te
     budget.contributions.extend([
         row("reference pin, its reading", Shape::Normal, Share::Random, d_mm * pin.u_reading),
         row("reference pin, its stated diameter", Shape::Normal, Share::Common, d_mm * pin.u_stated),
-        row("reference pin, drift of scale or of edges", Shape::Rectangular, Share::Common, pin.u_kind_mm(d_mm)),
+        row(
+            "reference pin, drift of scale or of edges",
+            Shape::Rectangular,
+            Share::Common,
+            pin.u_kind_mm(d_mm),
+        ),
     ]);
 }
 

@@ -140,7 +140,8 @@ mod tests {
     #[test]
     fn what_is_not_known_is_left_and_a_change_of_speed_is_in_u() {
         let mut spindle = MidExposure::default();
-        let of = |spindle: &mut MidExposure, deg, ms: u64, us| spindle.push(deg, Some(ms * 1_000_000), us, None);
+        let of =
+            |spindle: &mut MidExposure, deg, ms: u64, us| spindle.push(deg, Some(ms * 1_000_000), us, None);
         assert_eq!(of(&mut spindle, 10.0, 0, Some(1000.0)).sweep_deg, None);
         assert_eq!(of(&mut spindle, 20.0, 10, None).sweep_deg, None);
         // 1°/ms then 2°/ms: half a ms of a change by 1°/ms as a limit

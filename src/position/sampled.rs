@@ -272,8 +272,12 @@ mod tests {
         ] {
             for direction in [EncoderDirection::Rising, EncoderDirection::Falling] {
                 let frame_start_delay_us = if latched_at == LatchedAt::FrameStart { 150.0 } else { 0.0 };
-                let settings =
-                    EncoderSettings { latched_at, direction, frame_start_delay_us, ..EncoderSettings::new(TURN) };
+                let settings = EncoderSettings {
+                    latched_at,
+                    direction,
+                    frame_start_delay_us,
+                    ..EncoderSettings::new(TURN)
+                };
                 let encoder = samples(settings, 0, 400, 0);
                 for k in 3..40 {
                     let exposure = Exposure { t_ns: k * 7_123_457, exposure_us: Some(2000.0) };

@@ -139,7 +139,9 @@ impl TriggerCount {
             self.void_turns(last, last, &why);
         } else if whole != numbers {
             let what = if whole < numbers { "a trigger was doubled" } else { "a trigger was ignored" };
-            let why = format!("{what}: two frames lie {steps:.2} triggers apart by their times, {numbers} by their numbers");
+            let why = format!(
+                "{what}: two frames lie {steps:.2} triggers apart by their times, {numbers} by their numbers"
+            );
             self.void_turns(last, last + whole as i64, &why);
         }
         next

@@ -93,7 +93,9 @@ fn a_pin_that_is_contaminated_gone_or_another_one_refuses_the_frame() {
         // another pin
         ("off its diameter", &|_, top, bottom| (top - 1.0, bottom + 1.0)),
         // half of it is covered
-        ("contaminated or has moved", &|column, top, bottom| if column < 90 { (top, bottom) } else { (300.0, 300.0) }),
+        ("contaminated or has moved", &|column, top, bottom| {
+            if column < 90 { (top, bottom) } else { (300.0, 300.0) }
+        }),
     ];
     for ((word, pin), seed) in cases.into_iter().zip(10..) {
         let refused = measured(&mut stream, &frame(0.0, 1.2, seed, pin));
@@ -115,7 +117,8 @@ fn a_pin_needs_millimetres_and_a_place_in_the_field() {
     let pixels = Stream::in_pixels(&gauge, MeasureSettings::default()).unwrap();
     assert!(pixels.with_reference_pin(&gauge, pin).is_err_and(|why| why.to_string().contains("millimetres")));
     let of = |text: &str| {
-        let stream = Stream::calibrated(&gauge, &Calibration::from_scale(UM_PER_PX), MeasureSettings::default());
+        let stream =
+            Stream::calibrated(&gauge, &Calibration::from_scale(UM_PER_PX), MeasureSettings::default());
         let mut stream = stream.unwrap().with_reference_pin(&gauge, text.parse().unwrap()).unwrap();
         measured(&mut stream, &frame(0.0, 1.2, 1, clean)).unwrap_err().to_string()
     };

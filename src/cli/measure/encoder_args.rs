@@ -132,11 +132,7 @@ impl EncoderArgs {
 }
 
 /// A source with its frames bound, where that is asked for; `is_live`: it goes on whether its frames are taken or not.
-pub(crate) fn bound(
-    source: Box<dyn Producer>,
-    binding: Option<Binding>,
-    is_live: bool,
-) -> Box<dyn Producer> {
+pub(crate) fn bound(source: Box<dyn Producer>, binding: Option<Binding>, is_live: bool) -> Box<dyn Producer> {
     match binding {
         Some(binding) => Box::new(Bound::new(source, binding, is_live)),
         None => source,

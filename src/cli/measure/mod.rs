@@ -67,9 +67,7 @@ use crate::frame::{Frame, FrameView};
 use crate::gauge::calibration::Conditions;
 use crate::gauge::ring::RingSettings;
 use crate::gauge::{Calibration, EsfModel, Gauge, GaugeSettings, Polarity};
-use crate::measurement::{
-    MeasureError, MeasureSettings, ReferencePin, Series, Stream, edge_model, prepared,
-};
+use crate::measurement::{MeasureError, MeasureSettings, ReferencePin, Series, Stream, edge_model, prepared};
 use crate::source::Arrival;
 
 /// Arguments of `shadowgauge measure`.

@@ -50,9 +50,9 @@ impl ScaleDriftArgs {
     /// Exit 2.
     pub(super) fn check(&self, has_temperatures: bool) -> Result<(), Failure> {
         match self.given() {
-            Some(name) if !has_temperatures => {
-                Err(Failure::refuse(format!("{name} needs the scale's temperature: give --temperatures FILE.csv")))
-            }
+            Some(name) if !has_temperatures => Err(Failure::refuse(format!(
+                "{name} needs the scale's temperature: give --temperatures FILE.csv"
+            ))),
             _ => Ok(()),
         }
     }

@@ -63,7 +63,8 @@ impl<const N: usize> TimeTable<N> {
                 let names = wanted.iter().filter(move |column| column.is_needed == is_needed);
                 names.map(|column| column.name).collect::<Vec<_>>()
             };
-            let (needed, known) = ([vec![times.as_str()], named(true)].concat().join(", "), named(false).join(", "));
+            let (needed, known) =
+                ([vec![times.as_str()], named(true)].concat().join(", "), named(false).join(", "));
             let known = if known.is_empty() { known } else { format!(" and, if known, {known}") };
             return Err(format!("no column {lacking}; {needed}{known} are right"));
         };

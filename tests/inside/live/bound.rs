@@ -8,8 +8,8 @@ use shadowgauge::position::{
     EncoderDirection, EncoderSample, EncoderSettings, LatchedAt, SampledEncoder, TriggerCount,
 };
 use shadowgauge::source::live::{
-    Binding, Bound, Clock, EncoderSamples, Known, LiveMeta, NewFrame, Produced, Producer, Provenance, Remarks,
-    SampleClock, Timestamp,
+    Binding, Bound, Clock, EncoderSamples, Known, LiveMeta, NewFrame, Produced, Producer, Provenance,
+    Remarks, SampleClock, Timestamp,
 };
 
 use super::conformance::Factory;
@@ -136,7 +136,8 @@ fn samples_give_angle_and_carriage_within_a_fifth_of_a_degree_whatever_the_latch
         for direction in DIRECTIONS {
             let settings = settings(latched_at, direction);
             // a trigger ignored and one doubled: every frame has a time of its own, nothing shifts
-            let triggers = (0..128).filter(|k| *k != 40).flat_map(|k| if k == 70 { vec![k, k] } else { vec![k] });
+            let triggers =
+                (0..128).filter(|k| *k != 40).flat_map(|k| if k == 70 { vec![k, k] } else { vec![k] });
             let samples = Growing::boxed(&settings, 7, true);
             let binding = Binding::Samples(SampledEncoder::new(settings), samples);
             let (frames, gaps) = all(Box::new(Bound::new(Camera::boxed(triggers), binding, false)));
@@ -145,7 +146,10 @@ fn samples_give_angle_and_carriage_within_a_fifth_of_a_degree_whatever_the_latch
                 assert_eq!(frame.meta.sequence, number);
                 let middle_ns = frame.meta.device_t.unwrap().t_ns as f64 + to_middle_ns(&settings);
                 let angle = frame.meta.angle_deg.unwrap();
-                assert_eq!((angle.provenance, angle.value), (Provenance::Interpolated, frame.frame.meta.angle_deg));
+                assert_eq!(
+                    (angle.provenance, angle.value),
+                    (Provenance::Interpolated, frame.frame.meta.angle_deg)
+                );
                 assert!(off_deg(angle.value, 360.0 * middle_ns / TURN_NS) < 0.2, "{latched_at:?} {number}");
                 assert!((frame.frame.meta.sweep_deg - 7.2).abs() < 0.2);
                 assert!((frame.frame.meta.z_mm - 1e-9 * middle_ns).abs() < 1e-6, "{number}");
@@ -163,10 +167,14 @@ fn triggers_give_angles_and_an_ignored_or_doubled_one_voids_its_turn() {
                 let triggers = (0..128).flat_map(|k| if k == 40 { bad.clone() } else { vec![k] });
                 let binding = Binding::Triggers(TriggerCount::new(settings, 0).unwrap());
                 let (frames, gaps) = all(Box::new(Bound::new(Camera::boxed(triggers), binding, false)));
-                assert!(gaps.iter().all(|(_, why)| why.contains("turn 2 is void") && why.contains(word)), "{gaps:?}");
+                assert!(
+                    gaps.iter().all(|(_, why)| why.contains("turn 2 is void") && why.contains(word)),
+                    "{gaps:?}"
+                );
                 assert_eq!((frames.len(), gaps.len()), (96, if word == "ignored" { 31 } else { 33 }));
                 for frame in &frames {
-                    let since_ns = frame.meta.device_t.unwrap().t_ns as f64 - TURN_NS + to_middle_ns(&settings);
+                    let since_ns =
+                        frame.meta.device_t.unwrap().t_ns as f64 - TURN_NS + to_middle_ns(&settings);
                     let sign = if direction == EncoderDirection::Rising { 1.0 } else { -1.0 };
                     let angle = frame.meta.angle_deg.unwrap();
                     assert_eq!(angle.provenance, Provenance::TriggerCount);
