@@ -216,8 +216,8 @@ impl Inspector {
         Ok(())
     }
 
-    /// Diameters of the columns, corrected by the reference pin, with the drift since the last zero in
-    /// them.
+    /// Diameters of the columns, corrected by the reference pin, with the drift since the last zero
+    /// in them.
     fn take_diameters(&self, edges: &FrameEdges, diameters: &mut ColumnDiameters) {
         self.calibration.diameters_into(edges, &self.conditions, diameters);
         if let Some(pin) = &self.pin {

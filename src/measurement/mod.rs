@@ -9,11 +9,12 @@
 //!
 //! [`Gauge::measure`](crate::gauge::Gauge::measure) is one frame by itself, [`Stream`] many of one
 //! camera. From below: `settings`, `error`, `warning`, `flags`, `result` (a frame's) → `crests`,
-//! `stated`, `preparation`, `reference_pin` (a pin beside the part corrects its frame), `turn_frames` (what a revolution keeps of its frames) → `inspector`
-//! (millimetres, averages, judgement of a frame) → `turn`, `statistics`, `series` → `stream` →
-//! `one_frame`; `watch` is apart from these: presence, trend, validity and alarm of frames that are
-//! watched. One more figure of a frame is one more field of `result`, one more result of a
-//! series one more field of `series`.
+//! `stated`, `preparation`, `reference_pin` (a pin beside the part corrects its frame),
+//! `turn_frames` (what a revolution keeps of its frames) → `inspector` (millimetres, averages,
+//! judgement of a frame) → `turn`, `statistics`, `series` → `stream` → `one_frame`; `watch` is
+//! apart from these: presence, trend, validity and alarm of frames that are watched. One more
+//! figure of a frame is one more field of `result`, one more result of a series one more field of
+//! `series`.
 
 pub(crate) mod by_key;
 mod conditions;

@@ -31,8 +31,8 @@ const END_SHARE: f64 = 0.1;
 /// Share of columns that may be refused, or missing against the most that were seen: more is
 /// contamination or a pin that moved.
 const MOST_MISSING: f64 = 0.1;
-/// Largest drift that is corrected, relative: 20 K at the 23 ppm/K of aluminium. More is a lens that
-/// was touched.
+/// Largest drift that is corrected, relative: 20 K at the 23 ppm/K of aluminium. More is a lens
+/// that was touched.
 const MOST_DRIFT: f64 = 5e-4;
 /// Departure from the median of the last readings that heat may explain, relative: one kelvin
 /// between two frames. A particle of a micrometre on a pin of 10 mm is a hundred ppm.
@@ -41,8 +41,8 @@ const MOST_STEP: f64 = 2e-5;
 const NOISE: f64 = 5.0;
 /// Readings whose median is compared with: more would lag behind a drift, one alone has its noise.
 const COMPARED: usize = 3;
-/// Expanded uncertainty of a diameter that is stated without one, µm: the limits of a pin gauge of a
-/// micrometre's class.
+/// Expanded uncertainty of a diameter that is stated without one, µm: the limits of a pin gauge of
+/// a micrometre's class.
 const UNSTATED_UM: f64 = 1.0;
 /// Coverage factor of the stated expanded uncertainty.
 const K: f64 = 2.0;

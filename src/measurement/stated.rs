@@ -1,5 +1,5 @@
-//! Rows of the budget beside the gauge's own: the drift since the last zero, a reference pin and, of
-//! a diameter by a scale alone, what is not stated.
+//! Rows of the budget beside the gauge's own: the drift since the last zero, a reference pin and,
+//! of a diameter by a scale alone, what is not stated.
 
 use super::reference_pin::PinCorrection;
 use crate::gauge::Calibration;

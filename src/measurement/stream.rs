@@ -304,8 +304,9 @@ impl Stream {
         }
     }
 
-    /// Limits of the scale's drift by its temperature since the calibration, from the next frame on,
-    /// ± ppm; they add to those that the conditions state. Without a calibration there are none.
+    /// Limits of the scale's drift by its temperature since the calibration, from the next frame
+    /// on, ± ppm; they add to those that the conditions state. Without a calibration there are
+    /// none.
     pub fn set_scale_drift(&mut self, limit_ppm: f64) {
         if let Some(inspector) = &mut self.inspector {
             let drift_ppm = &mut inspector.conditions.limit_drift_ppm;

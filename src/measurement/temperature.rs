@@ -175,8 +175,8 @@ pub struct ScaleDrift {
 }
 
 impl ScaleDrift {
-    /// Limits of the scale's error at a temperature, °C, that may have changed by `stale_k` since it
-    /// was read, ± ppm.
+    /// Limits of the scale's error at a temperature, °C, that may have changed by `stale_k` since
+    /// it was read, ± ppm.
     pub fn limit_ppm(&self, scale_c: f64, stale_k: f64) -> f64 {
         self.ppm_per_k * ((scale_c - self.calibrated_c).abs() + stale_k)
     }
@@ -265,7 +265,8 @@ mod tests {
         awaited.push(sample(12, 31.0)).unwrap();
         assert_eq!(awaited.at(12 * SECOND), Ok((31.0, 0.2)));
         assert_eq!((awaited.head_at(12 * SECOND), awaited.last_ns()), (Ok(None), Some(12 * SECOND)));
-        // the scale's own temperature, else the head's; 50 s beyond the 10 s that it holds for are 1 K
+        // the scale's own temperature, else the head's; 50 s beyond the 10 s that it holds for are
+        // 1 K
         assert_eq!(awaited.scale_at(11 * SECOND), Ok(Some((25.0, 0.0))));
         assert_eq!(awaited.scale_at(12 * SECOND), Ok(None));
         let both = TemperatureSample { head_c: Some(25.0), scale_c: Some(23.0), ..sample(20, 30.0) };

@@ -5,8 +5,9 @@
 //! in which a trigger was ignored or doubled or the index pulse contradicts the count;
 //! `interpolation` gives a count between latched samples, by which `sampled` binds frames to an
 //! encoder that is sampled beside them; `triggered` binds frames by the numbers of their triggers
-//! alone, and `mid_exposure` moves angles that were latched at the start of exposure. `smear` is what the exposure takes from
-//! lobes of a turning part, `coverage` which angles a set of frames leaves out.
+//! alone, and `mid_exposure` moves angles that were latched at the start of exposure. `smear` is
+//! what the exposure takes from lobes of a turning part, `coverage` which angles a set of frames
+//! leaves out.
 //!
 //! In: counts, times, exposures. Out: angles in degrees with a reason where there is none; nothing
 //! is guessed. One more way of binding is a file beside `binding` that returns [`Place`]s.

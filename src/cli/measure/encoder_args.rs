@@ -43,11 +43,16 @@ pub(crate) struct EncoderArgs {
     /// Binds frames to the samples of the encoder in this table (CSV: count and, where known, index
     /// and z_mm, with times in t_ns or device_t_ns, the clock of the frames, or in host_t_ns, this
     /// machine's), which may grow meanwhile. Angles and z are interpolated at mid-exposure.
-    #[arg(long, value_name = "FILE.csv", requires = "counts_per_turn", conflicts_with = "encoder_triggers")]
+    #[arg(
+        long,
+        value_name = "FILE.csv",
+        requires = "counts_per_turn",
+        conflicts_with_all = ["encoder_triggers", "frames_per_turn"]
+    )]
     encoder_samples: Option<PathBuf>,
-    /// Binds frames by the numbers of the encoder's triggers: FIRST is the number of the first frame
-    /// after an index pulse, from 0. The times of the frames show a trigger that was ignored or
-    /// doubled.
+    /// Binds frames by the numbers of the encoder's triggers: FIRST is the number of the first
+    /// frame after an index pulse, from 0. The times of the frames show a trigger that was ignored
+    /// or doubled.
     #[arg(long, value_name = "FIRST", requires = "frames_per_turn")]
     encoder_triggers: Option<u64>,
 }
@@ -131,7 +136,8 @@ impl EncoderArgs {
     }
 }
 
-/// A source with its frames bound, where that is asked for; `is_live`: it goes on whether its frames are taken or not.
+/// A source with its frames bound, where that is asked for; `is_live`: it goes on whether its
+/// frames are taken or not.
 pub(crate) fn bound(source: Box<dyn Producer>, binding: Option<Binding>, is_live: bool) -> Box<dyn Producer> {
     match binding {
         Some(binding) => Box::new(Bound::new(source, binding, is_live)),

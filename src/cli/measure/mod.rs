@@ -6,8 +6,9 @@
 //! (`edges_file`), diameters as CSV and a report (`leaves`, `csv_file`); the
 //! offsets of the next part (`offsets`); times (`timing`). Values over time beside the frames are
 //! tables of `time_table`, also while they grow (`growing_table`); samples of an encoder are such
-//! (`encoder_samples`). This file turns arguments into settings and frames into a [`Stream`](crate::measurement::Stream);
-//! what is measured is in [`measurement`](crate::measurement), where a new result goes too.
+//! (`encoder_samples`). This file turns arguments into settings and frames into a
+//! [`Stream`](crate::measurement::Stream); what is measured is in
+//! [`measurement`](crate::measurement), where a new result goes too.
 
 mod camera_source;
 mod choice;

@@ -168,7 +168,8 @@ fn exposure_us(new: &NewFrame) -> Option<f64> {
     new.meta.exposure_us.map(|known| known.value).or(own)
 }
 
-/// Time of a frame on the clock of the samples, ns. When a frame arrived is no time of its exposure.
+/// Time of a frame on the clock of the samples, ns. When a frame arrived is no time of its
+/// exposure.
 fn time_ns(meta: &LiveMeta, clock: SampleClock) -> Option<u64> {
     let time = match clock {
         SampleClock::Frames => meta.device_t,
