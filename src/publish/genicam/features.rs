@@ -45,6 +45,7 @@ fn device() -> Vec<Feature> {
         .written()
         .about("Which thermometer: that of the sensor."),
         Feature::new("DeviceTemperature", Category::Device, at::TEMPERATURE, TEMPERATURE)
+            .selected("DeviceTemperatureSelector", 8, 1)
             .about("Temperature of the head, by HeadTemperature."),
         Feature::new("TimestampLatch", Category::Device, at::TIMESTAMP_CONTROL, Kind::Command(2))
             .written()
