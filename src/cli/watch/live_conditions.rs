@@ -139,7 +139,7 @@ impl LiveConditions {
 
     /// Takes what came since the last look.
     fn look(&mut self) {
-        let Self { temperatures, zeros, noted } = self;
+        let Self { temperatures, zeros, noted, .. } = self;
         let mut note = |result: Result<(), String>| {
             if let Err(why) = result
                 && noted.as_ref() != Some(&why)
