@@ -119,7 +119,8 @@ fn the_check_pin_reaches_the_guard(folder: &Path) {
     };
     let deviation_mm = |pass: &serde_json::Value| pass["evidence"]["origin"]["master_deviation_mm"].as_f64();
     let good = first_pass("recorded");
-    assert!(deviation_mm(&good).unwrap().abs() < 0.002 && good["decision"] == "released", "{good}");
+    let reason = good["reason"].as_str().unwrap_or_default();
+    assert!(deviation_mm(&good).unwrap().abs() < 0.002 && !reason.contains("calibrate the gauge"), "{good}");
     // a head whose magnification is 1000 ppm larger: 10 µm of the first pin, limit 2 µm
     let warm = JOB.replace("magnification = 0.115", "magnification = 0.115115");
     let record = folder.join("warm").to_string_lossy().into_owned();

@@ -34,13 +34,13 @@ fn frame(ppm: f64, sigma: f64, seed: u64, pin: impl Fn(usize, f64, f64) -> (f64,
     let px = |mm: f64| 1e3 * mm * (1.0 + 1e-6 * ppm) / UM_PER_PX;
     let about = |middle: f64, mm: f64| (middle - 0.5 * px(mm), middle + 0.5 * px(mm));
     let edges = |column: usize| match column {
-        // light between the end faces of both
+        // light between the end faces of both; slopes whose cosine is 1 to a millionth
         175..PIN => (300.0, 300.0),
         0..175 => {
-            let (top, bottom) = about(299.4 + 0.003 * column as f64, PIN_MM);
+            let (top, bottom) = about(299.4 + 0.001 * column as f64, PIN_MM);
             pin(column, top, bottom)
         }
-        _ => about(300.2 - 0.004 * column as f64, PART_MM),
+        _ => about(300.2 - 0.001 * column as f64, PART_MM),
     };
     synth.frame(edges, Some(seed))
 }
