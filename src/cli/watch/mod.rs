@@ -45,7 +45,7 @@ use crate::cli::process::interrupt;
 use crate::conformity::Tolerance;
 use crate::gauge::{Calibration, Gauge, GaugeSettings, Polarity};
 use crate::measurement::{MeasureSettings, Stream, edge_model};
-use crate::source::live::{Live, LiveSettings, LiveSource as _, Policy, Producer, StoredProducer};
+use crate::source::live::{Binding, Live, LiveSettings, LiveSource as _, Policy, Producer, StoredProducer};
 
 /// Frames that wait where every one is measured: some are decoded while one is measured.
 const WAITING: usize = 4;
@@ -166,7 +166,8 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
     let calibration = args.instrument.calibration(&args.frames, &[])?;
     check(args, calibration.as_ref())?;
     let stream = measuring(args, calibration.as_ref())?;
-    let watched = opened(args)?;
+    let encoder = args.encoder.binding()?;
+    let watched = opened(args, encoder.as_ref())?;
     if watched.policy == Policy::Block && args.conditions.temperature_cmd.is_some() {
         return Err(Failure::refuse(
             "--temperature-cmd reads the temperature of now: of files and recordings give --temperatures FILE.csv",
@@ -186,7 +187,9 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
         _ => 1,
     };
     let settings = LiveSettings { policy: watched.policy, waiting, held: 1 };
-    let mut live = Live::new(watched.producer, settings).map_err(Failure::fail)?;
+    // what is recorded are the frames as the source gives them
+    let producer = bound(watched.producer, encoder, watched.policy != Policy::Block);
+    let mut live = Live::new(producer, settings).map_err(Failure::fail)?;
     let checks = FrameChecks::new(&args.frames, calibration.as_ref(), args.instrument.scale());
     let settings = session_settings(args, calibration.as_ref());
     let mut session = Session::new(stream, checks, shown, settings, beside);
@@ -311,24 +314,19 @@ fn measuring(args: &WatchArgs, calibration: Option<&Calibration>) -> Result<Stre
 }
 
 /// Opens the source. Files and pipes from files wait; what comes by itself does not.
-fn opened(args: &WatchArgs) -> Result<Watched, Failure> {
+fn opened(args: &WatchArgs, encoder: Option<&Binding>) -> Result<Watched, Failure> {
     let all = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.map_or_else(all, usize::from);
     let read = Reading::new(args.frames.channel(), threads, true);
-    let beside = args.encoder.binding()?;
-    let watched = match StreamSource::of(&args.source, &args.stream)? {
-        None => opened_path(args, &read)?,
-        Some(stream) => {
-            args.encoder.in_table(true)?;
-            if !stream.has_times() {
-                check_untimed(beside.as_ref())?;
-            }
-            let policy = if stream.is_file() { Policy::Block } else { Policy::DropOldest };
-            Watched { producer: stream.producer(&read)?, policy }
-        }
+    let Some(stream) = StreamSource::of(&args.source, &args.stream)? else {
+        return opened_path(args, &read);
     };
-    let is_live = watched.policy != Policy::Block;
-    Ok(Watched { producer: bound(watched.producer, beside, is_live), ..watched })
+    args.encoder.in_table(true)?;
+    if !stream.has_times() {
+        check_untimed(encoder)?;
+    }
+    let policy = if stream.is_file() { Policy::Block } else { Policy::DropOldest };
+    Ok(Watched { producer: stream.producer(&read)?, policy })
 }
 
 fn opened_path(args: &WatchArgs, read: &Reading) -> Result<Watched, Failure> {
