@@ -192,6 +192,20 @@ impl<'a> FrameView<'a> {
         }
     }
 
+    /// The columns `from` to before `to`, without a copy; `None` where there are none.
+    pub(crate) fn columns_between(&self, from: usize, to: usize) -> Option<Self> {
+        if from >= to || to > self.columns {
+            return None;
+        }
+        let first = from * self.column_stride;
+        let pixels = match self.pixels {
+            Pixels::U8(p) => Pixels::U8(p.get(first..)?),
+            Pixels::U16(p) => Pixels::U16(p.get(first..)?),
+            Pixels::F32(p) => Pixels::F32(p.get(first..)?),
+        };
+        Some(Self { pixels, columns: to - from, ..*self })
+    }
+
     /// The buffer; index it with [`Self::row_stride`] and [`Self::column_stride`].
     pub fn pixels(&self) -> Pixels<'a> {
         self.pixels

@@ -107,6 +107,33 @@ fn recorded_frames_give_what_the_simulated_run_gave_and_a_missing_pass_is_waited
     let copied = run(folder, &job, "copied", &[]);
     assert_eq!(copied.status.code(), Some(3), "{}", said(&copied));
     assert!(said(&copied).contains("the same image"), "{}", said(&copied));
+    the_check_pin_reaches_the_guard(folder);
+}
+
+/// A check pin that has drifted holds the run: `frames` in the folder has a recorded first pass.
+fn the_check_pin_reaches_the_guard(folder: &Path) {
+    let first_pass = |out: &str| {
+        let text = std::fs::read_to_string(folder.join(out).join("control.json")).unwrap();
+        let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+        document["passes"][0].clone()
+    };
+    let deviation_mm = |pass: &serde_json::Value| pass["evidence"]["origin"]["master_deviation_mm"].as_f64();
+    let good = first_pass("recorded");
+    let reason = good["reason"].as_str().unwrap_or_default();
+    assert!(deviation_mm(&good).unwrap().abs() < 0.002 && !reason.contains("calibrate the gauge"), "{good}");
+    // a head whose magnification is 1000 ppm larger: 10 µm of the first pin, limit 2 µm
+    let warm = JOB.replace("magnification = 0.115", "magnification = 0.115115");
+    let record = folder.join("warm").to_string_lossy().into_owned();
+    let output = run(folder, &warm, "warmed", &["--record", &record, "--passes", "1"]);
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", said(&output));
+    let pin = "pass_1/master/000000.png";
+    std::fs::copy(folder.join("warm").join(pin), folder.join("frames").join(pin)).unwrap();
+    std::fs::remove_dir_all(folder.join("frames/pass_2")).unwrap();
+    let held = run(folder, &format!("source = \"frames\"\n{JOB}"), "held", &[]);
+    let pass = first_pass("held");
+    assert!((deviation_mm(&pass).unwrap() - 0.010).abs() < 0.002, "{pass} {}", said(&held));
+    assert_eq!(pass["decision"], "held", "{pass}");
+    assert!(pass["reason"].as_str().unwrap().contains("calibrate the gauge"), "{pass}");
 }
 
 #[test]

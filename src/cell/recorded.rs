@@ -3,13 +3,19 @@
 //! In: the folder of a recorded run. Out: its frames, scan by scan. Cutting does nothing, because
 //! the machine has cut; no truth is stated. The same images are never taken for two scans: a second
 //! scan that is a copy of the first would confirm any step.
+//!
+//! A recording names no part, no tool and no time of the cut: one part is in the machine, and time
+//! begins anew with every pass, at 0, and goes on by the times of the frames. So the guards of
+//! part, tool and age have nothing to see, and those of the check pin and of a scan used twice do.
 
 use std::path::{Path, PathBuf};
 
+use super::simulated::FRAMES_OF_A_PASS;
 use super::turning_cell::{CellError, TurningCell};
-use crate::frame::FrameSource;
+use crate::control::PartAndTool;
+use crate::frame::{Frame, FrameSource, SourceError};
 use crate::plan::{PassPlan, ScanPlan};
-use crate::source::{ReadError, RecordedScan, Recording, image_digests};
+use crate::source::{FileFrames, ReadError, RecordedScan, Recording, image_digests};
 
 impl From<ReadError> for CellError {
     fn from(error: ReadError) -> Self {
@@ -24,12 +30,37 @@ pub(crate) struct RecordedCell {
     pass: u32,
     /// Whether the last pass was scanned already.
     has_scanned: bool,
+    /// Time of the last frame since the pass was cut, ns.
+    now_ns: u64,
+}
+
+/// Frames of a folder, whose times the cell keeps.
+struct Stamped<'a> {
+    frames: FileFrames,
+    now_ns: &'a mut u64,
+}
+
+impl FrameSource for Stamped<'_> {
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        let frame = self.frames.next_frame()?;
+        let t_ns = frame.as_ref().map_or(0, |frame| frame.meta.t_ns);
+        *self.now_ns = t_ns.max(*self.now_ns);
+        Ok(frame)
+    }
+
+    fn remaining(&self) -> Option<usize> {
+        self.frames.remaining()
+    }
+
+    fn recycle(&mut self, frame: Frame) {
+        self.frames.recycle(frame);
+    }
 }
 
 impl RecordedCell {
     /// The cell of a recorded run.
     pub(crate) fn new(recording: Recording) -> Self {
-        Self { recording, pass: 0, has_scanned: false }
+        Self { recording, pass: 0, has_scanned: false, now_ns: 0 }
     }
 
     /// The scan that is taken next.
@@ -98,7 +129,7 @@ fn check_count(images: &[PathBuf], plan: &ScanPlan) -> Result<(), CellError> {
 
 impl TurningCell for RecordedCell {
     fn cut(&mut self, plan: &PassPlan) -> Result<(), CellError> {
-        (self.pass, self.has_scanned) = (plan.pass, false);
+        (self.pass, self.has_scanned, self.now_ns) = (plan.pass, false, 0);
         Ok(())
     }
 
@@ -108,7 +139,8 @@ impl TurningCell for RecordedCell {
         check_count(&images, plan)?;
         self.check_unused(scan, &images)?;
         self.has_scanned = self.pass > 0;
-        Ok(Box::new(self.recording.frames(images, plan)?))
+        let frames = self.recording.frames(images, plan)?;
+        Ok(Box::new(Stamped { frames, now_ns: &mut self.now_ns }))
     }
 
     fn can_scan_again(&self) -> bool {
@@ -129,6 +161,19 @@ impl TurningCell for RecordedCell {
                 self.pin(&self.recording.check_place(pass), why)
             }
         }
+    }
+
+    fn in_machine(&self) -> Option<PartAndTool> {
+        Some(PartAndTool { part: "recorded".to_owned(), tool: "recorded".to_owned() })
+    }
+
+    fn now_ns(&self) -> Option<u64> {
+        Some(self.now_ns)
+    }
+
+    /// Frames of every folder are numbered from 0.
+    fn number_among_passes(&self, frame_id: u64) -> u64 {
+        u64::from(self.pass) * FRAMES_OF_A_PASS + frame_id
     }
 
     fn true_stations_mm(&self, _stations_mm: &[(f64, f64)]) -> Option<Vec<f64>> {

@@ -62,6 +62,7 @@ impl SimulatedHead {
             gain_db: None,
             angle_deg: Some(Known::simulated(of.angle_deg)),
             z_mm: Some(Known::simulated(of.z_mm)),
+            head_c: None,
         }
     }
 }

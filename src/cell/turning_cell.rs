@@ -152,6 +152,12 @@ pub trait TurningCell {
         None
     }
 
+    /// Number of a frame of this pass among those of all passes, from its own: the same where the
+    /// cell numbers its frames on from pass to pass.
+    fn number_among_passes(&self, frame_id: u64) -> u64 {
+        frame_id
+    }
+
     /// True mean caliper diameter of stations (z from, z to), mm; `None` for a real part. For
     /// comparison only.
     fn true_stations_mm(&self, stations_mm: &[(f64, f64)]) -> Option<Vec<f64>>;

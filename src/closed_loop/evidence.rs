@@ -65,7 +65,7 @@ impl AfterCut {
         let seconds = |from: u64, to: u64| (i128::from(to) - i128::from(from)) as f64 * 1e-9;
         Some(Origin {
             of: self.of?,
-            scan: last.frame_id,
+            scan: cell.number_among_passes(last.frame_id),
             age_s: seconds(last.t_ns, now_ns),
             since_cut_s: seconds(cut_ns, first.t_ns),
             master_deviation_mm,

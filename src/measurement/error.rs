@@ -79,6 +79,14 @@ pub enum MeasureError {
         /// Both encodings.
         source: CalibrationError,
     },
+    /// A frame whose reference pin corrects nothing.
+    #[error("frame {frame}: the reference pin: {why}")]
+    ReferencePin {
+        /// Name of the frame.
+        frame: String,
+        /// What was seen of the pin and what would be right.
+        why: String,
+    },
     /// A frame whose largest diameter, or its u, is no number.
     #[error("frame {frame}: its diameter or uncertainty is no number: it has no diameter")]
     NoNumber {
@@ -122,7 +130,7 @@ impl MeasureError {
         match self {
             Self::Refused { source, .. } => source.reason,
             Self::Blurred { .. } => Reason::Blurred,
-            Self::NoNumber { .. } => Reason::Implausible,
+            Self::NoNumber { .. } | Self::ReferencePin { .. } => Reason::Implausible,
             _ => Reason::Unreadable,
         }
     }

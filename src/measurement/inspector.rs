@@ -3,10 +3,11 @@
 
 use super::error::MeasureError;
 use super::judged::{Deciding, Judged, StationJudgement, StationResult, Verdict};
+use super::reference_pin::PinCorrection;
 use super::result::{LargestDiameter, Measurement};
 use super::settings::MeasureSettings;
 use super::settled_part::{SettledPart, widen, widened};
-use super::stated::{drift_row, stated_budget};
+use super::stated::{correct_by_pin, drift_row, stated_budget};
 use super::statistics::FrameMeans;
 use super::turn_frames::{Asked, TurnFrames};
 use super::turn_sizes::needs_envelope;
@@ -67,6 +68,8 @@ pub(super) struct Inspector {
     pub(super) settled: Option<SettledPart>,
     /// Standard uncertainty by the drift since the last zero, mm, and what it is of.
     pub(super) drift: Option<(f64, String)>,
+    /// What the reference pin of the frame makes of its diameters.
+    pub(super) pin: Option<PinCorrection>,
     frames: usize,
     buffers: Buffers,
 }
@@ -130,6 +133,7 @@ impl Inspector {
             },
             settled: settings.settle_s.map(|s| SettledPart::new(s, settings.turn)),
             drift: None,
+            pin: None,
             frames: 0,
             buffers: Buffers::default(),
             settings,
@@ -212,9 +216,13 @@ impl Inspector {
         Ok(())
     }
 
-    /// Diameters of the columns, with the drift since the last zero in them.
+    /// Diameters of the columns, corrected by the reference pin, with the drift since the last zero
+    /// in them.
     fn take_diameters(&self, edges: &FrameEdges, diameters: &mut ColumnDiameters) {
         self.calibration.diameters_into(edges, &self.conditions, diameters);
+        if let Some(pin) = &self.pin {
+            pin.correct(diameters);
+        }
         if let Some((u_mm, _)) = &self.drift {
             diameters.widen(*u_mm);
         }
@@ -247,6 +255,9 @@ impl Inspector {
         let mut budget = std::mem::take(&mut self.buffers.budget);
         let texts = if self.settings.budget { Texts::Written } else { Texts::LeftOut };
         stated_budget(&reading, &self.calibration, &self.conditions, texts, &mut budget);
+        if let Some(pin) = &self.pin {
+            correct_by_pin(&mut budget, pin, texts);
+        }
         if let Some((u_mm, since)) = &self.drift {
             budget.contributions.extend(drift_row(*u_mm, since, texts));
         }

@@ -9,11 +9,12 @@
 //!
 //! [`Gauge::measure`](crate::gauge::Gauge::measure) is one frame by itself, [`Stream`] many of one
 //! camera. From below: `settings`, `error`, `warning`, `flags`, `result` (a frame's) → `crests`,
-//! `stated`, `preparation`, `turn_frames` (what a revolution keeps of its frames) → `inspector`
-//! (millimetres, averages, judgement of a frame) → `turn`, `statistics`, `series` → `stream` →
-//! `one_frame`; `watch` is apart from these: presence, trend, validity and alarm of frames that are
-//! watched. One more figure of a frame is one more field of `result`, one more result of a
-//! series one more field of `series`.
+//! `stated`, `preparation`, `reference_pin` (a pin beside the part corrects its frame),
+//! `turn_frames` (what a revolution keeps of its frames) → `inspector` (millimetres, averages,
+//! judgement of a frame) → `turn`, `statistics`, `series` → `stream` → `one_frame`; `watch` is
+//! apart from these: presence, trend, validity and alarm of frames that are watched. One more
+//! figure of a frame is one more field of `result`, one more result of a series one more field of
+//! `series`.
 
 pub(crate) mod by_key;
 mod conditions;
@@ -28,6 +29,7 @@ mod one_frame;
 #[cfg(feature = "cli")]
 pub(crate) mod paper_nose;
 mod preparation;
+mod reference_pin;
 mod result;
 pub mod ring;
 mod series;
@@ -51,13 +53,14 @@ pub use self::document::Document;
 pub use self::error::MeasureError;
 pub use self::flags::Flags;
 pub use self::judged::{Deciding, Judged, StationJudgement, StationResult, Verdict};
+pub use self::reference_pin::ReferencePin;
 pub use self::result::{LargestDiameter, Measurement, Place, Refusal};
 pub use self::series::Series;
 pub use self::settings::MeasureSettings;
 pub use self::settling::{Settled, Settling, TurnMeans};
 pub use self::statistics::Statistics;
 pub use self::stream::Stream;
-pub use self::temperature::{TemperatureAge, TemperatureSample, Temperatures, ZeroDrift};
+pub use self::temperature::{ScaleDrift, TemperatureAge, TemperatureSample, Temperatures, ZeroDrift};
 pub use self::turn::{SectionUncertainty, TurnForm};
 pub use self::turn_angles::{Coverage, Smear};
 pub use self::turn_sizes::{JudgedSize, TurnJudged};

@@ -19,6 +19,7 @@ use serde::Serialize;
 
 use crate::numerics::distributions::student;
 use crate::numerics::line::Line;
+use crate::position::shorter_way_deg;
 
 /// Probability that a steady diameter is called a trend, a test.
 const FALSE_ALARM: f64 = 0.01;
@@ -148,31 +149,61 @@ impl Settling {
     }
 }
 
-/// Means of whole turns of a part that turns, one a turn.
+/// Angle by which a turning part may seem to turn back, degrees: an encoder at rest jitters by some
+/// counts, and a thousand of them are a turn at least.
+const JITTER_DEG: f64 = 1.0;
+/// What rounding may leave of a whole turn of even steps, degrees.
+const ROUNDING_DEG: f64 = 1e-6;
+
+/// Means of whole turns of a part that turns, one a turn, whichever way it turns.
+///
+/// A mean is that over the angle (trapezoids between the readings), so that a spindle that slows
+/// down does not weigh one side of the part more. Readings lie less than half a turn apart: a step
+/// is the smaller of the two ways round. A spindle that turns back begins its turn anew.
 #[derive(Clone, Debug, Default)]
 pub struct TurnMeans {
-    last_deg: Option<f64>,
-    sum_mm: f64,
-    readings: f64,
+    /// Angle of the last reading, degrees, and the reading, mm.
+    last: Option<(f64, f64)>,
+    /// Angle turned since the turn began, degrees; below 0 for falling angles.
+    turned_deg: f64,
+    /// Integral of the diameter over it, mm·degrees.
+    sum_mm_deg: f64,
     from_ns: u64,
 }
 
 impl TurnMeans {
-    /// A reading at a spindle angle that rises; the mean and middle of the turn that it ends. The
-    /// first turn may have begun before and is left out.
+    /// A reading at a spindle angle, which rises or falls; the mean and the middle in time of the
+    /// turn that it ends. The first turn begins with the first reading.
     pub fn push(&mut self, t_ns: u64, angle_deg: f64, d_mm: f64) -> Option<(u64, f64)> {
-        let angle = angle_deg.rem_euclid(360.0);
-        let wraps = self.last_deg.is_some_and(|last| angle < last);
-        let is_first = self.last_deg.is_none();
-        self.last_deg = Some(angle);
-        let ended = (wraps && self.readings > 0.0)
-            .then(|| (self.from_ns + t_ns.saturating_sub(self.from_ns) / 2, self.sum_mm / self.readings));
-        if wraps || is_first {
-            (self.sum_mm, self.readings, self.from_ns) = (0.0, 0.0, t_ns);
+        let Some((last_deg, last_mm)) = self.last.replace((angle_deg, d_mm)) else {
+            self.begin(t_ns);
+            return None;
+        };
+        let step_deg = shorter_way_deg(last_deg, angle_deg);
+        let turns_back = step_deg * self.turned_deg < 0.0 && step_deg.abs() > JITTER_DEG;
+        if turns_back || !step_deg.is_finite() {
+            self.begin(t_ns);
+            return None;
         }
-        self.sum_mm += d_mm;
-        self.readings += 1.0;
-        ended
+        let before_deg = self.turned_deg.abs();
+        self.turned_deg += step_deg;
+        let after_deg = self.turned_deg.abs();
+        let mean = |share: f64| last_mm + 0.5 * share * (d_mm - last_mm);
+        if after_deg < 360.0 - ROUNDING_DEG {
+            // a step back within the jitter takes its part off again
+            self.sum_mm_deg += (after_deg - before_deg) * mean(1.0);
+            return None;
+        }
+        let left_deg = 360.0 - before_deg;
+        let turn_mm = (self.sum_mm_deg + left_deg * mean(left_deg / step_deg.abs())) / 360.0;
+        let middle_ns = self.from_ns + t_ns.saturating_sub(self.from_ns) / 2;
+        self.begin(t_ns);
+        Some((middle_ns, turn_mm))
+    }
+
+    /// A turn begins at the last reading.
+    fn begin(&mut self, t_ns: u64) {
+        (self.turned_deg, self.sum_mm_deg, self.from_ns) = (0.0, 0.0, t_ns);
     }
 }
 
@@ -268,19 +299,48 @@ mod tests {
     }
 
     #[test]
-    fn lobes_of_a_turning_part_are_no_trend() {
-        let mut means = TurnMeans::default();
-        let mut settling = Settling::new(4.0);
-        let mut last = None;
-        let mut turns = 0;
-        for i in 0..120_u64 {
-            let angle = 30.0 * i as f64;
-            let d_mm = 20.0 + 0.01 * (2.0 * angle).to_radians().cos() + 1e-5 * (i / 12 % 2) as f64;
-            if let Some((t_ns, mean_mm)) = means.push(i * SECOND / 24, angle, d_mm) {
-                (last, turns) = (Some(settling.push(t_ns, mean_mm)), turns + 1);
-                assert!((mean_mm - 20.0).abs() < 2e-5, "{mean_mm}");
+    fn lobes_of_a_turning_part_are_no_trend_whichever_way_it_turns() {
+        for sign in [1.0, -1.0] {
+            let mut means = TurnMeans::default();
+            let mut settling = Settling::new(4.0);
+            let (mut last, mut turns) = (None, 0);
+            for i in 0..120_u64 {
+                let angle = sign * 30.0 * i as f64;
+                let d_mm = 20.0 + 0.01 * (2.0 * angle).to_radians().cos() + 1e-5 * (i / 12 % 2) as f64;
+                if let Some((t_ns, mean_mm)) = means.push(i * SECOND / 24, angle.rem_euclid(360.0), d_mm) {
+                    (last, turns) = (Some(settling.push(t_ns, mean_mm)), turns + 1);
+                    assert!((mean_mm - 20.0).abs() < 2e-5, "{sign} {mean_mm}");
+                }
             }
+            // 119 steps of 30°: nine whole turns, the tenth lacks a step
+            assert!(turns == 9 && matches!(last, Some(Settled::Agrees { .. })), "{sign} {turns} {last:?}");
         }
-        assert!(turns == 9 && matches!(last, Some(Settled::Agrees { .. })), "{turns} {last:?}");
+    }
+
+    #[test]
+    fn a_mean_is_that_over_the_angle_and_a_turn_back_is_none() {
+        // readings at uneven steps that fall through 0: trapezoids of an even function
+        let mut means = TurnMeans::default();
+        let steps = [10.0, 35.0, 20.0, 40.0, 15.0];
+        let (mut angle, mut found) = (200.0_f64, Vec::new());
+        for i in 0..60_u64 {
+            let d_mm = 20.0 + 0.001 * angle.to_radians().cos();
+            found.extend(means.push(i, angle.rem_euclid(360.0), d_mm).map(|turn| turn.1));
+            angle -= steps[i as usize % 5];
+        }
+        assert_eq!(found.len(), 3, "{found:?}");
+        assert!(found.iter().all(|mm| (mm - 20.0).abs() < 5e-5), "{found:?}");
+        // 300° on, 200° back, and on again: no turn before 360° in one sense
+        let mut back = TurnMeans::default();
+        let mut turns = 0;
+        let ways =
+            (0..=10).map(|i| 30 * i).chain((3..10).rev().map(|i| 30 * i)).chain((4..15).map(|i| 30 * i));
+        for (i, angle) in ways.enumerate() {
+            turns += u32::from(back.push(i as u64, f64::from(angle), 20.0).is_some());
+        }
+        assert_eq!(turns, 0);
+        // at rest, with the jitter of a count, there is no turn
+        let mut rest = TurnMeans::default();
+        assert!((0..1000).all(|i| rest.push(i, 0.1 * (i % 2) as f64, 20.0).is_none()));
     }
 }

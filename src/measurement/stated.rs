@@ -1,6 +1,7 @@
-//! Rows of the budget beside the gauge's own: the drift since the last zero and, of a diameter by a
-//! scale alone, what is not stated.
+//! Rows of the budget beside the gauge's own: the drift since the last zero, a reference pin and,
+//! of a diameter by a scale alone, what is not stated.
 
+use super::reference_pin::PinCorrection;
 use crate::gauge::Calibration;
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, Texts, WidthReading};
 use crate::gauge::calibration::Conditions;
@@ -42,6 +43,30 @@ pub(super) fn drift_row(u_mm: f64, since: &str, texts: Texts) -> Option<Contribu
         freedom: None,
         u_mm,
     })
+}
+
+/// The rows of a reference pin's correction, which is taken into the diameter.
+pub(super) fn correct_by_pin(budget: &mut Budget, pin: &PinCorrection, texts: Texts) {
+    budget.diameter_mm *= pin.ratio;
+    let d_mm = budget.diameter_mm;
+    let row = |source: &str, shape, share, u_mm| Contribution {
+        source: texts.of(format_args!("{source}")),
+        input: texts.of(format_args!("{pin}")),
+        shape,
+        share,
+        freedom: None,
+        u_mm,
+    };
+    budget.contributions.extend([
+        row("reference pin, its reading", Shape::Normal, Share::Random, d_mm * pin.u_reading),
+        row("reference pin, its stated diameter", Shape::Normal, Share::Common, d_mm * pin.u_stated),
+        row(
+            "reference pin, drift of scale or of edges",
+            Shape::Rectangular,
+            Share::Common,
+            pin.u_kind_mm(d_mm),
+        ),
+    ]);
 }
 
 /// Whether the calibration is a scale only: no masters, no uncertainty.

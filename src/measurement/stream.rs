@@ -6,6 +6,7 @@ use super::error::MeasureError;
 use super::inspector::Inspector;
 use super::judged::{Deciding, Judged};
 use super::preparation::{check_size, copied, laid, prepared};
+use super::reference_pin::{PinReader, ReferencePin, meta_of};
 use super::result::Measurement;
 use super::series::Series;
 use super::settings::MeasureSettings;
@@ -47,6 +48,10 @@ pub struct Stream {
     unlearnt: usize,
     /// Memory of the last corrected frame.
     corrected: Option<Buffer>,
+    /// A fixed pin beside the part.
+    pin: Option<PinReader>,
+    /// Limits of the scale's drift that the conditions state, ± ppm, beside that by temperature.
+    stated_drift_ppm: Option<f64>,
 }
 
 impl Stream {
@@ -104,8 +109,23 @@ impl Stream {
             measurement: Measurement::default(),
             unlearnt: 0,
             corrected: None,
+            pin: None,
+            stated_drift_ppm: None,
             settings,
         }
+    }
+
+    /// With a fixed pin beside the part that corrects every frame: the part is measured in the
+    /// columns of the pin's wider side, which are counted from there on.
+    ///
+    /// # Errors
+    /// A stream that gives pixels only.
+    pub fn with_reference_pin(mut self, gauge: &Gauge, pin: ReferencePin) -> Result<Self, MeasureError> {
+        let Some(inspector) = &self.inspector else {
+            return Err(MeasureError::NeedsScale { setting: "reference_pin" });
+        };
+        self.pin = Some(PinReader::new(pin, gauge, &inspector.calibration));
+        Ok(self)
     }
 
     /// Measures a frame, as the camera gives it, by its number.
@@ -169,8 +189,56 @@ impl Stream {
         view: &FrameView<'_>,
     ) -> Result<&Measurement, MeasureError> {
         let view = laid(view, self.settings.vertical);
+        if self.pin.is_some() {
+            return self.push_beside_pin(name, meta, &view);
+        }
+        self.push_laid(name, meta, &view)
+    }
+
+    /// Measures a frame, its shaft lying level, beside the reference pin.
+    fn push_beside_pin(
+        &mut self,
+        name: &str,
+        meta: &FrameMeta,
+        view: &FrameView<'_>,
+    ) -> Result<&Measurement, MeasureError> {
+        match self.read_pin(view) {
+            Err(why) => {
+                self.begin(name, meta.frame_id, view.columns());
+                self.refuse(MeasureError::ReferencePin { frame: name.to_owned(), why })
+            }
+            Ok((part, columns)) => {
+                let pitch_mm = self.inspector.as_ref().map_or(0.0, |i| i.calibration.scale_mm_per_px);
+                let meta = meta_of(meta, columns, view.columns(), pitch_mm);
+                self.push_laid(name, &meta, &part)
+            }
+        }
+    }
+
+    /// Takes the correction of a frame by its pin; the view of the part, and its columns.
+    fn read_pin<'a>(&mut self, view: &FrameView<'a>) -> Result<(FrameView<'a>, [usize; 2]), String> {
+        let (Some(pin), Some(inspector)) = (&mut self.pin, &mut self.inspector) else {
+            return Err("there is none".to_owned());
+        };
+        let columns = pin.part_columns(view.columns())?;
+        inspector.pin = Some(pin.read(view)?);
+        if let Some(place) = pin.part_place(columns[0]) {
+            // the lens of the part's columns, once the size of the frames is known
+            inspector.calibration = place;
+        }
+        let part = view.columns_between(columns[0], columns[1]).ok_or("it leaves no part")?;
+        Ok((part, columns))
+    }
+
+    /// Measures a frame whose shaft lies level.
+    fn push_laid(
+        &mut self,
+        name: &str,
+        meta: &FrameMeta,
+        view: &FrameView<'_>,
+    ) -> Result<&Measurement, MeasureError> {
         self.begin(name, meta.frame_id, view.columns());
-        if let Err(error) = self.measure_edges(name, meta, &view) {
+        if let Err(error) = self.measure_edges(name, meta, view) {
             return self.refuse(error);
         }
         self.take_edges();
@@ -233,6 +301,17 @@ impl Stream {
             let conditions = &mut inspector.conditions;
             (conditions.temperature_c, conditions.limit_temperature_k) = (part_c, limit_k);
             conditions.unstated.temperature = false;
+        }
+    }
+
+    /// Limits of the scale's drift by its temperature since the calibration, from the next frame
+    /// on, ± ppm; they add to those that the conditions state. Without a calibration there are
+    /// none.
+    pub fn set_scale_drift(&mut self, limit_ppm: f64) {
+        if let Some(inspector) = &mut self.inspector {
+            let drift_ppm = &mut inspector.conditions.limit_drift_ppm;
+            let stated_ppm = *self.stated_drift_ppm.get_or_insert(*drift_ppm);
+            *drift_ppm = stated_ppm + limit_ppm;
         }
     }
 

@@ -38,6 +38,8 @@ pub struct TemperatureSample {
     pub limit_k: f64,
     /// Temperature of the head, °C, where it is known.
     pub head_c: Option<f64>,
+    /// Temperature of what the scale rests on (lens and its mount), °C, where it is measured apart.
+    pub scale_c: Option<f64>,
 }
 
 /// Most samples that are kept, 48 MB of them: twelve days of one a second. Of more the older half
@@ -78,7 +80,7 @@ impl Temperatures {
     /// # Errors
     /// A time that does not rise, values out of range: the sample is then left out.
     pub fn push(&mut self, sample: TemperatureSample) -> Result<(), String> {
-        let TemperatureSample { t_ns, part_c, limit_k, head_c } = sample;
+        let TemperatureSample { t_ns, part_c, limit_k, head_c, scale_c } = sample;
         if self.samples.last().is_some_and(|last| last.t_ns >= t_ns) {
             return Err(format!("t_ns {t_ns} does not rise"));
         }
@@ -86,8 +88,10 @@ impl Temperatures {
         if !in_range(part_c) {
             return Err(format!("part_c {part_c} must lie in -50 to 400 °C"));
         }
-        if let Some(head_c) = head_c.filter(|c| !in_range(*c)) {
-            return Err(format!("head_c {head_c} must lie in -50 to 400 °C"));
+        for (name, beside_c) in [("head_c", head_c), ("scale_c", scale_c)] {
+            if let Some(c) = beside_c.filter(|c| !in_range(*c)) {
+                return Err(format!("{name} {c} must lie in -50 to 400 °C"));
+            }
         }
         if !(0.0..=100.0).contains(&limit_k) {
             return Err(format!("limit_k {limit_k} must lie in 0 to 100 K"));
@@ -134,8 +138,22 @@ impl Temperatures {
     /// No sample before, or one that is too old.
     pub fn at(&self, t_ns: u64) -> Result<(f64, f64), String> {
         let (last, age_s) = self.sample(t_ns)?;
-        let stale_s = (age_s - self.age.max_age_s).max(0.0);
-        Ok((last.part_c, last.limit_k + self.age.growth_k_per_s * stale_s))
+        Ok((last.part_c, last.limit_k + self.stale_k(age_s)))
+    }
+
+    /// What a temperature may have changed by beyond the age up to which it holds, K.
+    fn stale_k(&self, age_s: f64) -> f64 {
+        self.age.growth_k_per_s * (age_s - self.age.max_age_s).max(0.0)
+    }
+
+    /// Temperature of the scale at `t_ns`, °C, that of the head where it has none of its own, and
+    /// what it may have changed by since, K; `None` where the last sample has neither.
+    ///
+    /// # Errors
+    /// As [`Self::at`].
+    pub fn scale_at(&self, t_ns: u64) -> Result<Option<(f64, f64)>, String> {
+        let (last, age_s) = self.sample(t_ns)?;
+        Ok(last.scale_c.or(last.head_c).map(|c| (c, self.stale_k(age_s))))
     }
 
     /// Temperature of the head at `t_ns`, °C; `None` where the last sample has none.
@@ -144,6 +162,23 @@ impl Temperatures {
     /// As [`Self::at`].
     pub fn head_at(&self, t_ns: u64) -> Result<Option<f64>, String> {
         self.sample(t_ns).map(|(last, _)| last.head_c)
+    }
+}
+
+/// Drift of the scale with its temperature since it was calibrated, as limits of its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScaleDrift {
+    /// Limits of the drift, ± ppm/K: of a lens in aluminium 23.
+    pub ppm_per_k: f64,
+    /// Temperature of the scale when it was calibrated, °C.
+    pub calibrated_c: f64,
+}
+
+impl ScaleDrift {
+    /// Limits of the scale's error at a temperature, °C, that may have changed by `stale_k` since
+    /// it was read, ± ppm.
+    pub fn limit_ppm(&self, scale_c: f64, stale_k: f64) -> f64 {
+        self.ppm_per_k * ((scale_c - self.calibrated_c).abs() + stale_k)
     }
 }
 
@@ -196,7 +231,7 @@ mod tests {
     const SECOND: u64 = 1_000_000_000;
 
     fn sample(t_s: u64, part_c: f64) -> TemperatureSample {
-        TemperatureSample { t_ns: t_s * SECOND, part_c, limit_k: 0.2, head_c: None }
+        TemperatureSample { t_ns: t_s * SECOND, part_c, limit_k: 0.2, head_c: None, scale_c: None }
     }
 
     #[test]
@@ -230,6 +265,18 @@ mod tests {
         awaited.push(sample(12, 31.0)).unwrap();
         assert_eq!(awaited.at(12 * SECOND), Ok((31.0, 0.2)));
         assert_eq!((awaited.head_at(12 * SECOND), awaited.last_ns()), (Ok(None), Some(12 * SECOND)));
+        // the scale's own temperature, else the head's; 50 s beyond the 10 s that it holds for are
+        // 1 K
+        assert_eq!(awaited.scale_at(11 * SECOND), Ok(Some((25.0, 0.0))));
+        assert_eq!(awaited.scale_at(12 * SECOND), Ok(None));
+        let both = TemperatureSample { head_c: Some(25.0), scale_c: Some(23.0), ..sample(20, 30.0) };
+        awaited.push(both).unwrap();
+        let (scale_c, stale_k) = awaited.scale_at(80 * SECOND).unwrap().unwrap();
+        assert!(scale_c == 23.0 && (stale_k - 1.0).abs() < 1e-12, "{stale_k}");
+        let drift = ScaleDrift { ppm_per_k: 23.0, calibrated_c: 21.0 };
+        assert!((drift.limit_ppm(scale_c, stale_k) - 69.0).abs() < 1e-9);
+        let hot = TemperatureSample { scale_c: Some(900.0), ..sample(90, 30.0) };
+        assert!(awaited.push(hot).unwrap_err().contains("scale_c"));
     }
 
     #[test]

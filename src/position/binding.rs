@@ -133,7 +133,7 @@ fn off_step(settings: &EncoderSettings, counts: i64) -> Option<String> {
 }
 
 /// Why two index pulses that lie `counts` apart contradict the count.
-fn off_index(settings: &EncoderSettings, counts: i64) -> Option<String> {
+pub(super) fn off_index(settings: &EncoderSettings, counts: i64) -> Option<String> {
     let turn = i64::from(settings.counts_per_turn);
     let off = (counts + turn / 2).rem_euclid(turn) - turn / 2;
     (off.abs() > i64::from(settings.index_tolerance_counts)).then(|| {

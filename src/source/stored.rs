@@ -52,8 +52,8 @@ pub(crate) enum Coded {
     Image,
     /// Pixels of a layout that is known.
     Raw(RawLayout),
-    /// None: the frame itself.
-    Ready(Box<Frame>),
+    /// None: the frame itself, with what its source states of it.
+    Ready(Box<StoredFrame>),
 }
 
 /// The image of a frame, with what is known of it beside its file.
@@ -85,9 +85,7 @@ impl Undecoded {
         let decoded = match coded {
             Coded::Image => decode_into(&content, &wanted, meta, spare),
             Coded::Raw(layout) => layout.decode(&content, meta, spare),
-            Coded::Ready(frame) => {
-                return Ok(StoredFrame { stem, frame: *frame, scale: None, changed: Vec::new() });
-            }
+            Coded::Ready(stored) => return Ok(*stored),
         };
         Arc::try_unwrap(content).into_iter().for_each(|file| spare.take_file(file));
         let decoded = decoded.map_err(|cause| ReadError::Decode { path: named.clone(), cause })?;

@@ -41,6 +41,7 @@ mod probe_run;
 mod process;
 mod process_studies;
 mod publish;
+mod reference_pin;
 mod render_frames;
 mod render_golden;
 mod render_light;

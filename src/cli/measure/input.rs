@@ -14,6 +14,7 @@ use std::time::Duration;
 
 use super::camera_source::CameraSource;
 use super::closing::Closing;
+use super::encoder_args::{EncoderOf, bound};
 use super::frames::paths;
 use crate::cell::{HeadPace, SimulatedHead};
 use crate::cli::failure::Failure;
@@ -21,7 +22,7 @@ use crate::cli::process::interrupt;
 use crate::config;
 use crate::position::EncoderSettings;
 use crate::render::{BackendChoice, Renderer};
-use crate::source::live::{Live, LiveSettings, Policy, Producer, StoredProducer, taken};
+use crate::source::live::{Binding, Live, LiveSettings, Policy, Producer, StoredProducer, taken};
 #[cfg(feature = "mcap")]
 use crate::source::mcap::Replay;
 use crate::source::raw::{RawLayout, RawStream, begins_y4m};
@@ -208,11 +209,17 @@ impl StreamSource {
         matches!(self, Self::RawFile(..) | Self::Y4m(_))
     }
 
-    /// The frames, every one in its order.
+    /// Whether its frames have times of their exposure.
+    pub(crate) fn has_times(&self) -> bool {
+        !matches!(self, Self::Stdin | Self::RawStdin(_) | Self::RawFile(..) | Self::Y4m(_))
+    }
+
+    /// The frames, every one in its order, bound to an encoder beside them where one is given.
     ///
     /// # Errors
-    /// A file that cannot be opened, a config that is refused; a system that refuses threads.
-    pub(crate) fn ahead(self, read: &Reading) -> Result<Ahead, Failure> {
+    /// A file that cannot be opened, a config that is refused, an encoder beside frames without
+    /// times; a system that refuses threads.
+    pub(crate) fn ahead(self, read: &Reading, beside: Option<Binding>) -> Result<Ahead, Failure> {
         let (producer, policy, waiting, name) = match self {
             Self::Simulation(config) => {
                 let name = format!("sim:{}", config.display());
@@ -224,12 +231,15 @@ impl StreamSource {
             }
             #[cfg(feature = "mcap")]
             Self::Recording(path) => (replay(&path)?, Policy::Block, WAITING, path.display().to_string()),
-            other => return read.ahead(other.images(read)?),
+            other => {
+                check_untimed(beside.as_ref())?;
+                return read.ahead(other.images(read)?);
+            }
         };
         let settings = LiveSettings { policy, waiting, held: 1 };
-        let live = Live::new(producer, settings).map_err(Failure::fail)?;
-        let frames = taken(live, name, read.stop.clone().unwrap_or_default());
-        read.ahead(read.closing.guarded(frames))
+        // what does not wait for this program is live
+        let is_live = policy != Policy::Block;
+        read.live(bound(producer, beside, is_live), settings, name)
     }
 
     /// The source as a producer of live frames.
@@ -287,6 +297,20 @@ impl StreamSource {
     }
 }
 
+/// Refuses an encoder beside frames that come without times.
+///
+/// # Errors
+/// Exit 2 where one is given.
+pub(crate) fn check_untimed(beside: Option<&Binding>) -> Result<(), Failure> {
+    match beside {
+        None => Ok(()),
+        Some(_) => Err(Failure::refuse(
+            "--encoder-samples and --encoder-triggers need the times of the exposures, which stdin, raw pixels and Y4M have \
+             not; give files with frames.csv (t_ns), a recording or a camera",
+        )),
+    }
+}
+
 fn buffered<R: Read>(input: R) -> BufReader<R> {
     BufReader::with_capacity(PIPE, input)
 }
@@ -332,6 +356,28 @@ impl Reading {
     /// Begins to read images and to decode them.
     fn ahead(&self, images: impl Iterator<Item = Taken> + Send + 'static) -> Result<Ahead, Failure> {
         Ahead::new(images, self.threads, self.stop.clone(), self.spare.clone()).map_err(Failure::fail)
+    }
+
+    /// Begins to take the frames of a producer.
+    fn live(
+        &self,
+        producer: Box<dyn Producer>,
+        settings: LiveSettings,
+        name: String,
+    ) -> Result<Ahead, Failure> {
+        let live = Live::new(producer, settings).map_err(Failure::fail)?;
+        let frames = taken(live, name, self.stop.clone().unwrap_or_default());
+        self.ahead(self.closing.guarded(frames))
+    }
+
+    /// Frames that are stored, bound to an encoder beside them where one is given.
+    fn bound(&self, frames: Ahead, beside: Option<Binding>, name: &str) -> Result<Ahead, Failure> {
+        if beside.is_none() {
+            return Ok(frames);
+        }
+        let producer = bound(Box::new(StoredProducer::new(frames)), beside, false);
+        let settings = LiveSettings { policy: Policy::Block, waiting: WAITING, held: 1 };
+        self.live(producer, settings, name.to_owned())
     }
 
     /// The frames of a folder as they come, until none has come for the time `idle`.
@@ -422,22 +468,28 @@ impl Input {
         !matches!(self, Self::Files(_))
     }
 
-    /// Begins to read it and to decode on so many threads, of colour images this channel, of files
-    /// with the angles of this encoder.
+    /// Begins to read it and to decode on so many threads, of colour images this channel, with the
+    /// angles of this encoder.
     ///
     /// # Errors
     /// A folder that cannot be listed, a file that cannot be opened; a system that refuses threads.
     pub(crate) fn open(
         self,
         channel: Option<Channel>,
-        encoder: Option<EncoderSettings>,
+        encoder: EncoderOf,
         threads: usize,
     ) -> Result<Opened, Failure> {
         let read = Reading::new(channel, threads, self.is_stream());
+        let EncoderOf { in_table, beside } = encoder;
         let frames = match self {
-            Self::Files(paths) => read.files(paths, encoder),
-            Self::Folder(folder, idle) => read.followed(folder, idle),
-            Self::Stream(stream) => stream.ahead(&read),
+            Self::Files(paths) => {
+                read.files(paths, in_table).and_then(|frames| read.bound(frames, beside, "frames"))
+            }
+            Self::Folder(folder, idle) => {
+                let name = folder.display().to_string();
+                read.followed(folder, idle).and_then(|frames| read.bound(frames, beside, &name))
+            }
+            Self::Stream(stream) => stream.ahead(&read, beside),
         };
         Ok(Opened { frames: frames?, stop: read.stop, _closing: read.closing })
     }

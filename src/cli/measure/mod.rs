@@ -5,9 +5,10 @@
 //! table (`table`, `statistics`, `turn`, `words`, `legend`) or JSON (`document`), edges as CSV
 //! (`edges_file`), diameters as CSV and a report (`leaves`, `csv_file`); the
 //! offsets of the next part (`offsets`); times (`timing`). Values over time beside the frames are
-//! tables of `time_table`. This
-//! file turns arguments into settings and frames into a [`Stream`](crate::measurement::Stream);
-//! what is measured is in [`measurement`](crate::measurement), where a new result goes too.
+//! tables of `time_table`, also while they grow (`growing_table`); samples of an encoder are such
+//! (`encoder_samples`). This file turns arguments into settings and frames into a
+//! [`Stream`](crate::measurement::Stream); what is measured is in
+//! [`measurement`](crate::measurement), where a new result goes too.
 
 mod camera_source;
 mod choice;
@@ -15,17 +16,21 @@ mod closing;
 mod csv_file;
 pub(super) mod document;
 mod edges_file;
-mod encoder_args;
+pub(super) mod encoder_args;
+mod encoder_samples;
 pub(super) mod esf_argument;
 pub(super) mod frames;
+pub(super) mod growing_table;
 pub(super) mod input;
 pub(super) mod instrument_args;
 mod judge_args;
 mod leaves;
 mod legend;
 pub(super) mod offsets;
+pub(super) mod reference_pin_args;
 mod results;
 mod ring;
+pub(super) mod scale_drift_args;
 mod statistics;
 mod table;
 pub(super) mod temperature_args;
@@ -52,8 +57,9 @@ use self::judge_args::JudgeArgs;
 use self::leaves::{Inputs, Leaves, LeavesArgs, MeasuredBy};
 use self::legend::Legend;
 use self::offsets::{OffsetArgs, OffsetJob};
+use self::reference_pin_args::ReferencePinArgs;
 use self::results::{Beside, Printed, Results, head};
-use self::temperature_args::{TemperatureArgs, take_temperature};
+use self::temperature_args::{StatedTemperatures, TemperatureArgs, take_temperature};
 use self::warnings::{report_uncalibrated, report_unlearnt};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::terminal::output;
@@ -62,7 +68,7 @@ use crate::frame::{Frame, FrameView};
 use crate::gauge::calibration::Conditions;
 use crate::gauge::ring::RingSettings;
 use crate::gauge::{Calibration, EsfModel, Gauge, GaugeSettings, Polarity};
-use crate::measurement::{MeasureError, MeasureSettings, Series, Stream, Temperatures, edge_model, prepared};
+use crate::measurement::{MeasureError, MeasureSettings, ReferencePin, Series, Stream, edge_model, prepared};
 use crate::source::Arrival;
 
 /// Arguments of `shadowgauge measure`.
@@ -76,6 +82,8 @@ pub(crate) struct MeasureArgs {
     temperatures: TemperatureArgs,
     #[command(flatten)]
     encoder: EncoderArgs,
+    #[command(flatten)]
+    pin: ReferencePinArgs,
     #[command(flatten)]
     frames: FrameArgs,
     #[command(flatten)]
@@ -152,6 +160,7 @@ struct Instrument {
     calibration: Option<Calibration>,
     conditions: Conditions,
     settings: MeasureSettings,
+    pin: Option<ReferencePin>,
 }
 
 impl Instrument {
@@ -161,6 +170,10 @@ impl Instrument {
             Some(calibration) => Stream::new(&self.gauge, calibration, &self.conditions, settings),
             None => Stream::in_pixels(&self.gauge, settings),
         }
+        .and_then(|stream| match self.pin {
+            Some(pin) => stream.with_reference_pin(&self.gauge, pin),
+            None => Ok(stream),
+        })
         .map_err(failure)
     }
 }
@@ -168,7 +181,7 @@ impl Instrument {
 impl MeasureArgs {
     /// Files read beside the frames.
     fn other_inputs(&self) -> Vec<PathBuf> {
-        let named = self.instrument.files().chain(self.temperatures.file());
+        let named = self.instrument.files().chain(self.temperatures.file()).chain(self.encoder.file());
         named.chain(self.esf.as_ref().map(PathBuf::from)).chain(self.offsets.inputs()).collect()
     }
 
@@ -204,7 +217,8 @@ pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     check_offsets(args, &input)?;
     let calibration = args.instrument.calibration(&args.frames, input.files())?;
     let conditions = args.instrument.conditions(calibration.as_ref())?;
-    if let (None, Some(name)) = (&calibration, args.judge.needs_scale()) {
+    let needs_scale = args.judge.needs_scale().or(args.pin.given());
+    if let (None, Some(name)) = (&calibration, needs_scale) {
         return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
     }
     let esf = stated_edge_model(args, calibration.as_ref())?;
@@ -212,7 +226,8 @@ pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     // The report shows a budget.
     let budget = args.judge.shows_budgets() || args.leaves.has_report() && calibration.is_some();
     let settings = MeasureSettings { budget, ..args.settings() };
-    let instrument = Instrument { gauge, calibration, conditions, settings };
+    let pin = args.pin.reference_pin;
+    let instrument = Instrument { gauge, calibration, conditions, settings, pin };
     if args.shape == Shape::Ring {
         return rings(args, &instrument, input);
     }
@@ -280,7 +295,7 @@ fn measure_one(
     stream: &mut Stream,
     arrival: &Arrival,
     read: Result<Frame, String>,
-    temperatures: Option<&Temperatures>,
+    temperatures: Option<&StatedTemperatures>,
 ) -> Option<Frame> {
     let stem = arrival.stem.as_str();
     let timed = read.and_then(|mut frame| {
@@ -337,7 +352,7 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
         report_uncalibrated(&stream);
     }
     let temperatures = args.temperatures.read()?;
-    let encoder = args.encoder.encoder(&input)?;
+    let encoder = args.encoder.of_input(input.is_stream())?;
     let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
     let stop = opened.stop.clone();
     let checks = FrameChecks::new(&args.frames, instrument.calibration.as_ref(), args.instrument.scale());
@@ -415,6 +430,7 @@ fn bench(
         calibration,
         conditions: instrument.conditions,
         settings,
+        pin: instrument.pin,
     };
     Ok(timing::benchmark(&instrument.gauge, level.stream()?, &views, count))
 }
@@ -428,14 +444,15 @@ fn rings(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandRe
     {
         return Err(Failure::refuse("--edges, --bench, --vertical and --esf belong to --shape shaft"));
     }
-    if let Some(name) = args.judge.needs_scale().or(args.choice.given()).or(args.leaves.given()) {
+    let of_shaft = args.judge.needs_scale().or(args.choice.given()).or(args.leaves.given());
+    if let Some(name) = of_shaft.or(args.pin.given()) {
         return Err(Failure::refuse(format!("{name} belongs to --shape shaft")));
     }
     let mut settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };
     settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
     let calibration = instrument.calibration.as_ref();
     let json = args.json.then(|| if input.is_stream() { ring::Json::lines() } else { ring::Json::whole() });
-    let encoder = args.encoder.encoder(&input)?;
+    let encoder = args.encoder.of_input(input.is_stream())?;
     let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
     let checks = FrameChecks::new(&args.frames, calibration, args.instrument.scale());
     let mut source = Frames::new(opened.frames, checks);

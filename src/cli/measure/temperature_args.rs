@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use super::scale_drift_args::ScaleDriftArgs;
 use super::time_table::{TimeRow, TimeTable, Wanted};
 use crate::cli::failure::Failure;
-use crate::measurement::{Stream, TemperatureAge, TemperatureSample, Temperatures};
+use crate::measurement::{ScaleDrift, Stream, TemperatureAge, TemperatureSample, Temperatures};
 
 /// Limits of a thermometer that states none, ± K: those of a reading with unstated limits.
 pub(crate) const UNSTATED_K: f64 = 1.0;
@@ -12,7 +13,8 @@ pub(crate) const UNSTATED_K: f64 = 1.0;
 /// Arguments of the part's temperature over time.
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct TemperatureArgs {
-    /// Temperatures of the part over time (CSV: t_ns on the clock of frames.csv, part_c, limit_k):
+    /// Temperatures over time (CSV: t_ns on the clock of frames.csv, part_c, and where they are
+    /// known limit_k, head_c, scale_c):
     /// each frame has the last one before it; its limits grow by 0.02 K/s after 10 s.
     #[arg(long, value_name = "FILE.csv", conflicts_with = "part_temperature")]
     temperatures: Option<PathBuf>,
@@ -25,6 +27,15 @@ pub(crate) struct TemperatureArgs {
         value_parser = seconds
     )]
     temperature_max_s: Option<f64>,
+    #[command(flatten)]
+    scale: ScaleDriftArgs,
+}
+
+/// Temperatures over time, and what follows from them beside the part's.
+#[derive(Debug)]
+pub(super) struct StatedTemperatures {
+    temperatures: Temperatures,
+    scale: Option<ScaleDrift>,
 }
 
 /// Parses an age.
@@ -46,7 +57,8 @@ impl TemperatureArgs {
     ///
     /// # Errors
     /// Exit 3 for a file that cannot be read, 2 for rows that are wrong.
-    pub(super) fn read(&self) -> Result<Option<Temperatures>, Failure> {
+    pub(super) fn read(&self) -> Result<Option<StatedTemperatures>, Failure> {
+        self.scale.check(self.temperatures.is_some())?;
         let Some(path) = &self.temperatures else { return Ok(None) };
         let text = std::fs::read_to_string(path)
             .map_err(|error| Failure::fail(format!("{}: {error}", path.display())))?;
@@ -54,7 +66,8 @@ impl TemperatureArgs {
         let refused_age_s = self.temperature_max_s.unwrap_or(age.refused_age_s);
         let samples = samples(&text).map_err(|why| refuse(path, &why))?;
         let read = Temperatures::new(samples, TemperatureAge { refused_age_s, ..age });
-        read.map(Some).map_err(|why| refuse(path, &why))
+        let temperatures = read.map_err(|why| refuse(path, &why))?;
+        Ok(Some(StatedTemperatures { temperatures, scale: self.scale.drift() }))
     }
 }
 
@@ -68,34 +81,56 @@ fn refuse(path: &Path, why: &str) -> Failure {
 /// A frame without time, or whose last temperature is too old.
 pub(super) fn take_temperature(
     stream: &mut Stream,
-    temperatures: Option<&Temperatures>,
+    stated: Option<&StatedTemperatures>,
     t_ns: u64,
 ) -> Result<(), String> {
-    let Some(temperatures) = temperatures else { return Ok(()) };
+    let Some(StatedTemperatures { temperatures, scale }) = stated else { return Ok(()) };
     if t_ns == 0 {
         return Err("no t_ns in frames.csv, which --temperatures needs".to_owned());
     }
     let (part_c, limit_k) = temperatures.at(t_ns)?;
     stream.set_part_temperature(part_c, limit_k);
+    match scale {
+        None => Ok(()),
+        Some(drift) => take_scale(stream, drift, temperatures.scale_at(t_ns)?),
+    }
+}
+
+/// Gives the stream the drift of the scale at its temperature, °C, with what it may have changed by
+/// since, K.
+///
+/// # Errors
+/// No temperature.
+pub(crate) fn take_scale(
+    stream: &mut Stream,
+    drift: &ScaleDrift,
+    scale: Option<(f64, f64)>,
+) -> Result<(), String> {
+    let Some((scale_c, stale_k)) = scale else {
+        return Err("--scale-ppm-per-k needs the temperature of the scale (scale_c or head_c)".to_owned());
+    };
+    stream.set_scale_drift(drift.limit_ppm(scale_c, stale_k));
     Ok(())
 }
 
 /// Columns of temperatures over time.
-pub(crate) const TEMPERATURES: [Wanted; 3] = [
+pub(crate) const TEMPERATURES: [Wanted; 4] = [
     Wanted { name: "part_c", is_needed: true },
     Wanted { name: "limit_k", is_needed: false },
     Wanted { name: "head_c", is_needed: false },
+    Wanted { name: "scale_c", is_needed: false },
 ];
 
 /// The sample of a row; limits that are not stated are those of a reading of an unstated
 /// thermometer.
-pub(crate) fn sample(row: TimeRow<3>) -> TemperatureSample {
-    let [part_c, limit_k, head_c] = row.values;
+pub(crate) fn sample(row: TimeRow<4>) -> TemperatureSample {
+    let [part_c, limit_k, head_c, scale_c] = row.values;
     TemperatureSample {
         t_ns: row.t_ns,
         part_c: part_c.unwrap_or(f64::NAN),
         limit_k: limit_k.unwrap_or(UNSTATED_K),
         head_c,
+        scale_c,
     }
 }
 

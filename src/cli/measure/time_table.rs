@@ -1,4 +1,5 @@
 //! Tables of numbers over time (CSV with commas or semicolons): `t_ns` and columns found by name.
+//! Where times may be of several clocks, the name of their column states which.
 
 /// A column that is wanted.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +22,8 @@ pub(crate) struct TimeRow<const N: usize> {
 pub(crate) struct TimeTable<const N: usize> {
     separator: char,
     time: usize,
+    /// Place of the clock among those that may be named.
+    clock: usize,
     columns: [(Wanted, Option<usize>); N],
 }
 
@@ -30,23 +33,47 @@ impl<const N: usize> TimeTable<N> {
     /// # Errors
     /// A needed column that is not there; the message names all that are read.
     pub(crate) fn of_header(header: &str, wanted: [Wanted; N]) -> Result<Self, String> {
+        Self::of_clocks(header, wanted, &["t_ns"])
+    }
+
+    /// Finds the columns in a header whose times have one of these names.
+    ///
+    /// # Errors
+    /// As [`Self::of_header`]; times of two clocks.
+    pub(crate) fn of_clocks(
+        header: &str,
+        wanted: [Wanted; N],
+        clocks: &[&'static str],
+    ) -> Result<Self, String> {
         let header = header.trim_start_matches('\u{feff}');
         let separator = if header.contains(';') { ';' } else { ',' };
         let names: Vec<String> = header.split(separator).map(|n| n.trim().to_ascii_lowercase()).collect();
         let place = |name: &str| names.iter().position(|n| n == name);
         let columns = wanted.map(|column| (column, place(column.name)));
         let lacks = columns.iter().find(|(column, place)| column.is_needed && place.is_none());
-        let lacking = lacks.map_or("t_ns", |(column, _)| column.name);
-        let Some(time) = place("t_ns").filter(|_| lacks.is_none()) else {
+        let times = clocks.join(" or ");
+        let lacking = lacks.map_or(times.as_str(), |(column, _)| column.name);
+        let mut found = (0..).zip(clocks).filter_map(|(clock, name)| Some((clock, place(name)?)));
+        let first = found.next();
+        if first.is_some() && found.next().is_some() {
+            return Err(format!("times of two clocks; one of {times} is right"));
+        }
+        let Some((clock, time)) = first.filter(|_| lacks.is_none()) else {
             let named = |is_needed: bool| {
                 let names = wanted.iter().filter(move |column| column.is_needed == is_needed);
                 names.map(|column| column.name).collect::<Vec<_>>()
             };
-            let (needed, known) = ([vec!["t_ns"], named(true)].concat().join(", "), named(false).join(", "));
+            let (needed, known) =
+                ([vec![times.as_str()], named(true)].concat().join(", "), named(false).join(", "));
             let known = if known.is_empty() { known } else { format!(" and, if known, {known}") };
             return Err(format!("no column {lacking}; {needed}{known} are right"));
         };
-        Ok(Self { separator, time, columns })
+        Ok(Self { separator, time, clock, columns })
+    }
+
+    /// Which of the clocks that may be named its times are of.
+    pub(crate) fn clock(&self) -> usize {
+        self.clock
     }
 
     /// Reads a row; `number` is its line in the file.
@@ -94,5 +121,9 @@ mod tests {
         ] {
             assert!(TimeTable::of_header(header, WANTED).unwrap_err().contains(word), "{header}");
         }
+        let of = |header| TimeTable::of_clocks(header, WANTED, &["t_ns", "host_t_ns"]).map(|t| t.clock());
+        assert_eq!((of("part_c,host_t_ns"), of("t_ns,part_c")), (Ok(1), Ok(0)));
+        assert!(of("t_ns,host_t_ns,part_c").unwrap_err().contains("two clocks"));
+        assert!(of("part_c").unwrap_err().contains("no column t_ns or host_t_ns"));
     }
 }

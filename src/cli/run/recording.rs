@@ -143,6 +143,10 @@ impl TurningCell for RecordingCell<'_> {
         self.cell.now_ns()
     }
 
+    fn number_among_passes(&self, frame_id: u64) -> u64 {
+        self.cell.number_among_passes(frame_id)
+    }
+
     fn true_stations_mm(&self, stations_mm: &[(f64, f64)]) -> Option<Vec<f64>> {
         self.cell.true_stations_mm(stations_mm)
     }

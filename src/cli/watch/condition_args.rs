@@ -2,21 +2,23 @@
 
 use std::path::PathBuf;
 
+use crate::cli::measure::scale_drift_args::ScaleDriftArgs;
 use crate::cli::measure::temperature_args::seconds;
 use crate::measurement::{TemperatureAge, ZeroDrift};
 
 /// Temperatures and zeros over time.
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct ConditionArgs {
-    /// Temperatures over time (CSV: t_ns, part_c and, where known, limit_k and head_c), read on as
-    /// the file grows or is written anew. t_ns is the host's clock (ns since 1970), of files that
-    /// of frames.csv. Each frame has the last one before it; its limits grow by 0.02 K/s after 10
-    /// s.
+    /// Temperatures over time (CSV: t_ns, part_c and, where known, limit_k, head_c, scale_c), read
+    /// on as the file grows or is written anew. t_ns is the host's clock (ns since 1970), of files
+    /// that of frames.csv. Each frame has the last one before it; its limits grow by 0.02 K/s after
+    /// 10 s.
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["part_temperature", "temperature_cmd"])]
     pub(super) temperatures: Option<PathBuf>,
     /// Reads the thermometer by this command of the shell every 5 s: its last line is the part's
-    /// temperature, °C, and where they are known its limits, ± K, and the head's temperature
-    /// ("20.4,0.2,24.1"). A command that fails leaves the last temperature, which ages.
+    /// temperature, °C, and where they are known its limits, ± K, the head's temperature and
+    /// the scale's ("20.4,0.2,24.1,22.8"). A command that fails leaves the last temperature, which
+    /// ages.
     #[arg(long, value_name = "CMD", conflicts_with = "part_temperature")]
     pub(super) temperature_cmd: Option<String>,
     /// Refuses frames whose last temperature is older. 600 unless given.
@@ -36,6 +38,8 @@ pub(crate) struct ConditionArgs {
     /// Limits of the drift with the head's temperature since the zero, ± µm/K of diameter.
     #[arg(long, value_name = "UM", requires = "zero", value_parser = drift, default_value_t = 0.0)]
     zero_um_per_k: f64,
+    #[command(flatten)]
+    pub(super) scale: ScaleDriftArgs,
 }
 
 fn drift(text: &str) -> Result<f64, String> {
@@ -53,6 +57,7 @@ impl ConditionArgs {
         ]
         .into_iter()
         .find_map(|(given, name)| given.then_some(name))
+        .or(self.scale.given())
     }
 
     /// Whether an age is limited without temperatures.

@@ -3,13 +3,13 @@
 use serde_json::{Map, Value};
 
 use super::condition_args::ConditionArgs;
-use super::growing_table::GrowingTable;
 use super::thermometer::Thermometer;
 use crate::cli::failure::Failure;
-use crate::cli::measure::temperature_args::{TEMPERATURES, sample};
+use crate::cli::measure::growing_table::GrowingTable;
+use crate::cli::measure::temperature_args::{TEMPERATURES, sample, take_scale};
 use crate::cli::measure::time_table::{TimeRow, Wanted};
 use crate::measurement::watch::{Drift, Zero, Zeros};
-use crate::measurement::{Stream, TemperatureSample, Temperatures};
+use crate::measurement::{ScaleDrift, Stream, TemperatureSample, Temperatures};
 use crate::source::live::{Clock, LiveMeta};
 
 /// Columns of the zeros.
@@ -17,7 +17,7 @@ const ZEROS: [Wanted; 1] = [Wanted { name: "head_c", is_needed: false }];
 
 /// Where temperatures come from.
 enum Origin {
-    Table(Box<GrowingTable<3>>),
+    Table(Box<GrowingTable<4>>),
     Command(Thermometer),
 }
 
@@ -47,6 +47,7 @@ impl TakenConditions {
 pub(super) struct LiveConditions {
     temperatures: Option<(Temperatures, Origin)>,
     zeros: Option<(Zeros, GrowingTable<1>)>,
+    scale: Option<ScaleDrift>,
     /// The last note on a reading or a row, which is not logged again.
     noted: Option<String>,
 }
@@ -57,7 +58,7 @@ impl LiveConditions {
     /// # Errors
     /// Exit 2 for a table that is none; 3 for what cannot be read.
     pub(super) fn open(args: &ConditionArgs) -> Result<Self, Failure> {
-        let mut open = Self { temperatures: None, zeros: None, noted: None };
+        let mut open = Self { temperatures: None, zeros: None, scale: args.scale.drift(), noted: None };
         let awaited = || Temperatures::awaited(args.age());
         if let Some(path) = &args.temperatures {
             std::fs::File::open(path).map_err(|e| Failure::fail(format!("{}: {e}", path.display())))?;
@@ -103,21 +104,31 @@ impl LiveConditions {
     /// diameter.
     pub(super) fn take(&mut self, stream: &mut Stream, meta: &LiveMeta) -> Result<TakenConditions, String> {
         let mut taken = TakenConditions::default();
-        if self.temperatures.is_none() && self.zeros.is_none() {
+        let is_timed = self.temperatures.is_some() || self.zeros.is_some();
+        if !is_timed && self.scale.is_none() {
             return Ok(taken);
         }
         self.look();
-        let Some(t_ns) = time_ns(meta) else {
+        let time_ns = time_ns(meta);
+        if is_timed && time_ns.is_none() {
             return Err(
                 "the frame has no time, which --temperatures and --zero need (t_ns in frames.csv)".to_owned()
             );
-        };
-        let mut head_c = None;
+        }
+        let t_ns = time_ns.unwrap_or(0);
+        let (mut head_c, mut scale) = (None, None);
         if let Some((temperatures, _)) = &self.temperatures {
             let part = temperatures.at(t_ns)?;
-            head_c = temperatures.head_at(t_ns)?;
+            (head_c, scale) = (temperatures.head_at(t_ns)?, temperatures.scale_at(t_ns)?);
             stream.set_part_temperature(part.0, part.1);
             taken.part = Some(part);
+        }
+        // a thermometer beside the head is stated by the user, that of the camera is its own
+        let own_c = meta.head_c.map(|known| known.value);
+        let head_c = head_c.or(own_c);
+        if let Some(drift) = &self.scale {
+            // the camera's own is read every five seconds: it is not stale
+            take_scale(stream, drift, scale.or(own_c.map(|c| (c, 0.0))))?;
         }
         if let Some((zeros, _)) = &self.zeros {
             let drift = zeros.at(t_ns, head_c)?;
@@ -129,7 +140,7 @@ impl LiveConditions {
 
     /// Takes what came since the last look.
     fn look(&mut self) {
-        let Self { temperatures, zeros, noted } = self;
+        let Self { temperatures, zeros, noted, .. } = self;
         let mut note = |result: Result<(), String>| {
             if let Err(why) = result
                 && noted.as_ref() != Some(&why)
@@ -164,7 +175,7 @@ impl LiveConditions {
 
 /// Takes a row where it is later than the last one: a table that is written anew may hold rows that
 /// were taken.
-fn later(temperatures: &mut Temperatures, row: TimeRow<3>) -> Result<(), String> {
+fn later(temperatures: &mut Temperatures, row: TimeRow<4>) -> Result<(), String> {
     let sample: TemperatureSample = sample(row);
     if temperatures.last_ns().is_some_and(|last_ns| sample.t_ns <= last_ns) {
         return Ok(());

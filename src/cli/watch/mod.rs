@@ -1,7 +1,7 @@
 //! `shadowgauge watch`: a source watched live.
 //!
 //! In: a source of frames, a scale or calibration, a tolerance, temperatures and zeros over time
-//! (`condition_args`; tables that grow: `growing_table`, a command: `thermometer`; taken into the
+//! (`condition_args`; a command: `thermometer`; taken into the
 //! measurement by `live_conditions`). Out: on a terminal one line of the present diameter that is
 //! written over again, on stdout a line a part, or with `--json` a line a frame and a line an event
 //! (`shown`); an alarm with its command (`on_alarm`, run by `shell`); counts at the end; the frames
@@ -11,7 +11,6 @@
 //! is in [`measurement::watch`](crate::measurement), where one more figure goes.
 
 mod condition_args;
-mod growing_table;
 mod live_conditions;
 mod on_alarm;
 #[cfg(feature = "mcap")]
@@ -36,18 +35,23 @@ use self::session::{Beside, Ended, Session, SessionSettings};
 use self::setup_page::{SetupOf, SetupPage};
 use self::shown::{Shown, ShownAs};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::measure::encoder_args::{EncoderArgs, bound};
 use crate::cli::measure::frames::{FrameArgs, FrameChecks, ScaleArgument, paths};
-use crate::cli::measure::input::{Reading, StreamArgs, StreamSource, seconds};
+use crate::cli::measure::input::{Reading, StreamArgs, StreamSource, check_untimed, seconds};
 use crate::cli::measure::instrument_args::InstrumentArgs;
+use crate::cli::measure::reference_pin_args::ReferencePinArgs;
 use crate::cli::measure::{failure, positive_px};
 use crate::cli::process::interrupt;
 use crate::conformity::Tolerance;
 use crate::gauge::{Calibration, Gauge, GaugeSettings, Polarity};
 use crate::measurement::{MeasureSettings, Stream, edge_model};
-use crate::source::live::{Live, LiveSettings, LiveSource as _, Policy, Producer, StoredProducer};
+use crate::source::live::{Binding, Live, LiveSettings, LiveSource as _, Policy, Producer, StoredProducer};
 
 /// Frames that wait where every one is measured: some are decoded while one is measured.
 const WAITING: usize = 4;
+/// Frames that wait where they come turn by turn: those of two turns of 32, as many as are held in
+/// frames of 2048 × 2048.
+const OF_A_TURN: usize = 64;
 
 /// Arguments of `shadowgauge watch`.
 #[derive(Debug, clap::Args)]
@@ -83,6 +87,10 @@ pub(crate) struct WatchArgs {
     /// that the source gives of every frame.
     #[arg(long, requires = "settle_s")]
     turning: bool,
+    #[command(flatten)]
+    encoder: EncoderArgs,
+    #[command(flatten)]
+    pin: ReferencePinArgs,
     #[command(flatten)]
     conditions: ConditionArgs,
     /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of
@@ -158,7 +166,8 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
     let calibration = args.instrument.calibration(&args.frames, &[])?;
     check(args, calibration.as_ref())?;
     let stream = measuring(args, calibration.as_ref())?;
-    let watched = opened(args)?;
+    let encoder = args.encoder.binding()?;
+    let watched = opened(args, encoder.as_ref())?;
     if watched.policy == Policy::Block && args.conditions.temperature_cmd.is_some() {
         return Err(Failure::refuse(
             "--temperature-cmd reads the temperature of now: of files and recordings give --temperatures FILE.csv",
@@ -171,9 +180,16 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
     #[cfg(feature = "mcap")]
     let (watched, recording) = recorded(watched, args.record.as_deref())?;
     let stop = interrupt::requested();
-    let waiting = if watched.policy == Policy::Block { WAITING } else { 1 };
+    let waiting = match watched.policy {
+        Policy::Block => WAITING,
+        // a bound source delivers the frames of a turn together
+        _ if args.encoder.is_given() => OF_A_TURN,
+        _ => 1,
+    };
     let settings = LiveSettings { policy: watched.policy, waiting, held: 1 };
-    let mut live = Live::new(watched.producer, settings).map_err(Failure::fail)?;
+    // what is recorded are the frames as the source gives them
+    let producer = bound(watched.producer, encoder, watched.policy != Policy::Block);
+    let mut live = Live::new(producer, settings).map_err(Failure::fail)?;
     let checks = FrameChecks::new(&args.frames, calibration.as_ref(), args.instrument.scale());
     let settings = session_settings(args, calibration.as_ref());
     let mut session = Session::new(stream, checks, shown, settings, beside);
@@ -200,6 +216,7 @@ fn check(args: &WatchArgs, calibration: Option<&Calibration>) -> Result<(), Fail
         args.settle_s.map(|_| "--settle-s"),
         args.budget.then_some("--budget"),
         args.conditions.needs_scale(),
+        args.pin.given(),
     ];
     if let (None, Some(name)) = (calibration, of_millimetres.into_iter().flatten().next()) {
         return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
@@ -287,6 +304,9 @@ fn measuring(args: &WatchArgs, calibration: Option<&Calibration>) -> Result<Stre
         None => Stream::in_pixels(&gauge, settings),
     };
     let mut stream = stream.map_err(failure)?;
+    if let Some(pin) = args.pin.reference_pin {
+        stream = stream.with_reference_pin(&gauge, pin).map_err(failure)?;
+    }
     if args.turning {
         stream.settle_by_turns();
     }
@@ -294,22 +314,28 @@ fn measuring(args: &WatchArgs, calibration: Option<&Calibration>) -> Result<Stre
 }
 
 /// Opens the source. Files and pipes from files wait; what comes by itself does not.
-fn opened(args: &WatchArgs) -> Result<Watched, Failure> {
+fn opened(args: &WatchArgs, encoder: Option<&Binding>) -> Result<Watched, Failure> {
     let all = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.map_or_else(all, usize::from);
     let read = Reading::new(args.frames.channel(), threads, true);
     let Some(stream) = StreamSource::of(&args.source, &args.stream)? else {
-        return opened_path(&args.source, &read);
+        return opened_path(args, &read);
     };
+    args.encoder.in_table(true)?;
+    if !stream.has_times() {
+        check_untimed(encoder)?;
+    }
     let policy = if stream.is_file() { Policy::Block } else { Policy::DropOldest };
     Ok(Watched { producer: stream.producer(&read)?, policy })
 }
 
-fn opened_path(path: &Path, read: &Reading) -> Result<Watched, Failure> {
+fn opened_path(args: &WatchArgs, read: &Reading) -> Result<Watched, Failure> {
+    let path = &args.source;
+    let in_table = args.encoder.in_table(path.is_dir())?;
     let (frames, policy) = if path.is_dir() {
         (read.followed(path.to_owned(), None)?, Policy::DropOldest)
     } else {
-        (read.files(paths(&[path.to_owned()])?, None)?, Policy::Block)
+        (read.files(paths(&[path.to_owned()])?, in_table)?, Policy::Block)
     };
     Ok(Watched { producer: Box::new(StoredProducer::new(frames)), policy })
 }

@@ -300,6 +300,7 @@ fn watched_keys(frame: &ShownFrame<'_>) -> Map<String, Value> {
         ("z_mm", known(&meta.z_mm)),
         ("exposure_us", known(&meta.exposure_us)),
         ("gain_db", known(&meta.gain_db)),
+        ("head_c", known(&meta.head_c)),
         ("saved", frame.saved.as_deref().map(Value::from)),
     ];
     let given = pairs.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?)));

@@ -103,8 +103,8 @@ fn waited(child: &mut Child, is_over: &AtomicBool) -> Result<(), String> {
     Err(format!("it did not end within {} s", LONGEST.as_secs()))
 }
 
-/// A sample of the last line printed: `part_c`, and where they are known `limit_k` and `head_c`
-/// after commas.
+/// A sample of the last line printed: `part_c`, and where they are known `limit_k`, `head_c` and
+/// `scale_c` after commas.
 fn sample(t_ns: u64, text: &str) -> Result<TemperatureSample, String> {
     let line = text.lines().map(str::trim).rfind(|line| !line.is_empty()).unwrap_or("");
     let wrong = || {
@@ -114,10 +114,11 @@ fn sample(t_ns: u64, text: &str) -> Result<TemperatureSample, String> {
     };
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
     let value = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong);
-    let (part, limit, head) = match fields[..] {
-        [part] => (part, "", ""),
-        [part, limit] => (part, limit, ""),
-        [part, limit, head] => (part, limit, head),
+    let (part, limit, head, scale) = match fields[..] {
+        [part] => (part, "", "", ""),
+        [part, limit] => (part, limit, "", ""),
+        [part, limit, head] => (part, limit, head, ""),
+        [part, limit, head, scale] => (part, limit, head, scale),
         _ => return Err(wrong()),
     };
     let given = |text: &str| if text.is_empty() { Ok(None) } else { value(text).map(Some) };
@@ -126,6 +127,7 @@ fn sample(t_ns: u64, text: &str) -> Result<TemperatureSample, String> {
         part_c: value(part)?,
         limit_k: given(limit)?.unwrap_or(UNSTATED_K),
         head_c: given(head)?,
+        scale_c: given(scale)?,
     })
 }
 
@@ -139,7 +141,8 @@ mod tests {
         assert_eq!(of("20.5"), Ok((20.5, UNSTATED_K, None)));
         assert_eq!(of("waiting\n 20.5 , 0.2 , 24\n\n"), Ok((20.5, 0.2, Some(24.0))));
         assert_eq!(of("20.5,,24"), Ok((20.5, UNSTATED_K, Some(24.0))));
-        for text in ["", "warm", "20,5,1,1", "nan", "20.5,x"] {
+        assert_eq!(sample(7, "20.5,,24,22.5").map(|s| s.scale_c), Ok(Some(22.5)));
+        for text in ["", "warm", "20,5,1,1,1", "nan", "20.5,x"] {
             assert!(of(text).unwrap_err().contains("20.4,0.2,24.1"), "{text:?}");
         }
     }

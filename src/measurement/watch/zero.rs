@@ -73,7 +73,7 @@ impl Zeros {
             (true, Some((now_c, then_c))) => now_c - then_c,
             (true, None) => {
                 return Err("the drift with the head's temperature is asked for (--zero-um-per-k): head_c is needed, now \
-                            (--temperatures or --temperature-cmd) and at the zero (--zero)"
+                            (--temperatures, --temperature-cmd, DeviceTemperature of the camera) and at the zero (--zero)"
                     .to_owned());
             }
         };

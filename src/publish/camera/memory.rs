@@ -103,6 +103,8 @@ impl Memory {
         self.set_float(at::SHAFT_DIAMETER, sheet.diameter_mm);
         self.set_float(at::SPINDLE_SPEED, sheet.spindle_rpm);
         self.set_float(at::CONTAMINATION, sheet.contamination);
+        // the reference temperature of ISO 1
+        self.set_float(at::TEMPERATURE, 20.0);
         self.set(at::PASS_NUMBER, 1);
         self.set_float(at::PASS_NOMINAL, sheet.pass_nominal_mm.first().copied().unwrap_or(0.0));
         self.set(at::PASS_STATION_COUNT, sheet.station_z_mm.len() as u32);

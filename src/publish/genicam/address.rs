@@ -165,6 +165,10 @@ own_registers! {
     SPINDLE_SPEED,
     /// Factor.
     CONTAMINATION,
+    /// Which thermometer.
+    TEMPERATURE_SELECTOR,
+    /// °C.
+    TEMPERATURE,
     /// Number of the pass, from 1; 0: a new blank.
     PASS_NUMBER,
     /// mm.

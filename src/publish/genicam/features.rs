@@ -24,6 +24,9 @@ fn integer(least: u32, largest: u32) -> Kind {
     Kind::Integer(least, Limit::Is(largest))
 }
 
+/// Temperatures that a head may have, °C.
+const TEMPERATURE: Kind = Kind::Float(-40.0, 120.0, "C");
+
 fn device() -> Vec<Feature> {
     let text = |name, address, bytes| Feature::new(name, Category::Device, address, Kind::Text(bytes));
     vec![
@@ -33,6 +36,17 @@ fn device() -> Vec<Feature> {
         text("DeviceVersion", at::DEVICE_VERSION, 32).about("Version of the program."),
         text("DeviceSerialNumber", at::SERIAL, 16).about("Serial number."),
         text("DeviceUserID", at::USER_NAME, 16).written().about("Name that the user gives."),
+        Feature::new(
+            "DeviceTemperatureSelector",
+            Category::Device,
+            at::TEMPERATURE_SELECTOR,
+            Kind::Choice(vec![("Sensor", 0)]),
+        )
+        .written()
+        .about("Which thermometer: that of the sensor."),
+        Feature::new("DeviceTemperature", Category::Device, at::TEMPERATURE, TEMPERATURE)
+            .selected("DeviceTemperatureSelector", 8, 1)
+            .about("Temperature of the head, by HeadTemperature."),
         Feature::new("TimestampLatch", Category::Device, at::TIMESTAMP_CONTROL, Kind::Command(2))
             .written()
             .about("Latches the clock into TimestampLatchValue."),
@@ -223,6 +237,9 @@ fn head(sheet: &DataSheet) -> Vec<Feature> {
         new("Contamination", at::CONTAMINATION, Kind::Float(0.0, 100.0, "")).written().about(
             "Densities of the config's contamination times this; of a clean config, a usual mix of it.",
         ),
+        new("HeadTemperature", at::TEMPERATURE, TEMPERATURE)
+            .written()
+            .about("What DeviceTemperature reads; nothing of the image follows from it."),
         new("HeadMessage", at::MESSAGE, Kind::Text(at::MESSAGE_BYTES))
             .about("Why the last frame or pass was refused; empty after one that was not."),
     ]

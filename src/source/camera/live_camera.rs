@@ -14,8 +14,9 @@ use super::session::Session;
 use super::settings::{CameraSettings, WhenGone};
 use super::watchdog::{ANSWER, Watch, Watchdog};
 use crate::frame::{Frame, FrameMeta};
+use crate::position::MidExposure;
 use crate::source::host_clock::host_t_ns;
-use crate::source::live::{Clock, LiveMeta, NewFrame, Produced, Producer, Remarks, Timestamp};
+use crate::source::live::{Clock, Known, LiveMeta, NewFrame, Produced, Producer, Remarks, Timestamp};
 use crate::source::spare::Spare;
 
 /// Pause between two looks for a camera that is away: half of the time within which it is to be
@@ -33,6 +34,8 @@ pub(crate) struct Camera {
     /// Size and format of all frames: a camera that returns with others is refused.
     layout: ImageLayout,
     ids: Ids,
+    /// Angles of the last frames, by which the next ones are moved to mid-exposure.
+    spindle: MidExposure,
     watchdog: Watchdog,
     /// Why it ended, where it is not looked for again.
     ended: Option<String>,
@@ -60,6 +63,7 @@ impl Camera {
             session: Some(session),
             restore,
             ids: Ids::new(),
+            spindle: MidExposure::default(),
             ended: None,
             next_look: now,
             spare: Spare::of(SPARE),
@@ -76,12 +80,21 @@ impl Camera {
         let clock = session.setup.clock;
         let device_ns = block.ts_dev.and_then(|ticks| clock.map(|clock| clock.ns(ticks)));
         let values = session.values(block);
-        let value = |known: Option<crate::source::live::Known<f64>>| known.map_or(0.0, |known| known.value);
+        let at = values.angle_deg.map(|latched| {
+            let exposure_us = values.exposure_us.map(|known| known.value);
+            let stated = session.spindle_deg_per_s();
+            let moved = self.spindle.push(latched.value, device_ns, exposure_us, stated);
+            (moved, Known { value: moved.angle_deg, ..latched })
+        });
+        let (sweep_deg, angle_deg) = (at.and_then(|(moved, _)| moved.sweep_deg), at.map(|(_, angle)| angle));
+        let head_c = session.head_c();
+        let value = |known: Option<Known<f64>>| known.map_or(0.0, |known| known.value);
         let meta = FrameMeta {
             frame_id: number,
             t_ns: device_ns.unwrap_or(host_ns),
             exposure_us: value(values.exposure_us),
-            angle_deg: value(values.angle_deg),
+            angle_deg: value(angle_deg),
+            sweep_deg: sweep_deg.unwrap_or(0.0),
             z_mm: value(values.z_mm),
             roi: session.setup.roi,
             ..FrameMeta::default()
@@ -98,8 +111,9 @@ impl Camera {
             host_t: Some(on(Clock::Host, host_ns)),
             exposure_us: values.exposure_us,
             gain_db: values.gain_db,
-            angle_deg: values.angle_deg,
+            angle_deg,
             z_mm: values.z_mm,
+            head_c,
         };
         Produced::Frame(Box::new(NewFrame { frame, meta, remarks: Remarks::default() }))
     }

@@ -28,6 +28,7 @@ mod image;
 mod live_camera;
 mod session;
 mod settings;
+mod slow_register;
 mod watchdog;
 
 pub(crate) use self::commanded::CommandedCamera;

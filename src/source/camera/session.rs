@@ -13,6 +13,7 @@ use super::features::{Device, Features};
 use super::guard::{Restore, guard};
 use super::image::ImageLayout;
 use super::settings::CameraSettings;
+use super::slow_register::SlowRegister;
 use crate::frame::Roi;
 use crate::source::live::{Known, Provenance};
 
@@ -34,6 +35,15 @@ pub(super) struct Setup {
     chunks: Chunks,
 }
 
+/// Time from one reading of the speed of the spindle to the next: it counts whole turns between two
+/// frames, which a spindle that gathers speed for a second makes few of.
+const SPEED_PERIOD: Duration = Duration::from_secs(1);
+/// Time from one reading of the head's temperature to the next: half of what a temperature holds
+/// for.
+const TEMPERATURE_PERIOD: Duration = Duration::from_secs(5);
+/// Degrees a second of one turn a minute.
+const DEG_PER_S: f64 = 6.0;
+
 /// A camera under control, with its stream open.
 pub(super) struct Session {
     // The stream ends before control is given up.
@@ -43,6 +53,8 @@ pub(super) struct Session {
     pub setup: Setup,
     /// Address and port at which frames are received, and bytes of a packet.
     pub receiver: (std::net::SocketAddrV4, u32),
+    speed: SlowRegister,
+    temperature: SlowRegister,
 }
 
 impl Session {
@@ -63,7 +75,9 @@ impl Session {
             Ok((setup, stream)) => {
                 let params = stream.params();
                 let receiver = (std::net::SocketAddrV4::new(params.host, params.port), params.packet_size);
-                Ok(Self { stream, camera, setup, receiver })
+                let speed = SlowRegister::new("SpindleSpeed", SPEED_PERIOD);
+                let temperature = SlowRegister::new("DeviceTemperature", TEMPERATURE_PERIOD);
+                Ok(Self { stream, camera, setup, receiver, speed, temperature })
             }
             Err(why) => {
                 restore.restore(&mut camera).iter().for_each(|why| tracing::warn!("{why}"));
@@ -139,6 +153,18 @@ impl Session {
             gain_db: with_it.gain_db.or(constants.gain_db),
             ..with_it
         }
+    }
+
+    /// Speed of the spindle that the head states, degrees a second; `None` where it states none.
+    pub(super) fn spindle_deg_per_s(&mut self) -> Option<f64> {
+        Some(DEG_PER_S * self.speed.value(&self.camera, Instant::now())?)
+    }
+
+    /// Temperature of the head, °C, by `DeviceTemperature` (SFNC 2.7) of the sensor that
+    /// `DeviceTemperatureSelector` is set to.
+    pub(super) fn head_c(&mut self) -> Option<Known<f64>> {
+        let value = self.temperature.value(&self.camera, Instant::now())?;
+        Some(Known { value, provenance: Provenance::Register })
     }
 
     /// Whether the camera, which answers, still obeys this program.

@@ -121,4 +121,6 @@ pub(crate) struct LiveMeta {
     pub angle_deg: Option<Known<f64>>,
     /// Machine z of the image's central column, mm.
     pub z_mm: Option<Known<f64>>,
+    /// Temperature of the head, °C, by its own sensor.
+    pub head_c: Option<Known<f64>>,
 }

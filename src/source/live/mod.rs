@@ -6,14 +6,16 @@
 //! `counters`, `metadata` (clocks and provenance), `sequence` (ids of 16, 32 and 64 bits to one
 //! number), `clock_map` (device to host), `pool` (bounded leases), `event` → `queue` (the policy
 //! between producer and consumer) → `producer`, `source` (the thread) → `stored` (images of files
-//! and pipes as a producer) and `taken` (a live source as frames to be decoded ahead). One more
-//! kind of source is a file that implements `Producer`; it passes `tests/inside/live`.
+//! and pipes as a producer), `bound` (a producer with an encoder beside it) and `taken` (a live
+//! source as frames to be decoded ahead). One more kind of source is a file that implements
+//! `Producer`; it passes `tests/inside/live`.
 #![allow(
     dead_code,
     unused_imports,
     reason = "a camera's clock, ids and chunks are used with the feature camera, some kinds by tests alone"
 )]
 
+mod bound;
 mod clock_map;
 mod counters;
 mod event;
@@ -27,6 +29,7 @@ mod source;
 mod stored;
 mod taken;
 
+pub(crate) use self::bound::{Binding, Bound, EncoderSamples, SampleClock};
 pub(crate) use self::clock_map::{ClockMap, ClockMapError, RoundTrip};
 pub(crate) use self::counters::Counters;
 pub(crate) use self::event::{Event, LiveFrame, Remarks};

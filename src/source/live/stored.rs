@@ -41,6 +41,7 @@ impl StoredProducer {
             gain_db: None,
             angle_deg: known(of.angle_deg),
             z_mm: known(of.z_mm),
+            head_c: None,
         }
     }
 }

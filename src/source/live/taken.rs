@@ -9,7 +9,7 @@ use super::pool::Lease;
 use super::source::LiveSource;
 use crate::source::decode::Wanted;
 use crate::source::read_error::ReadError;
-use crate::source::stored::{Arrival, Coded, Taken, Undecoded};
+use crate::source::stored::{Arrival, Coded, StoredFrame, Taken, Undecoded};
 
 /// Time after which it is looked whether frames are wanted still.
 const LOOK: Duration = Duration::from_millis(50);
@@ -59,11 +59,13 @@ fn undecoded(frame: LiveFrame, name: &str, lost: u64) -> (Arrival, Result<Undeco
         notices: remarks.notices,
     };
     let named = format!("{name}, frame {stem}");
+    let meta = frame.meta.clone();
+    let stored = StoredFrame { stem: stem.clone(), frame, scale: remarks.scale, changed: remarks.changed };
     let undecoded = Undecoded {
         stem,
         named,
-        meta: frame.meta.clone(),
-        coded: Coded::Ready(Box::new(frame)),
+        meta,
+        coded: Coded::Ready(Box::new(stored)),
         content: Arc::default(),
         wanted: Wanted::default(),
         stated: None,

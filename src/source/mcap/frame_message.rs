@@ -61,7 +61,8 @@ impl Facts {
             .double(10, full_scale.map_or(0.0, f64::from))
             .message(11, &gauge(of_frame))
             .optional(12, remarks.scale.as_ref().map(scale).as_ref())
-            .optional(14, meta.exposed_t.map(time).as_ref());
+            .optional(14, meta.exposed_t.map(time).as_ref())
+            .optional(15, meta.head_c.map(known).as_ref());
         // A member of a repeated field is there even if it is empty.
         remarks.changed.iter().fold(message, |message, text| match text.as_str() {
             "" => message.message(13, &Message::default()),
@@ -102,6 +103,7 @@ impl Facts {
             12 => self.remarks.scale = Some(read_scale(value)?),
             13 => self.remarks.changed.push(value.text()),
             14 => meta.exposed_t = Some(read_time(value)?),
+            15 => meta.head_c = Some(read_known(value)?),
             _ => {}
         }
         Ok(())
@@ -240,6 +242,7 @@ mod tests {
                 gain_db: from(-0.0, Provenance::TriggerCount),
                 angle_deg: from(359.999_999_999_9, Provenance::Interpolated),
                 z_mm: from(-12.345, Provenance::Simulated),
+                head_c: from(31.25, Provenance::Register),
             },
             of_frame: FrameMeta {
                 frame_id: 7,

@@ -139,6 +139,7 @@ fn of_frame() -> Message {
             ("scale", 12, Type::Message, ".shadowgauge.Scale"),
             ("changed", 13, Type::String, ""),
             ("exposed_t", 14, Type::Message, TIME),
+            ("head_c", 15, Type::Message, KNOWN),
         ],
         &["changed"],
     )

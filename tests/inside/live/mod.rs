@@ -3,6 +3,7 @@
 //! what is particular to it.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+mod bound;
 mod conformance;
 mod identity;
 mod policies;

@@ -9,7 +9,7 @@ use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::cli::measure::time_table::{TimeRow, TimeTable, Wanted};
+use super::time_table::{TimeRow, TimeTable, Wanted};
 
 /// Time between two looks at the file: a tenth of what temperatures hold for is more.
 const LOOK: Duration = Duration::from_millis(200);
@@ -20,9 +20,10 @@ const MOST_BYTES: u64 = 1 << 26;
 
 /// A table and how far it was read.
 #[derive(Debug)]
-pub(super) struct GrowingTable<const N: usize> {
+pub(crate) struct GrowingTable<const N: usize> {
     path: PathBuf,
     wanted: [Wanted; N],
+    clocks: &'static [&'static str],
     columns: Option<TimeTable<N>>,
     /// Bytes and lines read, and the last line of them.
     read: u64,
@@ -33,10 +34,11 @@ pub(super) struct GrowingTable<const N: usize> {
 
 impl<const N: usize> GrowingTable<N> {
     /// A table of these columns.
-    pub(super) fn new(path: &Path, wanted: [Wanted; N]) -> Self {
+    pub(crate) fn new(path: &Path, wanted: [Wanted; N]) -> Self {
         Self {
             path: path.to_owned(),
             wanted,
+            clocks: &["t_ns"],
             columns: None,
             read: 0,
             lines: 0,
@@ -45,12 +47,22 @@ impl<const N: usize> GrowingTable<N> {
         }
     }
 
+    /// With times of one of these columns, a clock each.
+    pub(crate) fn of_clocks(self, clocks: &'static [&'static str]) -> Self {
+        Self { clocks, ..self }
+    }
+
+    /// Which of the clocks its times are of; `None` before its header is read.
+    pub(crate) fn clock(&self) -> Option<usize> {
+        self.columns.as_ref().map(TimeTable::clock)
+    }
+
     /// Rows that came since the last look, each with why it cannot be read; at most one look in a
     /// while.
     ///
     /// # Errors
     /// A file that cannot be read, a header without a needed column: the message names the file.
-    pub(super) fn look(&mut self) -> Result<Vec<Result<TimeRow<N>, String>>, String> {
+    pub(crate) fn look(&mut self) -> Result<Vec<Result<TimeRow<N>, String>>, String> {
         if self.looked.is_some_and(|looked| looked.elapsed() < LOOK) {
             return Ok(Vec::new());
         }
@@ -103,7 +115,7 @@ impl<const N: usize> GrowingTable<N> {
             match &self.columns {
                 _ if line.trim().is_empty() => {}
                 Some(columns) => rows.push(columns.row(line, self.lines)),
-                None => self.columns = Some(TimeTable::of_header(line, self.wanted)?),
+                None => self.columns = Some(TimeTable::of_clocks(line, self.wanted, self.clocks)?),
             }
         }
         Ok(rows)
