@@ -5,8 +5,10 @@
 //! row = r0 - x/p, column = c0 + z/p. [`FrameMeta::z_mm`] is the machine z of the image's central
 //! column c0 = (columns - 1)/2.
 
+mod camera_binding;
 mod encoding;
 
+pub use camera_binding::{BindingError, BoundSource, CameraBinding};
 pub use encoding::Encoding;
 
 use thiserror::Error;

@@ -203,6 +203,8 @@ pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     check_stream(args, &input)?;
     check_offsets(args, &input)?;
     let calibration = args.instrument.calibration(&args.frames, input.files())?;
+    let input = input.opened()?;
+    let calibration = args.instrument.bound(calibration, input.bound_to())?;
     let conditions = args.instrument.conditions(calibration.as_ref())?;
     if let (None, Some(name)) = (&calibration, args.judge.needs_scale()) {
         return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));

@@ -42,6 +42,7 @@ use crate::cli::measure::instrument_args::InstrumentArgs;
 use crate::cli::measure::{failure, positive_px};
 use crate::cli::process::interrupt;
 use crate::conformity::Tolerance;
+use crate::frame::{BoundSource, CameraBinding};
 use crate::gauge::{Calibration, Gauge, GaugeSettings, Polarity};
 use crate::measurement::{MeasureSettings, Stream, edge_model};
 use crate::source::live::{Live, LiveSettings, LiveSource as _, Policy, Producer, StoredProducer};
@@ -142,6 +143,15 @@ pub(crate) struct WatchArgs {
 struct Watched {
     producer: Box<dyn Producer>,
     policy: Policy,
+    /// Whether a calibration is bound to it.
+    of: Option<BoundSource>,
+}
+
+impl Watched {
+    /// The camera of a camera or a recording, where it is known; `None` for other sources.
+    fn bound_to(&self) -> Option<(BoundSource, Option<&CameraBinding>)> {
+        self.of.map(|of| (of, self.producer.camera()))
+    }
 }
 
 /// Runs the command.
@@ -157,8 +167,9 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
     }
     let calibration = args.instrument.calibration(&args.frames, &[])?;
     check(args, calibration.as_ref())?;
-    let stream = measuring(args, calibration.as_ref())?;
     let watched = opened(args)?;
+    let calibration = args.instrument.bound(calibration, watched.bound_to())?;
+    let stream = measuring(args, calibration.as_ref())?;
     if watched.policy == Policy::Block && args.conditions.temperature_cmd.is_some() {
         return Err(Failure::refuse(
             "--temperature-cmd reads the temperature of now: of files and recordings give --temperatures FILE.csv",
@@ -253,9 +264,9 @@ fn session_settings(args: &WatchArgs, calibration: Option<&Calibration>) -> Sess
 #[cfg(feature = "mcap")]
 fn recorded(watched: Watched, path: Option<&Path>) -> Result<(Watched, Option<Recording>), Failure> {
     let Some(path) = path else { return Ok((watched, None)) };
-    let Watched { producer, policy } = watched;
+    let Watched { producer, policy, of } = watched;
     let (producer, recording) = Recording::begin(producer, path, policy == Policy::Block)?;
-    Ok((Watched { producer, policy }, Some(recording)))
+    Ok((Watched { producer, policy, of }, Some(recording)))
 }
 
 fn shown_name(args: &WatchArgs) -> String {
@@ -302,7 +313,8 @@ fn opened(args: &WatchArgs) -> Result<Watched, Failure> {
         return opened_path(&args.source, &read);
     };
     let policy = if stream.is_file() { Policy::Block } else { Policy::DropOldest };
-    Ok(Watched { producer: stream.producer(&read)?, policy })
+    let of = stream.bound_source();
+    Ok(Watched { producer: stream.producer(&read)?, policy, of })
 }
 
 fn opened_path(path: &Path, read: &Reading) -> Result<Watched, Failure> {
@@ -311,5 +323,5 @@ fn opened_path(path: &Path, read: &Reading) -> Result<Watched, Failure> {
     } else {
         (read.files(paths(&[path.to_owned()])?, None)?, Policy::Block)
     };
-    Ok(Watched { producer: Box::new(StoredProducer::new(frames)), policy })
+    Ok(Watched { producer: Box::new(StoredProducer::new(frames)), policy, of: None })
 }

@@ -11,7 +11,7 @@ use super::guard::Restore;
 use super::session::Session;
 use super::settings::{CameraSettings, WhenGone};
 use super::watchdog::ANSWER;
-use crate::frame::{Frame, FrameMeta};
+use crate::frame::{CameraBinding, Frame, FrameMeta};
 use crate::source::commanded::{Arrived, CommandedHead, HeadError, HeadFrame, Place};
 use crate::source::live::Known;
 use crate::source::spare::Spare;
@@ -44,6 +44,11 @@ impl CommandedCamera {
     /// Maker, model, serial number and address.
     pub(crate) fn shown(&self) -> String {
         find::shown(&self.device)
+    }
+
+    /// What a calibration of its frames is bound to; `None` once it is closed.
+    pub(crate) fn binding(&self) -> Option<&CameraBinding> {
+        Some(&self.session.as_ref()?.setup.binding)
     }
 
     fn session(&mut self) -> Result<&mut Session, HeadError> {

@@ -3,7 +3,8 @@
 //!
 //! In: an IPv4 address, a serial number or a user-defined name; exposure and gain where they are
 //! to be set. Out: [`Camera`], a [`Producer`](super::live::Producer) of whole frames in the
-//! camera's own depth, with the device's and the host's time apart and the values of its chunks.
+//! camera's own depth, with the device's and the host's time apart and the values of its chunks, and
+//! what a calibration of them is bound to (`binding`).
 //! `find` is discovery, `features` access by name, `guard` what alters grey values and is set off,
 //! refused and restored, `image` the seven pixel formats, `ids` block ids to numbers, `chunks` and
 //! `clock` what comes beside the pixels, `watchdog` when a silent camera is asked; `session` joins
@@ -16,6 +17,7 @@
     allow(dead_code, unused_imports, reason = "the program opens cameras; the library alone does not")
 )]
 
+mod binding;
 mod chunks;
 mod clock;
 mod commanded;

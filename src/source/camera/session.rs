@@ -6,14 +6,15 @@ use viva_genicam::gencp::StatusCode;
 use viva_genicam::gige::{DeviceInfo, GigeError, GigeStatus};
 use viva_genicam::{ControlState, Frame as Block, FrameStream, GenicamError, StreamOptions, blocking};
 
+use super::binding::binding;
 use super::chunks::{ChunkValues, Chunks};
 use super::clock::DeviceClock;
 use super::error::CameraError;
-use super::features::{Device, Features};
+use super::features::{Device, Features, exposure_name};
 use super::guard::{Restore, guard};
 use super::image::ImageLayout;
 use super::settings::CameraSettings;
-use crate::frame::Roi;
+use crate::frame::{CameraBinding, Roi};
 use crate::source::live::{Known, Provenance};
 
 /// What a camera is set to while it is open.
@@ -31,6 +32,8 @@ pub(super) struct Setup {
     pub period: Option<Duration>,
     /// Whether frames wait for triggers.
     pub is_triggered: bool,
+    /// What a calibration of its frames is bound to.
+    pub binding: CameraBinding,
     chunks: Chunks,
 }
 
@@ -58,7 +61,7 @@ impl Session {
     ) -> Result<Self, CameraError> {
         let mut camera = blocking::connect(device).map_err(of_connect)?;
         let opened =
-            set_up(&mut camera, settings, restore).and_then(|setup| Ok((setup, stream(&mut camera)?)));
+            set_up(&mut camera, device, settings, restore).and_then(|setup| Ok((setup, stream(&mut camera)?)));
         match opened {
             Ok((setup, stream)) => {
                 let params = stream.params();
@@ -173,6 +176,7 @@ fn of_connect(error: GenicamError) -> CameraError {
 
 fn set_up(
     camera: &mut Device,
+    device: &DeviceInfo,
     settings: &CameraSettings,
     restore: &mut Restore,
 ) -> Result<Setup, CameraError> {
@@ -198,11 +202,190 @@ fn set_up(
     let constants =
         ChunkValues { exposure_us: constant(exposure), gain_db: constant("Gain"), ..ChunkValues::default() };
     let clock = DeviceClock::read(camera.transport());
-    Ok(Setup { layout, roi: roi(camera), constants, clock, period: period(camera), is_triggered, chunks })
+    let (binding, period) = (binding(camera, device), period(camera));
+    Ok(Setup { layout, roi: roi(camera), constants, clock, period, is_triggered, binding, chunks })
+}
+
+/// Time from frame to frame of a free run.
+    pub period: Option<Duration>,
+    /// Whether frames wait for triggers.
+    pub is_triggered: bool,
+    /// What a calibration of its frames is bound to.
+    pub binding: CameraBinding,
+    chunks: Chunks,
+}
+
+/// A camera under control, with its stream open.
+pub(super) struct Session {
+    // The stream ends before control is given up.
+    stream: FrameStream,
+    camera: Device,
+    /// What it is set to.
+    pub setup: Setup,
+    /// Address and port at which frames are received, and bytes of a packet.
+    pub receiver: (std::net::SocketAddrV4, u32),
+}
+
+impl Session {
+    /// Takes control of a camera, sets it and opens its stream; nothing is acquired yet. Where
+    /// that fails, what was set is restored.
+    ///
+    /// # Errors
+    /// A camera that is busy, gone, or set to what is not measured.
+    pub(super) fn open(
+        device: &DeviceInfo,
+        settings: &CameraSettings,
+        restore: &mut Restore,
+    ) -> Result<Self, CameraError> {
+        let mut camera = blocking::connect(device).map_err(of_connect)?;
+        let opened =
+            set_up(&mut camera, device, settings, restore).and_then(|setup| Ok((setup, stream(&mut camera)?)));
+        match opened {
+            Ok((setup, stream)) => {
+                let params = stream.params();
+                let receiver = (std::net::SocketAddrV4::new(params.host, params.port), params.packet_size);
+                Ok(Self { stream, camera, setup, receiver })
+            }
+            Err(why) => {
+                restore.restore(&mut camera).iter().for_each(|why| tracing::warn!("{why}"));
+                Err(why)
+            }
+        }
+    }
+
+    /// Begins to acquire.
+    ///
+    /// # Errors
+    /// A camera that refuses, or is gone.
+    pub(super) fn start(&mut self) -> Result<(), CameraError> {
+        self.camera.acquisition_start().map_err(|why| CameraError::failed("AcquisitionStart", why))
+    }
+
+    /// Ceases to acquire; the stream stays open.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub(super) fn stop(&mut self) -> Result<(), CameraError> {
+        self.camera.acquisition_stop().map_err(|why| CameraError::failed("AcquisitionStop", why))
+    }
+
+    /// Its features, to be read.
+    pub(super) fn features(&self) -> &impl Features {
+        &self.camera
+    }
+
+    /// Its features, to be set.
+    pub(super) fn features_mut(&mut self) -> &mut impl Features {
+        &mut self.camera
+    }
+
+    /// Executes a command.
+    ///
+    /// # Errors
+    /// What the camera or its description refuses, in words.
+    pub(super) fn execute(&mut self, command: &str) -> Result<(), String> {
+        self.camera.execute_command(command).map_err(|error| error.to_string())
+    }
+
+    /// The camera's clock, latched now, ns; `None` where it has no latch.
+    pub(super) fn now_ns(&self) -> Option<u64> {
+        self.setup.clock?.now_ns(self.camera.transport())
+    }
+
+    /// The next block, whole or not, after waiting at most so long; `None` where none came.
+    ///
+    /// # Errors
+    /// A socket that fails.
+    pub(super) fn receive(&mut self, wait: Duration) -> Result<Option<Block>, String> {
+        match self.stream.next_frame_blocking(wait) {
+            Ok(Some(block)) => {
+                // A camera that sends answers, too.
+                if let Some(clock) = &mut self.setup.clock {
+                    clock.keep(self.camera.transport(), Instant::now());
+                }
+                Ok(Some(block))
+            }
+            Ok(None) => Err("its stream ended".to_owned()),
+            Err(GenicamError::Timeout(_)) => Ok(None),
+            Err(why) => Err(why.to_string()),
+        }
+    }
+
+    /// The values that came with a frame, otherwise those that the camera is set to.
+    pub(super) fn values(&mut self, block: &Block) -> ChunkValues {
+        let with_it = self.setup.chunks.values(&mut self.camera, block);
+        let constants = self.setup.constants;
+        ChunkValues {
+            exposure_us: with_it.exposure_us.or(constants.exposure_us),
+            gain_db: with_it.gain_db.or(constants.gain_db),
+            ..with_it
+        }
+    }
+
+    /// Whether the camera, which answers, still obeys this program.
+    pub(super) fn has_control(&self) -> bool {
+        matches!(self.camera.transport().refresh_control_state(), Ok(ControlState::Held))
+    }
+
+    /// Blocks of a payload that is no image.
+    pub(super) fn unsupported(&self) -> u64 {
+        self.stream.stats().frames_unsupported
+    }
+
+    /// Stops, restores what was set and gives control up.
+    pub(super) fn close(mut self, restore: &mut Restore) {
+        if let Err(why) = self.camera.acquisition_stop() {
+            tracing::debug!("AcquisitionStop: {why}");
+        }
+        drop(self.stream);
+        restore.restore(&mut self.camera).iter().for_each(|why| tracing::warn!("{why}"));
+    }
+}
+
+fn of_connect(error: GenicamError) -> CameraError {
+    match error {
+        GenicamError::Gige {
+            source: GigeError::Status(GigeStatus::Common(StatusCode::AccessDenied)),
+            ..
+        } => CameraError::Busy,
+        other => CameraError::failed("the camera cannot be opened", other),
+    }
+}
+
+fn set_up(
+    camera: &mut Device,
+    device: &DeviceInfo,
+    settings: &CameraSettings,
+    restore: &mut Restore,
+) -> Result<Setup, CameraError> {
+    // A camera whose last client was killed may still acquire, and takes no setting then.
+    let _ = camera.acquisition_stop();
+    let layout = ImageLayout::of(camera)?;
+    for words in guard(camera, restore)? {
+        tracing::warn!("{words}; restored at the end");
+    }
+    let exposure = exposure_name(camera);
+    for (feature, value) in [(exposure, settings.exposure_us), ("Gain", settings.gain_db)] {
+        if let Some(value) = value {
+            restore.set(camera, feature, &value.to_string())?;
+        }
+    }
+    if camera.value("AcquisitionMode").is_some() {
+        restore.set(camera, "AcquisitionMode", "Continuous")?;
+    }
+    let chunks = Chunks::enable(camera, restore)?;
+    let is_triggered = camera.value("TriggerMode").is_some_and(|mode| mode == "On");
+    let constant =
+        |name: &str| camera.number(name).map(|value| Known { value, provenance: Provenance::Register });
+    let constants =
+        ChunkValues { exposure_us: constant(exposure), gain_db: constant("Gain"), ..ChunkValues::default() };
+    let clock = DeviceClock::read(camera.transport());
+    let (binding, period) = (binding(camera, device), period(camera));
+    Ok(Setup { layout, roi: roi(camera), constants, clock, period, is_triggered, binding, chunks })
 }
 
 /// The name of the exposure time, µs: `ExposureTimeAbs` before SFNC 1.5.
-fn exposure_name(camera: &impl Features) -> &'static str {
+pub(super) fn exposure_name(camera: &impl Features) -> &'static str {
     let names = ["ExposureTime", "ExposureTimeAbs"];
     names.into_iter().find(|name| camera.value(name).is_some()).unwrap_or(names[0])
 }
