@@ -107,7 +107,7 @@ pub(crate) fn seconds(text: &str) -> Result<Duration, String> {
 ///
 /// # Errors
 /// What is no time above 0.
-fn exposure_us(text: &str) -> Result<f64, String> {
+pub(crate) fn exposure_us(text: &str) -> Result<f64, String> {
     let value = text.parse().ok().filter(|us: &f64| us.is_finite() && *us > 0.0);
     value.ok_or_else(|| "a time above 0 is needed, in µs, for instance 50".to_owned())
 }
@@ -116,7 +116,7 @@ fn exposure_us(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// What is no number.
-fn gain_db(text: &str) -> Result<f64, String> {
+pub(crate) fn gain_db(text: &str) -> Result<f64, String> {
     let value = text.parse().ok().filter(|db: &f64| db.is_finite());
     value.ok_or_else(|| "a number of dB is needed, for instance 6".to_owned())
 }

@@ -29,14 +29,25 @@ pub(crate) struct CommandedCamera {
 }
 
 impl CommandedCamera {
-    /// Finds a camera by its IPv4 address, serial number or user-defined name, and opens it.
+    /// Finds a camera by its IPv4 address, serial number or user-defined name, and opens it as it
+    /// is set.
     ///
     /// # Errors
     /// No such camera, one that is busy, and one that is set to what is not measured.
     pub(crate) fn open(name: &str) -> Result<Self, CameraError> {
+        Self::open_with(
+            name,
+            CameraSettings { exposure_us: None, gain_db: None, when_gone: WhenGone::Ends },
+        )
+    }
+
+    /// As [`Self::open`], with exposure and gain set where they are given.
+    ///
+    /// # Errors
+    /// As [`Self::open`], and a setting that is refused.
+    pub(crate) fn open_with(name: &str, settings: CameraSettings) -> Result<Self, CameraError> {
         let device = find::find(name)?;
         let mut restore = Restore::default();
-        let settings = CameraSettings { exposure_us: None, gain_db: None, when_gone: WhenGone::Ends };
         let session = Some(Session::open(&device, &settings, &mut restore)?);
         Ok(Self { device, session, restore, spare: Spare::of(SPARE) })
     }

@@ -9,7 +9,8 @@
 //! refused and restored, `image` the seven pixel formats, `ids` block ids to numbers, `chunks` and
 //! `clock` what comes beside the pixels, `watchdog` when a silent camera is asked; `session` joins
 //! them from opening to closing, `live_camera` opens again a camera that was away, `commanded` is a
-//! camera with a process behind it, commanded by its features and triggers. One more feature that
+//! camera with a process behind it, commanded by its features and triggers; `listed` are cameras by
+//! network interface and `test_packet` whether their packets arrive. One more feature that
 //! alters grey values is a line in `guard`.
 
 #![cfg_attr(
@@ -27,11 +28,15 @@ mod find;
 mod guard;
 mod ids;
 mod image;
+mod listed;
 mod live_camera;
 mod session;
 mod settings;
+mod test_packet;
 mod watchdog;
 
 pub(crate) use self::commanded::CommandedCamera;
+pub(crate) use self::listed::{AccessStatus, FoundCamera, NetworkInterface, interfaces};
 pub(crate) use self::live_camera::Camera;
 pub(crate) use self::settings::{CameraSettings, WhenGone};
+pub(crate) use self::test_packet::{TestPackets, test_packets};

@@ -8,11 +8,6 @@
 //! between producer and consumer) → `producer`, `source` (the thread) → `stored` (images of files
 //! and pipes as a producer) and `taken` (a live source as frames to be decoded ahead). One more
 //! kind of source is a file that implements `Producer`; it passes `tests/inside/live`.
-#![allow(
-    dead_code,
-    unused_imports,
-    reason = "a camera's clock, ids and chunks are used with the feature camera, some kinds by tests alone"
-)]
 
 mod clock_map;
 mod counters;

@@ -1,0 +1,68 @@
+//! What the operator is asked for on the terminal, step by step.
+
+use std::io::{BufRead as _, Write as _};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::time::Duration;
+
+use crate::cli::process::interrupt;
+use crate::cli::terminal::progress;
+
+/// Time after which it is looked whether Ctrl-C ended the command.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Why a step was not confirmed.
+pub(super) const INTERRUPTED: &str = "interrupted";
+
+/// Lines of stdin, each of which confirms a step.
+pub(super) struct Operator {
+    lines: Receiver<()>,
+    stop: Arc<AtomicBool>,
+}
+
+impl Operator {
+    /// Begins to read stdin. From here on Ctrl-C ends a step, so that the camera has its settings
+    /// back.
+    ///
+    /// # Errors
+    /// A system without another thread.
+    pub(super) fn new() -> std::io::Result<Self> {
+        let (give, lines) = sync_channel(0);
+        let read = move || {
+            let lines = std::io::stdin().lock().lines();
+            let _ = lines.map_while(Result::ok).all(|_| give.send(()).is_ok());
+        };
+        std::thread::Builder::new().name("operator".to_owned()).spawn(read)?;
+        Ok(Self { lines, stop: interrupt::requested() })
+    }
+
+    /// Asks for a step on stderr and waits for Enter.
+    ///
+    /// # Errors
+    /// The end of stdin before that, and Ctrl-C: as text.
+    pub(super) fn ask(&self, step: &str) -> Result<(), String> {
+        progress::beside(|| {
+            // Where stderr cannot be written, the step is confirmed blindly or not at all.
+            let _ = write!(std::io::stderr(), "{step}, then Enter: ");
+            let _ = std::io::stderr().flush();
+        });
+        loop {
+            if self.stop.load(Ordering::Relaxed) {
+                return Err(INTERRUPTED.to_owned());
+            }
+            match self.lines.recv_timeout(LOOK) {
+                Ok(()) => return Ok(()),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err("stdin ended before this step was confirmed: run it on a terminal".to_owned());
+                }
+            }
+        }
+    }
+
+    /// Whether Ctrl-C ended the command.
+    pub(super) fn is_interrupted(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
