@@ -15,6 +15,18 @@ const LOOK: Duration = Duration::from_millis(50);
 /// Why a step was not confirmed.
 pub(super) const INTERRUPTED: &str = "interrupted";
 
+/// Who changes the scene before the camera.
+pub(super) trait Asks {
+    /// Asks for a step, and waits until it is done.
+    ///
+    /// # Errors
+    /// A step that is not done: why, as text.
+    fn ask(&mut self, step: &str) -> Result<(), String>;
+
+    /// Whether the command is to end.
+    fn is_interrupted(&self) -> bool;
+}
+
 /// Lines of stdin, each of which confirms a step.
 pub(super) struct Operator {
     lines: Receiver<()>,
@@ -36,12 +48,11 @@ impl Operator {
         std::thread::Builder::new().name("operator".to_owned()).spawn(read)?;
         Ok(Self { lines, stop: interrupt::requested() })
     }
+}
 
-    /// Asks for a step on stderr and waits for Enter.
-    ///
-    /// # Errors
-    /// The end of stdin before that, and Ctrl-C: as text.
-    pub(super) fn ask(&self, step: &str) -> Result<(), String> {
+impl Asks for Operator {
+    /// On stderr, and waits for Enter.
+    fn ask(&mut self, step: &str) -> Result<(), String> {
         progress::beside(|| {
             // Where stderr cannot be written, the step is confirmed blindly or not at all.
             let _ = write!(std::io::stderr(), "{step}, then Enter: ");
@@ -61,8 +72,7 @@ impl Operator {
         }
     }
 
-    /// Whether Ctrl-C ended the command.
-    pub(super) fn is_interrupted(&self) -> bool {
+    fn is_interrupted(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 }

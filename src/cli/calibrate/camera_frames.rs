@@ -1,6 +1,7 @@
 //! The frames of a calibration from a GigE Vision camera: an operator lays the pins, or the head
 //! places them itself.
 
+use super::asked::Operator;
 use super::asked_camera::AskedCamera;
 use super::camera_args::CameraArgs;
 use crate::cell::wire::{Placed, PlacedHead, places};
@@ -50,7 +51,8 @@ impl CameraFrames {
                 )));
             }
             false => {
-                Scene::Operator(AskedCamera::new(Box::new(camera), source).map_err(|why| failed(&why))?)
+                let operator = Operator::new().map_err(|why| failed(&why))?;
+                Scene::Operator(AskedCamera::new(Box::new(camera), source, Box::new(operator)))
             }
         };
         let exposure_us = match &scene {

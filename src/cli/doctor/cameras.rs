@@ -156,9 +156,8 @@ fn of_packets(address: &str, packets: TestPackets) -> Option<String> {
     let TestPackets { largest_bytes, wanted_bytes } = packets;
     match largest_bytes {
         None => Some(format!(
-            "{address}: it answers, but no test packet comes: a firewall of this machine drops UDP from it (allow it, for \
-             instance `nft add rule inet filter input ip saddr {address} udp sport 1024-65535 accept`), or the camera sends \
-             no test packets"
+            "{address}: it answers, but no test packet comes: a firewall drops UDP from {address} to this machine, or the \
+             camera sends no test packets"
         )),
         Some(bytes) if bytes < wanted_bytes => Some(format!(
             "{address}: packets of {wanted_bytes} bytes do not arrive, those of {bytes} do: a switch on the way, or the \

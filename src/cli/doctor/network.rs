@@ -1,20 +1,30 @@
 //! The receive buffer that a frame in one burst needs, and the one that the system grants.
 
-/// Least memory that the kernel takes for a datagram besides its bytes: the descriptor of a packet
-/// (`struct sk_buff`, 232 bytes in Linux 6.x, in a slab of 256).
+/// Memory of a datagram besides its packet, bytes: the descriptor (`struct sk_buff`, a slab of
+/// 256), and behind the packet 320 of `struct skb_shared_info` and 64 of headers (Linux 6.x).
 const DESCRIPTOR: u64 = 256;
+const BEHIND: u64 = 320 + 64;
+/// Largest piece of memory that holds a packet whole; larger ones lie in pages.
+const WHOLE: u64 = 16_384;
+const PAGE: u64 = 4096;
 /// Bytes of a packet that are not the image's: headers of IP, UDP and GVSP with ids of 64 bits.
 const HEADERS: u64 = 48;
 
+/// What the kernel charges a receive buffer for a packet, bytes.
+fn charged(packet_bytes: u64) -> u64 {
+    let held = packet_bytes + BEHIND;
+    let memory = if held <= WHOLE { held.next_power_of_two() } else { held.next_multiple_of(PAGE) };
+    memory + DESCRIPTOR
+}
+
 /// Size of a receive buffer, as `net.core.rmem_max` states it, that holds a frame of so many bytes
-/// in packets of `packet_bytes`. The kernel charges a packet with its memory, the next power of two,
-/// and doubles what was asked for (`socket(7)`): a frame of 4 MiB in packets of 8000 bytes needs
-/// 4.4 MB, in those of 1500 bytes 3.4 MB.
+/// in packets of `packet_bytes`. The kernel doubles what was asked for (`socket(7)`) and charges
+/// each packet with its memory: 16.6 kB for one of 8000 bytes.
 pub(super) fn burst_bytes(frame_bytes: u64, packet_bytes: u32) -> u64 {
     let packet_bytes = u64::from(packet_bytes.clamp(576, 65_535));
     // a leader and a trailer beside the image
     let packets = frame_bytes.div_ceil(packet_bytes - HEADERS) + 2;
-    (packets * (packet_bytes.next_power_of_two() + DESCRIPTOR)).div_ceil(2)
+    (packets * charged(packet_bytes)).div_ceil(2)
 }
 
 /// `net.core.rmem_max`, bytes; `None` where the system has no such limit.
