@@ -287,7 +287,8 @@ fn a_calibration_is_refused_by_another_camera_and_another_setting() {
     let folder = folder.path();
     let path = |name: &str| folder.join(name).display().to_string();
     let job = JOB.replace("fields = 5", "fields = 1").replace("angles = 4", "angles = 1");
-    std::fs::write(path("job.toml"), job.replace("[camera]\n", "[camera]\nframe_period_ms = 100.0\n")).unwrap();
+    std::fs::write(path("job.toml"), job.replace("[camera]\n", "[camera]\nframe_period_ms = 100.0\n"))
+        .unwrap();
     let head = published(&folder.join("job.toml"), own_address(8));
     let source = format!("source = \"{}\"\nframes_each = 2", head.source());
     let (own, of_head) = calibrated(folder, "own", &plan(&source, ["", ""], ""));

@@ -137,16 +137,8 @@ impl CameraBinding {
                 other(a.binning_vertical, b.binning_vertical, u32::eq, ""),
                 set("BinningVertical", joined(a.binning_vertical)),
             ),
-            (
-                "ReverseX",
-                other(a.reverse_x, b.reverse_x, bool::eq, ""),
-                set("ReverseX", flag(a.reverse_x)),
-            ),
-            (
-                "ReverseY",
-                other(a.reverse_y, b.reverse_y, bool::eq, ""),
-                set("ReverseY", flag(a.reverse_y)),
-            ),
+            ("ReverseX", other(a.reverse_x, b.reverse_x, bool::eq, ""), set("ReverseX", flag(a.reverse_x))),
+            ("ReverseY", other(a.reverse_y, b.reverse_y, bool::eq, ""), set("ReverseY", flag(a.reverse_y))),
             ("gain", other(a.gain_db, b.gain_db, near, " dB"), gain),
             (
                 "black level",
@@ -196,7 +188,8 @@ impl CameraBinding {
     /// What a calibration states that holds for its whole window alone.
     pub(crate) fn refuse_window(&self, found: &Self, of: BoundSource) -> BindingError {
         let values = (Window(self.window).to_string(), Window(found.window).to_string());
-        let right = "this calibration has no lens that a part of it could be placed under: set the same window";
+        let right =
+            "this calibration has no lens that a part of it could be placed under: set the same window";
         self.refused(of, "the window", values, right)
     }
 

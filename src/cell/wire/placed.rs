@@ -7,7 +7,7 @@ use super::wire_frames::{Numbers, Stop, WireFrames};
 use crate::frame::{Frame, FrameSource as _};
 use crate::source::commanded::{CommandedHead, HeadError};
 
-/// Features by which a head is told what to put before its camera, besides triggers and clock.
+/// Features by which a head is ordered what to put before its camera, besides triggers and clock.
 const FEATURES: [&str; 3] = ["HeadObject", "MasterIndex", "HeadFrame"];
 
 /// What stands before the camera.

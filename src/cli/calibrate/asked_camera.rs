@@ -147,7 +147,8 @@ mod tests {
     }
 
     fn frame(value: u8) -> Arrived {
-        let frame = Frame::new(Buffer::U8(vec![value]), PixelFormat::Mono8, 1, 1, FrameMeta::default()).unwrap();
+        let frame =
+            Frame::new(Buffer::U8(vec![value]), PixelFormat::Mono8, 1, 1, FrameMeta::default()).unwrap();
         Arrived::Frame(Box::new(HeadFrame { frame, place: None, exposed_ns: None }))
     }
 

@@ -73,7 +73,9 @@ impl CameraFrames {
         let is_interrupted = matches!(&self.scene, Scene::Operator(camera) if camera.is_interrupted());
         is_interrupted.then(|| Failure {
             exit: interrupt::INTERRUPTED,
-            report: miette::miette!("interrupted: no calibration is written, the camera has its settings back"),
+            report: miette::miette!(
+                "interrupted: no calibration is written, the camera has its settings back"
+            ),
         })
     }
 
@@ -98,7 +100,8 @@ impl CameraFrames {
 fn pin_step(pin: &PinPlan, position: &Position) -> String {
     let mut place = String::new();
     if position.height_mm != 0.0 {
-        let (side, away_mm) = (if position.height_mm > 0.0 { "above" } else { "below" }, position.height_mm.abs());
+        let (side, away_mm) =
+            (if position.height_mm > 0.0 { "above" } else { "below" }, position.height_mm.abs());
         place += &format!(", about {away_mm} mm {side} the middle of the field");
     }
     if position.y_mm != 0.0 {

@@ -201,4 +201,3 @@ fn choose_edge(
 fn check(calibration: &Calibration) -> bool {
     calibration.setup.as_ref().and_then(|b| b.check).is_none_or(|c| c.accepted)
 }
-

@@ -1,11 +1,17 @@
 //! Cameras by network interface, and what would keep their frames from arriving.
+#![cfg_attr(
+    not(feature = "camera"),
+    allow(dead_code, reason = "a program without cameras states that, and lists none")
+)]
 
 use serde::Serialize;
 
 #[cfg(feature = "camera")]
 use super::network::{burst_bytes, receive_buffer_bytes};
 #[cfg(feature = "camera")]
-use crate::source::camera::{NetworkInterface, TestPackets, interfaces, test_packets};
+use crate::source::camera::{
+    AccessStatus, FoundCamera as Found, NetworkInterface, TestPackets, interfaces, test_packets,
+};
 
 /// Packets as large as jumbo frames carry, bytes.
 #[cfg(feature = "camera")]
@@ -109,7 +115,8 @@ impl CameraFindings {
             let none = if cameras.is_empty() { ": no camera answers" } else { "" };
             say_line!("interface {name} ({addresses}), packets up to {mtu_bytes} bytes{none}");
             for camera in cameras {
-                let FoundCamera { address, manufacturer, model, serial_number, user_name, access, .. } = camera;
+                let FoundCamera { address, manufacturer, model, serial_number, user_name, access, .. } =
+                    camera;
                 let called = match user_name.as_str() {
                     "" => String::new(),
                     user_name => format!(" \"{user_name}\""),
@@ -131,8 +138,8 @@ impl CameraFindings {
 /// Test packets of the cameras that are free; what that shows is added to the hints.
 #[cfg(feature = "camera")]
 fn tested(interface: &NetworkInterface, hints: &mut Vec<String>) -> Vec<Option<TestPackets>> {
-    let test = |camera: &crate::source::camera::FoundCamera| {
-        if camera.access.word() != "free" || !camera.is_in_subnet {
+    let test = |camera: &Found| {
+        if camera.access != AccessStatus::Free || !camera.is_in_subnet {
             return None;
         }
         let address = camera.address;
@@ -186,7 +193,7 @@ fn hints(interface: &NetworkInterface, buffer_bytes: Option<u64>) -> Vec<String>
                  of this subnet"
             ));
         }
-        if camera.access.word() == "exclusive" || camera.access.word() == "controlled" {
+        if matches!(camera.access, AccessStatus::Exclusive | AccessStatus::Controlled) {
             hints.push(format!("{address} is busy: another program has control of it; end that one"));
         }
         if let (Some(frame_bytes), Some(buffer_bytes)) = (camera.frame_bytes, buffer_bytes) {
@@ -208,7 +215,6 @@ mod tests {
     use std::net::Ipv4Addr;
 
     use super::*;
-    use crate::source::camera::{AccessStatus, FoundCamera as Found};
 
     fn camera(access: AccessStatus, is_in_subnet: bool, frame_bytes: u64) -> Found {
         Found {
@@ -242,8 +248,9 @@ mod tests {
     }
 
     #[test]
-    fn a_firewall_and_a_switch_are_told_apart_by_test_packets() {
-        let of = |largest_bytes| of_packets("192.168.1.20", TestPackets { largest_bytes, wanted_bytes: 9000 });
+    fn a_firewall_and_a_switch_differ_in_their_test_packets() {
+        let of =
+            |largest_bytes| of_packets("192.168.1.20", TestPackets { largest_bytes, wanted_bytes: 9000 });
         assert_eq!(of(Some(9000)), None);
         assert!(of(Some(1500)).unwrap().contains("those of 1500 do: a switch"));
         assert!(of(None).unwrap().contains("firewall"));

@@ -102,7 +102,8 @@ mod tests {
 
     #[test]
     fn a_width_in_a_window_is_the_width_of_the_whole_frame() {
-        let found = CameraBinding { window: Roi { row: 58, column: 116, rows: 300, columns: 200 }, ..camera() };
+        let found =
+            CameraBinding { window: Roi { row: 58, column: 116, rows: 300, columns: 200 }, ..camera() };
         let part = calibration().for_camera(&found, BoundSource::Camera).unwrap();
         let part = part.setup.as_deref().unwrap();
         let read = |row: f64, column: f64| ReadWidth {

@@ -207,12 +207,10 @@ fn head(sheet: &DataSheet) -> Vec<Feature> {
     let objects = [("Drawn", 0), ("Part", 1), ("Master", 2), ("Flat", 3), ("Dark", 4)];
     let objects = Kind::Choice(objects.to_vec());
     vec![
-        new("HeadObject", at::HEAD_OBJECT, objects)
-            .at_rest()
-            .about(
-                "Drawn: the config's shaft of ShaftDiameter; Part: as passes left it; Master: a pin; Flat: the \
+        new("HeadObject", at::HEAD_OBJECT, objects).at_rest().about(
+            "Drawn: the config's shaft of ShaftDiameter; Part: as passes left it; Master: a pin; Flat: the \
                  light without a part; Dark: no light.",
-            ),
+        ),
         new("MasterIndex", at::MASTER_INDEX, integer(0, sheet.masters.saturating_sub(1)))
             .written()
             .about("Master pin before the camera; writing it clamps the pin anew."),

@@ -1,5 +1,5 @@
-//! Cameras by network interface: what answers to a discovery, who has control, and what a frame
-//! weighs.
+//! Cameras by network interface: what answers to a discovery, who has control, and how many bytes a
+//! frame has.
 //!
 //! Nothing is written to a camera: the discovery of every interface is one broadcast (on the
 //! loopback interface one datagram to its address), and what it does not state is read by a client
@@ -163,7 +163,6 @@ fn described(device: &DeviceInfo) -> FoundCamera {
 }
 
 fn privilege_and_bytes(device: &DeviceInfo) -> (AccessStatus, Option<u64>) {
-    let denied = GigeStatus::Common(StatusCode::AccessDenied);
     match blocking::connect_as(device, Access::Monitor) {
         Ok((camera, _)) => {
             let register = camera.transport().read(PRIVILEGE, 4).ok();
@@ -171,9 +170,10 @@ fn privilege_and_bytes(device: &DeviceInfo) -> (AccessStatus, Option<u64>) {
             let bytes = camera.number("PayloadSize").filter(|bytes| *bytes > 0.0).map(|bytes| bytes as u64);
             (value.map_or(AccessStatus::Unknown, AccessStatus::of_register), bytes)
         }
-        Err(GenicamError::Gige { source: GigeError::Status(status), .. }) if status == denied => {
-            (AccessStatus::Exclusive, None)
-        }
+        Err(GenicamError::Gige {
+            source: GigeError::Status(GigeStatus::Common(StatusCode::AccessDenied)),
+            ..
+        }) => (AccessStatus::Exclusive, None),
         Err(why) => {
             tracing::debug!("{}: {why}", device.ip);
             (AccessStatus::Unknown, None)

@@ -186,9 +186,7 @@ impl Camera {
                 why @ (CameraError::Refused { .. }
                 | CameraError::Format { .. }
                 | CameraError::Otherwise { .. }),
-            ) => {
-                Produced::End(Some(format!("it came back otherwise: {why}")))
-            }
+            ) => Produced::End(Some(format!("it came back otherwise: {why}"))),
             Err(why) => {
                 tracing::debug!("the camera is not open again: {why}");
                 Produced::Nothing

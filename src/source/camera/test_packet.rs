@@ -57,7 +57,8 @@ pub(crate) fn test_packets(address: Ipv4Addr, mtu_bytes: u32) -> Result<TestPack
     });
     for (register, bytes) in before.into_iter().rev() {
         // Without its bits a packet size sends nothing.
-        let bytes = bytes.filter(|bytes| register != PACKET_SIZE || bytes.first().is_some_and(|b| b & 0x80 == 0));
+        let bytes =
+            bytes.filter(|bytes| register != PACKET_SIZE || bytes.first().is_some_and(|b| b & 0x80 == 0));
         if let Some(Err(why)) = bytes.map(|bytes| io.write(register, &bytes)) {
             tracing::debug!("{address}: register {register:#06x} is not restored: {why}");
         }

@@ -14,7 +14,7 @@ use shadowgauge::publish::{Camera as Published, DataSheet, PORT, Sockets, serve}
 use shadowgauge::source::camera::{Camera, CameraSettings, WhenGone};
 use shadowgauge::source::live::{Event, Gap, Live, LiveSource as _, Policy, Produced, Producer};
 
-use super::conformance::{FRAMES, Factory, SOON, Seen, next_frame, settings};
+use super::conformance::{Factory, SOON, Seen, next_frame, settings};
 use crate::inside::publish::gige_client::Client;
 
 /// Frames that are wanted, and those that were taken: a camera runs at its own pace, and the suite
