@@ -2,7 +2,6 @@
 
 use serde_json::json;
 
-use crate::gauge::Calibration;
 use crate::gauge::calibration::SetupCalibration;
 use crate::gauge::stated::stated;
 use crate::studies::calibration::{Calibrated, edge_model_line, parameter_table};

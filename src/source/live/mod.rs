@@ -8,6 +8,10 @@
 //! between producer and consumer) → `producer`, `source` (the thread) → `stored` (images of files
 //! and pipes as a producer) and `taken` (a live source as frames to be decoded ahead). One more
 //! kind of source is a file that implements `Producer`; it passes `tests/inside/live`.
+#![cfg_attr(
+    not(feature = "camera"),
+    allow(dead_code, unused_imports, reason = "clocks, ids and chunks are those of cameras")
+)]
 
 mod clock_map;
 mod counters;

@@ -50,6 +50,7 @@ impl Pool {
     }
 
     /// Places that are free.
+    #[cfg(test)]
     pub(crate) fn free(&self) -> usize {
         self.shared.state().free
     }
