@@ -310,7 +310,8 @@ fn a_calibration_is_refused_by_another_camera_and_another_setting() {
 
     // a recording states the camera
     let (file, options) = (path("day.mcap"), ["--as-of", "2026-11-23", "--json"]);
-    let watch = [&[head.source().as_str(), "--calibration", &own, "--record", &file], &options[..]].concat();
+    let name = head.source();
+    let watch = [&[name.as_str(), "--calibration", &own, "--record", &file][..], &options[..]].concat();
     let running = Running::of("watch", &watch);
     let whole = std::iter::repeat_with(|| running.json()).find(|line| line["event"].is_null()).unwrap();
     interrupt(&running);
@@ -328,7 +329,8 @@ fn a_calibration_is_refused_by_another_camera_and_another_setting() {
         client.set(name, value);
     }
     client.write_register(0x0A00, 0).unwrap();
-    let running = Running::start(&[&[head.source().as_str(), "--calibration", &own], &options[..]].concat());
+    let measure = [&[name.as_str(), "--calibration", &own][..], &options[..]].concat();
+    let running = Running::start(&measure);
     let inside = running.json();
     interrupt(&running);
     running.end();

@@ -136,10 +136,11 @@ mod tests {
     fn one_without_a_camera_holds_for_any_and_is_read_as_before() {
         let free = calibration().with_camera(None);
         assert_eq!(free.for_camera(&camera(), BoundSource::Recording).unwrap(), free);
+        let free = Calibration::from_scale(10.0);
         let text = serde_json::to_string(&free).unwrap();
         assert!(!text.contains("\"camera\""), "{text}");
         assert_eq!(Calibration::read(text.as_bytes()).unwrap().camera, None);
-        let text = serde_json::to_string(&calibration()).unwrap();
+        let text = serde_json::to_string(&free.with_camera(Some(camera()))).unwrap();
         assert_eq!(Calibration::read(text.as_bytes()).unwrap().camera.as_deref(), Some(&camera()));
     }
 }
