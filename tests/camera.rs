@@ -421,6 +421,27 @@ fn doctor_lists_cameras_by_interface() {
     assert!(stdout.contains("serial number GV01") && stdout.contains("free"), "{stdout} {stderr}");
 }
 
+/// Before a camera that places no pins someone lays them; its ramp shows none.
+#[test]
+fn an_operator_is_asked_for_each_pin() {
+    let folder = tempfile::tempdir().unwrap();
+    let [config, out] = ["plan.toml", "out.json"].map(|name| folder.path().join(name));
+    let keys = "source = \"gige:127.0.0.1\"\nframes_each = 2";
+    std::fs::write(&config, plan(keys, ["height_mm = 1.5", ""], "")).unwrap();
+    let calibrate = format!("\"$PROGRAM\" calibrate {} --out {}", config.display(), out.display());
+    let script = format!("{calibrate} --yes; {calibrate} </dev/null; yes '' | {calibrate}");
+    let Some((stdout, stderr)) = before_aravis(&script) else { return };
+    for words in [
+        "does not place pins itself",
+        "stdin ended before this step was confirmed",
+        "small (10 mm): lay it, about 1.5 mm above the middle of the field, then Enter:",
+        "small: no frame shows it",
+    ] {
+        assert!(stderr.contains(words), "{words}: {stdout} {stderr}");
+    }
+    assert!(!out.exists());
+}
+
 /// Its frames are a ramp without an edge: received whole, and refused by the gauge.
 #[test]
 fn frames_of_aravis_are_received() {

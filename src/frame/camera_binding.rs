@@ -10,7 +10,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::Roi;
+use super::roi::Roi;
 
 /// Largest difference of a gain in dB, or of a black level, that is none: a register reads back what
 /// it holds, and the finest steps in use are 0.01 dB.

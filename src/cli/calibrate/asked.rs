@@ -1,6 +1,6 @@
 //! What the operator is asked for on the terminal, step by step.
 
-use std::io::{BufRead as _, Write as _};
+use std::io::{BufRead as _, IsTerminal as _, Write as _};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -30,6 +30,7 @@ pub(super) trait Asks {
 /// Lines of stdin, each of which confirms a step.
 pub(super) struct Operator {
     lines: Receiver<()>,
+    is_terminal: bool,
     stop: Arc<AtomicBool>,
 }
 
@@ -46,13 +47,16 @@ impl Operator {
             let _ = lines.map_while(Result::ok).all(|_| give.send(()).is_ok());
         };
         std::thread::Builder::new().name("operator".to_owned()).spawn(read)?;
-        Ok(Self { lines, stop: interrupt::requested() })
+        Ok(Self { lines, is_terminal: std::io::stdin().is_terminal(), stop: interrupt::requested() })
     }
 }
 
 impl Asks for Operator {
     /// On stderr, and waits for Enter.
     fn ask(&mut self, step: &str) -> Result<(), String> {
+        // Enter pressed twice at the last step does not confirm this one, for which nothing is laid
+        // yet; the lines of a pipe are one a step.
+        while self.is_terminal && self.lines.try_recv().is_ok() {}
         progress::beside(|| {
             // Where stderr cannot be written, the step is confirmed blindly or not at all.
             let _ = write!(std::io::stderr(), "{step}, then Enter: ");

@@ -47,7 +47,7 @@ pub(crate) trait Producer: Send {
     fn stop(&mut self) {}
 
     /// The camera that its frames are taken with, as it is set; `None` where there is none, or the
-    /// source does not know it.
+    /// source does not state it.
     fn camera(&self) -> Option<&CameraBinding> {
         None
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use shadowgauge::frame::Frame;
-use shadowgauge::source::live::{Event, IdWidth, Live, LiveSource as _, Policy, Produced, Producer};
+use shadowgauge::source::live::{Event, IdWidth, Live, LiveSource as _, Policy, Produced, Producer, taken};
 use shadowgauge::source::mcap::{Replay, Tap};
 
 use super::conformance::{FRAMES, Factory, SOON, Seen, settings};
@@ -48,4 +48,15 @@ fn a_recording_that_is_cut_off_ends_and_stays_ended() {
     assert!(why.contains("cut off") && seen.lost.is_empty(), "{why}");
     live.start().unwrap();
     assert!(matches!(live.next_event(SOON), Event::End(None)));
+}
+
+#[test]
+fn the_error_of_a_recording_names_its_file_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("no.mcap");
+    std::fs::write(&path, b"no recording").unwrap();
+    let live = Live::new(Box::new(Replay::open(&path).unwrap()), settings(Policy::Block)).unwrap();
+    let mut frames = taken(live, path.display().to_string(), std::sync::Arc::default());
+    let Some(Err(why)) = frames.next() else { panic!("an error") };
+    assert_eq!(why.to_string().matches("no.mcap").count(), 1, "{why}");
 }
