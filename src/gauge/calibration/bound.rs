@@ -63,7 +63,7 @@ impl SetupCalibration {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::calibration::Adjusted;
+    use crate::gauge::calibration::adjusted::Adjusted;
     use crate::gauge::calibration::imaging_model::{ColumnSpread, LensModel};
     use crate::gauge::calibration::optical_setup::{ReadWidth, Validity};
 
