@@ -211,6 +211,7 @@ impl CameraBinding {
     ///
     /// # Errors
     /// What differs, as text: what it was, and what it is.
+    #[cfg_attr(not(feature = "camera"), allow(dead_code, reason = "cameras alone come back"))]
     pub(crate) fn check_unchanged(&self, found: &Self) -> Result<(), (&'static str, String, String)> {
         for (what, differs, _) in self.compared(found) {
             if let Some((was, is)) = differs {
