@@ -5,9 +5,13 @@
 //! row = r0 - x/p, column = c0 + z/p. [`FrameMeta::z_mm`] is the machine z of the image's central
 //! column c0 = (columns - 1)/2.
 
+mod camera_binding;
 mod encoding;
+mod roi;
 
+pub use camera_binding::{BindingError, BoundSource, CameraBinding};
 pub use encoding::Encoding;
+pub use roi::Roi;
 
 use thiserror::Error;
 
@@ -290,22 +294,6 @@ pub enum PixelsMut<'a> {
     U16(&'a mut [u16]),
     /// Unquantised counts.
     F32(&'a mut [f32]),
-}
-
-/// The window of the sensor that a frame was read out from.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
-#[serde(deny_unknown_fields)]
-pub struct Roi {
-    /// Sensor row of the frame's row 0.
-    pub row: u32,
-    /// Sensor column of the frame's column 0.
-    pub column: u32,
-    /// Rows read out.
-    pub rows: u32,
-    /// Columns read out.
-    pub columns: u32,
 }
 
 /// Metadata of a frame.

@@ -205,6 +205,170 @@ fn frames_of_another_size_are_gaps() {
     running.end();
 }
 
+/// A small part before a head with two master pins.
+const JOB: &str = concat!(
+    r#"name = "small"
+seed = 5
+[part]
+length_mm = 60.0
+stock_diameter_mm = 12.0
+nominal_diameter_mm = [11.5]
+[part.tolerance]
+nominal_mm = 11.5
+upper_mm = 0.01
+lower_mm = -0.01
+"#,
+    include_str!("support/small_view.toml")
+);
+
+/// A plan of the job's pins: keys of the whole, and where the frames of each pin are.
+fn plan(keys: &str, positions: [&str; 2], tables: &str) -> String {
+    let mut text = format!("optics_id = \"head\"\ndate = \"2026-11-22\"\n{keys}\n");
+    for (name, diameter_mm, position) in [("small", 10.0, positions[0]), ("large", 12.5, positions[1])] {
+        text += &format!(
+            "[[masters]]\nname = \"{name}\"\ndiameter_mm = {diameter_mm:?}\nexpanded_u_mm = 0.0001\n\
+             positions = [{{ {position} }}]\n"
+        );
+    }
+    text + tables
+}
+
+/// The calibration of a plan, as a file and as what is in it.
+fn calibrated(folder: &Path, name: &str, plan: &str) -> (String, Value) {
+    let [config, out] = ["toml", "json"].map(|kind| folder.join(format!("{name}.{kind}")));
+    std::fs::write(&config, plan).unwrap();
+    let [config, out] = [config, out].map(|path| path.display().to_string());
+    let output = shadowgauge(["calibrate", &config, "--out", &out, "--backend", "cpu"]);
+    assert!(output.status.success(), "{name}: {}", said(&output));
+    let text = std::fs::read_to_string(&out).unwrap();
+    (out, serde_json::from_str(&text).unwrap())
+}
+
+/// The published head places its pins and fields itself: the same frames as those that a run
+/// records and `calibrate` renders, and the same calibration to the bit, bound to the head.
+#[cfg(unix)]
+#[test]
+fn a_calibration_with_the_head_is_that_of_the_same_frames_in_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let path = |name: &str| folder.join(name).display().to_string();
+    std::fs::write(path("job.toml"), JOB).unwrap();
+    let run = ["run", &path("job.toml"), "--out", &path("run"), "--record", &path("rec")];
+    let output = shadowgauge(run.into_iter().chain(["--no-reference", "--backend", "cpu"]));
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", said(&output));
+    let head = published(&folder.join("job.toml"), own_address(7));
+    let source = format!("source = \"{}\"\nframes_each = 2", head.source());
+    let pins = ["frames = \"rec/masters/pin_1\"", "frames = \"rec/masters/pin_2\""];
+    let (_, recorded) = calibrated(folder, "recorded", &plan("", pins, ""));
+    let (_, mut live) = calibrated(folder, "live", &plan(&source, ["", ""], ""));
+    let camera = live.as_object_mut().unwrap().remove("camera").unwrap();
+    assert_eq!(live, recorded);
+    assert_eq!((&camera["serial_number"], &camera["gain_db"]), (&"SG-5".into(), &0.0.into()), "{camera}");
+    assert_eq!(camera["window"]["columns"], 512, "{camera}");
+    let flats = "[fields]\nflats = [{ exposure = 0.5 }, { exposure = 1.0 }, { exposure = 0.25 }]\n";
+    let simulate = format!("{flats}[simulate]\nconfig = \"job.toml\"\nframes_each = 2\n");
+    let (_, rendered) = calibrated(folder, "rendered", &plan("", ["", ""], &simulate));
+    let (_, live) = calibrated(folder, "fields", &plan(&source, ["", ""], flats));
+    assert!(live["bench"]["sensor"].is_object() && live["bench"]["flat_field"].is_object(), "{live}");
+    for key in ["sensor", "flat_field"] {
+        assert_eq!(live["bench"][key], rendered["bench"][key], "{key}");
+    }
+    // what was set is set back
+    let mut client = head.client();
+    let places = ["HeadObject", "MasterIndex", "TriggerMode"].map(|name| client.get(name));
+    assert_eq!((places, client.float("ExposureTime")), ([0, 0, 0], 50.0));
+}
+
+/// A calibration holds for its camera as it was set, live and recorded; a window inside is allowed.
+#[cfg(unix)]
+#[test]
+fn a_calibration_is_refused_by_another_camera_and_another_setting() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let path = |name: &str| folder.join(name).display().to_string();
+    let job = JOB.replace("fields = 5", "fields = 1").replace("angles = 4", "angles = 1");
+    std::fs::write(path("job.toml"), job.replace("[camera]\n", "[camera]\nframe_period_ms = 100.0\n"))
+        .unwrap();
+    let head = published(&folder.join("job.toml"), own_address(8));
+    let source = format!("source = \"{}\"\nframes_each = 2", head.source());
+    let (own, of_head) = calibrated(folder, "own", &plan(&source, ["", ""], ""));
+    let by = |calibration: &str, source: &str, more: &[&str]| {
+        let command = ["measure", source, "--as-of", "2026-11-23", "--json", "--calibration", calibration];
+        shadowgauge(command.into_iter().chain(more.iter().copied()))
+    };
+    let output = by(&own, &head.source(), &["--gain-db", "6"]);
+    let words = "calibrated with gain 0 dB, camera has 6 dB: set --gain-db 0 or calibrate again";
+    assert!(output.status.code() == Some(3) && said(&output).contains(words), "{}", said(&output));
+    let mut client = head.client();
+    assert_eq!(client.float("Gain"), 0.0, "a camera that is refused has its own back");
+    let mut of_other = of_head.clone();
+    of_other["camera"]["serial_number"] = "SG-7".into();
+    std::fs::write(path("other.json"), of_other.to_string()).unwrap();
+    let output = by(&path("other.json"), &head.source(), &[]);
+    let words = "serial number SG-7, camera has SG-5";
+    assert!(output.status.code() == Some(3) && said(&output).contains(words), "{}", said(&output));
+
+    // a recording states the camera
+    let (file, options) = (path("day.mcap"), ["--as-of", "2026-11-23", "--json"]);
+    let name = head.source();
+    let watch = [&[name.as_str(), "--calibration", &own, "--record", &file][..], &options[..]].concat();
+    let running = Running::of("watch", &watch);
+    let whole = std::iter::repeat_with(|| running.json()).find(|line| line["event"].is_null()).unwrap();
+    interrupt(&running);
+    running.end();
+    let replay = format!("replay:{file}");
+    let output = by(&own, &replay, &[]);
+    assert!(output.status.success(), "{}", said(&output));
+    let output = by(&path("other.json"), &replay, &[]);
+    let words = "serial number SG-7, recording has SG-5";
+    assert!(output.status.code() == Some(3) && said(&output).contains(words), "{}", said(&output));
+
+    // a window inside the calibrated one has the same diameters, one beyond is refused
+    client.take_control(2).unwrap();
+    for (name, value) in [("Height", 448), ("OffsetY", 32)] {
+        client.set(name, value);
+    }
+    client.write_register(0x0A00, 0).unwrap();
+    let measure = [&[name.as_str(), "--calibration", &own][..], &options[..]].concat();
+    let running = Running::start(&measure);
+    let inside = running.json();
+    interrupt(&running);
+    running.end();
+    let diameter_mm = |line: &Value| line["mean_diameter_mm"].as_f64().unwrap();
+    let (whole_mm, inside_mm) = (diameter_mm(&whole), diameter_mm(&inside));
+    // the noise of two frames
+    assert!((whole_mm - inside_mm).abs() < 1e-3, "{whole_mm} {inside_mm}");
+    let mut smaller = of_head;
+    smaller["camera"]["window"]["rows"] = 400.into();
+    std::fs::write(path("smaller.json"), smaller.to_string()).unwrap();
+    let output = by(&path("smaller.json"), &head.source(), &[]);
+    let words = "the window 512 x 400 at OffsetX 0, OffsetY 0, camera has 512 x 448 at OffsetX 0, OffsetY 32";
+    assert!(output.status.code() == Some(3) && said(&output).contains(words), "{}", said(&output));
+}
+
+#[test]
+fn a_plan_of_a_camera_is_refused_by_its_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |keys: &str, position: &str| {
+        let [config, out] = ["plan.toml", "out.json"].map(|name| folder.path().join(name));
+        std::fs::write(&config, plan(keys, [position, position], "")).unwrap();
+        let [config, out] = [config, out].map(|path| path.display().to_string());
+        let output = shadowgauge(["calibrate", &config, "--out", &out]);
+        (output.status.code(), said(&output))
+    };
+    for (keys, position, words) in [
+        ("source = \"camera 1\"", "", "gige:IP"),
+        ("source = \"gige:127.0.0.1\"", "frames = \"a\"", "beside `source`"),
+        ("source = \"gige:127.0.0.1\"\nframes_each = 1", "", "2 to 1000"),
+        ("frames_each = 4", "frames = \"a\"", "is of a camera"),
+    ] {
+        let (code, said) = refused(keys, position);
+        assert!(code == Some(2) && said.contains(words), "{keys}: {said}");
+    }
+    let (code, said) = refused(&format!("source = \"gige:{}\"", own_address(9)), "");
+    assert!(code == Some(3) && said.contains("no GigE Vision camera answers"), "{said}");
+}
+
 #[test]
 fn a_camera_that_is_not_there_is_named_with_what_to_look_at() {
     let output = shadowgauge(["measure", &format!("gige:{}", own_address(6))]);
@@ -240,6 +404,42 @@ fn before_aravis(script: &str) -> Option<(String, String)> {
     command.args(["-rn", "bash", "-c", &all]).env("NO_COLOR", "1").env("PROGRAM", program::path());
     let output = command.output().unwrap();
     Some((text(&output.stdout), said(&output)))
+}
+
+/// `doctor` lists a camera that answers on the loopback interface, in a network of its own.
+#[test]
+fn doctor_lists_cameras_by_interface() {
+    let script = "\"$PROGRAM\" doctor --test-packets --json; \"$PROGRAM\" doctor";
+    let Some((stdout, stderr)) = before_aravis(script) else { return };
+    let mut documents = serde_json::Deserializer::from_str(&stdout).into_iter::<Value>();
+    let findings = documents.next().expect("a document").unwrap();
+    let interface = &findings["cameras"]["interfaces"][0];
+    assert_eq!((&interface["name"], &interface["addresses"][0]), (&"lo".into(), &"127.0.0.1".into()));
+    let camera = &interface["cameras"][0];
+    assert_eq!((&camera["serial_number"], &camera["access"]), (&"GV01".into(), &"free".into()), "{findings}");
+    assert!(camera["frame_bytes"].as_u64().is_some_and(|bytes| bytes >= 512 * 512), "{camera}");
+    assert!(stdout.contains("serial number GV01") && stdout.contains("free"), "{stdout} {stderr}");
+}
+
+/// Before a camera that places no pins someone lays them; its ramp shows none.
+#[test]
+fn an_operator_is_asked_for_each_pin() {
+    let folder = tempfile::tempdir().unwrap();
+    let [config, out] = ["plan.toml", "out.json"].map(|name| folder.path().join(name));
+    let keys = "source = \"gige:127.0.0.1\"\nframes_each = 2";
+    std::fs::write(&config, plan(keys, ["height_mm = 1.5", ""], "")).unwrap();
+    let calibrate = format!("\"$PROGRAM\" calibrate {} --out {}", config.display(), out.display());
+    let script = format!("{calibrate} --yes; {calibrate} </dev/null; yes '' | {calibrate}");
+    let Some((stdout, stderr)) = before_aravis(&script) else { return };
+    for words in [
+        "does not place pins itself",
+        "stdin ended before this step was confirmed",
+        "small (10 mm): lay it, about 1.5 mm above the middle of the field, then Enter:",
+        "small: no frame shows it",
+    ] {
+        assert!(stderr.contains(words), "{words}: {stdout} {stderr}");
+    }
+    assert!(!out.exists());
 }
 
 /// Its frames are a ramp without an edge: received whole, and refused by the gauge.

@@ -83,6 +83,7 @@ fn frames_are_those_of_render_to_the_bit() {
     let head = published(1);
     assert!(head.words[0].contains(&format!("{}, UDP port 3956", head.address)), "{:?}", head.words);
     assert!(head.words.iter().any(|line| line.contains("SG-5")), "{:?}", head.words);
+    assert!(head.words.iter().any(|line| line.ends_with(", 35.71 Hz")), "{:?}", head.words);
     let mut client = client(&head);
     client.take_control(2).unwrap();
     client.open_stream(9000);

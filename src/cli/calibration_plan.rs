@@ -40,6 +40,13 @@ pub(crate) fn load(path: &Path, today: Date) -> Result<LoadedPlan, Failure> {
         return of_text(text, folder);
     }
     let job = config::load(path).map_err(Failure::refused)?;
+    if let Some(source) = &job.source {
+        tracing::warn!(
+            "{}: source = \"{source}\" is not used: the pins of a job are rendered; a calibration's own file \
+             (shadowgauge new calibrate) takes frames from a source",
+            path.display()
+        );
+    }
     Ok(LoadedPlan { plan: CalibrationPlan::of_job(&job, today), text, folder })
 }
 

@@ -83,7 +83,7 @@ fn introduce(sheet: &DataSheet, xml_url: &str) {
     let DataSheet { address, model, serial, columns, rows, .. } = sheet;
     say_line!("GigE Vision camera at {address}, UDP port {PORT}");
     say_line!("  model      {model}, serial number {serial}, shadowgauge {}", env!("CARGO_PKG_VERSION"));
-    say_line!("  sensor     {columns} x {rows}, {:?}, {} Hz", sheet.format, sheet.frame_rate_hz);
+    say_line!("  sensor     {columns} x {rows}, {:?}, {:.2} Hz", sheet.format, sheet.frame_rate_hz);
     say_line!("  packets    up to {} bytes (GevSCPSPacketSize)", sheet.mtu);
     say_line!("  XML        {xml_url}");
     say_line!("  connect    arv-tool-0.8 -a {address} values; docs/cameras.md has other clients");

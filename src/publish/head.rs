@@ -16,6 +16,10 @@ pub(crate) enum Object {
         /// Number of its clamping.
         clamped: u64,
     },
+    /// The light without a part.
+    Flat,
+    /// No light: the lens is covered.
+    Dark,
 }
 
 /// The scene of a frame: what is drawn anew only where it changes.

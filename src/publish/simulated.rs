@@ -14,6 +14,7 @@ use crate::render::form::form_shaft;
 use crate::render::settings::SetupSettings;
 use crate::render::{FrameRequest, OpticalSetup, Renderer, Scene};
 use crate::shaft::ProfileKnot;
+use crate::studies::calibration::SimulatedSetup;
 
 /// Sets the head of a job up: draws, cuts and clamps what is ordered.
 pub(crate) struct SimulatedHead<'a> {
@@ -121,7 +122,24 @@ impl<'a> SimulatedHead<'a> {
                     .map_err(|e| e.to_string())?
                     .ok_or_else(|| format!("[[masters.pins]] has no pin {index} (counted from 0)"))
             }
+            Object::Flat | Object::Dark => Err("a field without a part is no scene".to_owned()),
         }
+    }
+
+    /// A frame of the light alone, or without it: as `calibrate` renders a config's fields, to the
+    /// bit where the exposure times have the ratio of its exposures. Frames are numbered on through
+    /// both fields.
+    fn field(&self, order: &FrameOrder) -> Result<Frame, String> {
+        let nominal_us = self.job.camera.exposure_us;
+        let setup = self.setup(&SceneOrder { exposure_us: nominal_us, ..order.scene })?;
+        let share = match order.scene.object {
+            Object::Dark => 0.0,
+            _ => order.scene.exposure_us / nominal_us,
+        };
+        let number = order.of_object.unwrap_or(order.number);
+        let setup = SimulatedSetup::new(self.renderer, setup, 0.0, self.job.seed);
+        let frame = setup.flat_window(share, number, order.window, Some(order.format));
+        frame.map_err(|e| e.to_string())
     }
 
     fn part_number(&mut self, ordered: Option<u64>) -> Result<u64, String> {
@@ -135,7 +153,7 @@ impl<'a> SimulatedHead<'a> {
     /// Number of the frame, by which its noise is drawn, and of frames before it of the same pin.
     fn number(&mut self, order: &FrameOrder) -> Result<(u64, usize), String> {
         Ok(match order.scene.object {
-            Object::Drawn => (order.number, 0),
+            Object::Drawn | Object::Flat | Object::Dark => (order.number, 0),
             Object::Part => (self.part_number(order.of_object)?, 0),
             Object::Master { index, clamped } => {
                 let counted = if self.look.0 == clamped { self.look.1 } else { 0 };
@@ -149,6 +167,9 @@ impl<'a> SimulatedHead<'a> {
 
 impl FrameMaker for SimulatedHead<'_> {
     fn frame(&mut self, order: &FrameOrder, reuse: Option<Frame>) -> Result<Frame, String> {
+        if matches!(order.scene.object, Object::Flat | Object::Dark) {
+            return self.field(order);
+        }
         let (frame_id, before) = self.number(order)?;
         let is_drawn = self.scene.as_ref().is_some_and(|(scene, k, _)| *scene == order.scene && *k == before);
         if !is_drawn {

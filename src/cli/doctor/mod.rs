@@ -1,15 +1,20 @@
 //! `shadowgauge doctor`: adapters, drivers, the choice of `auto`, missing parts and how to install
-//! them.
+//! them; cameras by network interface.
 //!
-//! `gpu_check` compares an adapter's frames with the CPU twin's and times both.
+//! `gpu_check` compares an adapter's frames with the CPU twin's and times both; `cameras` are those
+//! that answer, with what the `network` would keep from arriving.
 
+mod cameras;
 mod gpu_check;
+#[cfg(feature = "camera")]
+mod network;
 
 use std::path::Path;
 
 use crate::render::BackendChoice;
 use crate::render::gpu::{AdapterReport, adapter_reports, automatic};
 
+use self::cameras::CameraFindings;
 use crate::cli::failure::{CommandResult, Outcome};
 
 /// Arguments of `doctor`.
@@ -21,6 +26,10 @@ pub(crate) struct DoctorArgs {
     /// List OpenGL's adapters, which are else looked at only where Vulkan offers none.
     #[arg(long, conflicts_with = "gpu_check")]
     gl: bool,
+    /// Takes control of every GigE Vision camera that is free for a moment and has it send test
+    /// packets: shows a firewall that drops them, and a network that carries no large ones.
+    #[arg(long, conflicts_with_all = ["gpu_check", "gl"])]
+    test_packets: bool,
     /// Hold an adapter against the CPU path over the golden frames and print what a frame costs on
     /// both.
     #[arg(long)]
@@ -45,6 +54,9 @@ struct Findings {
     #[serde(skip_serializing_if = "Option::is_none")]
     auto: Option<Choice>,
     missing: Vec<Missing>,
+    /// Absent where only OpenGL's adapters were requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cameras: Option<CameraFindings>,
 }
 
 #[derive(Debug, serde::Serialize)]
@@ -68,7 +80,8 @@ pub(crate) fn run(args: &DoctorArgs) -> CommandResult {
     if args.gpu_check {
         return gpu_check::run(args.backend, args.frames as usize, args.json);
     }
-    let findings = look(args.gl);
+    let cameras = (!args.gl).then(|| CameraFindings::look(args.test_packets));
+    let findings = look(args.gl, cameras);
     if args.json {
         say_line!("{}", serde_json::to_string_pretty(&findings).unwrap_or_default());
     } else {
@@ -77,7 +90,7 @@ pub(crate) fn run(args: &DoctorArgs) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn look(gl: bool) -> Findings {
+fn look(gl: bool, cameras: Option<CameraFindings>) -> Findings {
     let vulkan = if gl { Vec::new() } else { adapter_reports(false) };
     let adapters = if vulkan.is_empty() { adapter_reports(true) } else { vulkan };
     Findings {
@@ -87,6 +100,7 @@ fn look(gl: bool) -> Findings {
         missing: if gl { Vec::new() } else { missing(&adapters) },
         auto: (!gl).then(|| auto(&adapters)),
         adapters,
+        cameras,
     }
 }
 
@@ -146,5 +160,8 @@ fn print(findings: &Findings) {
     }
     if findings.missing.is_empty() {
         say_line!("nothing is missing");
+    }
+    if let Some(cameras) = &findings.cameras {
+        cameras.print();
     }
 }

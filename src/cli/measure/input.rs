@@ -20,6 +20,7 @@ use crate::cell::{HeadPace, SimulatedHead};
 use crate::cli::failure::Failure;
 use crate::cli::process::interrupt;
 use crate::config;
+use crate::frame::{BoundSource, CameraBinding};
 use crate::position::EncoderSettings;
 use crate::render::{BackendChoice, Renderer};
 use crate::source::live::{Binding, Live, LiveSettings, Policy, Producer, StoredProducer, taken};
@@ -107,7 +108,7 @@ pub(crate) fn seconds(text: &str) -> Result<Duration, String> {
 ///
 /// # Errors
 /// What is no time above 0.
-fn exposure_us(text: &str) -> Result<f64, String> {
+pub(crate) fn exposure_us(text: &str) -> Result<f64, String> {
     let value = text.parse().ok().filter(|us: &f64| us.is_finite() && *us > 0.0);
     value.ok_or_else(|| "a time above 0 is needed, in µs, for instance 50".to_owned())
 }
@@ -116,13 +117,21 @@ fn exposure_us(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// What is no number.
-fn gain_db(text: &str) -> Result<f64, String> {
+pub(crate) fn gain_db(text: &str) -> Result<f64, String> {
     let value = text.parse().ok().filter(|db: &f64| db.is_finite());
     value.ok_or_else(|| "a number of dB is needed, for instance 6".to_owned())
 }
 
+/// A camera or a recording that is open, and how its frames are given on.
+pub(crate) struct OpenedStream {
+    producer: Box<dyn Producer>,
+    policy: Policy,
+    waiting: usize,
+    name: String,
+    of: BoundSource,
+}
+
 /// A source whose frames come one after another, their number unknown.
-#[derive(Debug)]
 pub(crate) enum StreamSource {
     /// Images or Y4M on stdin.
     Stdin,
@@ -139,6 +148,8 @@ pub(crate) enum StreamSource {
     /// A recording.
     #[cfg(feature = "mcap")]
     Recording(PathBuf),
+    /// A camera or a recording that is open already.
+    Opened(OpenedStream),
 }
 
 impl StreamSource {
@@ -214,23 +225,54 @@ impl StreamSource {
         !matches!(self, Self::Stdin | Self::RawStdin(_) | Self::RawFile(..) | Self::Y4m(_))
     }
 
+    /// Whether it is a camera or a recording, to which a calibration is bound.
+    pub(crate) fn bound_source(&self) -> Option<BoundSource> {
+        match self {
+            Self::Camera(_) => Some(BoundSource::Camera),
+            #[cfg(feature = "mcap")]
+            Self::Recording(_) => Some(BoundSource::Recording),
+            Self::Opened(stream) => Some(stream.of),
+            _ => None,
+        }
+    }
+
+    /// Opens a camera or a recording, so that it states what a calibration is bound to before
+    /// anything is measured; others stay as they are.
+    ///
+    /// # Errors
+    /// One that cannot be opened.
+    fn opened(self) -> Result<Self, Failure> {
+        Ok(match self {
+            Self::Camera(camera) => {
+                let name = format!("gige:{}", camera.name);
+                let (producer, of) = (camera.producer(false)?, BoundSource::Camera);
+                let policy = Policy::DropNewest;
+                Self::Opened(OpenedStream { producer, policy, waiting: OF_CAMERA, name, of })
+            }
+            #[cfg(feature = "mcap")]
+            Self::Recording(path) => {
+                let (producer, of) = (replay(&path)?, BoundSource::Recording);
+                let (name, policy) = (path.display().to_string(), Policy::Block);
+                Self::Opened(OpenedStream { producer, policy, waiting: WAITING, name, of })
+            }
+            other => other,
+        })
+    }
+
     /// The frames, every one in its order, bound to an encoder beside them where one is given.
     ///
     /// # Errors
     /// A file that cannot be opened, a config that is refused, an encoder beside frames without
     /// times; a system that refuses threads.
     pub(crate) fn ahead(self, read: &Reading, beside: Option<Binding>) -> Result<Ahead, Failure> {
-        let (producer, policy, waiting, name) = match self {
+        let (producer, policy, waiting, name) = match self.opened()? {
             Self::Simulation(config) => {
                 let name = format!("sim:{}", config.display());
                 (head(&config, HeadPace::Scan)?, Policy::Block, WAITING, name)
             }
-            Self::Camera(camera) => {
-                let name = format!("gige:{}", camera.name);
-                (camera.producer(false)?, Policy::DropNewest, OF_CAMERA, name)
+            Self::Opened(OpenedStream { producer, policy, waiting, name, .. }) => {
+                (producer, policy, waiting, name)
             }
-            #[cfg(feature = "mcap")]
-            Self::Recording(path) => (replay(&path)?, Policy::Block, WAITING, path.display().to_string()),
             other => {
                 check_untimed(beside.as_ref())?;
                 return read.ahead(other.images(read)?);
@@ -252,6 +294,7 @@ impl StreamSource {
             Self::Camera(camera) => camera.producer(true),
             #[cfg(feature = "mcap")]
             Self::Recording(path) => replay(&path),
+            Self::Opened(stream) => Ok(stream.producer),
             other => Ok(Box::new(StoredProducer::new(read.ahead(other.images(read)?)?))),
         }
     }
@@ -290,7 +333,7 @@ impl StreamSource {
                 Box::new(RawStream::y4m(buffered(opened(&path)?), name).reusing(spare))
             }
             // Sources with events of their own.
-            Self::Simulation(_) | Self::Camera(_) => Box::new(std::iter::empty()),
+            Self::Simulation(_) | Self::Camera(_) | Self::Opened(_) => Box::new(std::iter::empty()),
             #[cfg(feature = "mcap")]
             Self::Recording(_) => Box::new(std::iter::empty()),
         })
@@ -460,6 +503,25 @@ impl Input {
         match self {
             Self::Files(paths) => paths,
             Self::Folder(..) | Self::Stream(_) => &[],
+        }
+    }
+
+    /// Opens a camera or a recording; see [`Self::bound_to`].
+    ///
+    /// # Errors
+    /// One that cannot be opened.
+    pub(crate) fn opened(self) -> Result<Self, Failure> {
+        Ok(match self {
+            Self::Stream(stream) => Self::Stream(stream.opened()?),
+            other => other,
+        })
+    }
+
+    /// The camera of an open camera or recording, where it is known; `None` for other inputs.
+    pub(crate) fn bound_to(&self) -> Option<(BoundSource, Option<&CameraBinding>)> {
+        match self {
+            Self::Stream(StreamSource::Opened(stream)) => Some((stream.of, stream.producer.camera())),
+            _ => None,
         }
     }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::frames::{FrameArgs, ScaleArgument, scale_argument, scale_of_files};
 use crate::cli::failure::Failure;
 use crate::cli::input_output::ConfigText;
+use crate::frame::{BoundSource, CameraBinding};
 use crate::gauge::Calibration;
 use crate::gauge::calibration::{Conditions, Date, GivenConditions};
 use crate::measurement::{conditions, known_conditions};
@@ -89,6 +90,37 @@ impl InstrumentArgs {
             tracing::warn!("{}: {error}; used with consent", path.display());
         }
         Ok(Some(calibration))
+    }
+
+    /// The calibration for the frames of an open camera or recording: that of a window inside the
+    /// calibrated one where only the window differs. What does not state a camera is not compared.
+    ///
+    /// # Errors
+    /// A calibration of another camera, or of one that was set otherwise: the setting with both
+    /// values.
+    pub(crate) fn bound(
+        &self,
+        calibration: Option<Calibration>,
+        source: Option<(BoundSource, Option<&CameraBinding>)>,
+    ) -> Result<Option<Calibration>, Failure> {
+        let (Some(path), Some(calibration), Some((of, camera))) = (&self.calibration, &calibration, source)
+        else {
+            return Ok(calibration);
+        };
+        let shown = path.display();
+        match (&calibration.camera, camera) {
+            (None, Some(_)) => tracing::warn!(
+                "{shown} states no camera: it is not compared with the camera of these frames (calibrate with \
+                 source = \"gige:NAME\" binds a calibration)"
+            ),
+            (Some(_), None) => tracing::warn!(
+                "the source states no camera: it is not compared with that of the calibration {shown}"
+            ),
+            _ => {}
+        }
+        let Some(camera) = camera else { return Ok(Some(calibration.clone())) };
+        let of_camera = calibration.for_camera(camera, of);
+        of_camera.map(Some).map_err(|why| Failure::fail(format!("{shown}: {why}")))
     }
 
     /// The part's conditions: the file's, otherwise the calibration's; `--part-temperature`

@@ -216,6 +216,8 @@ pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     check_stream(args, &input)?;
     check_offsets(args, &input)?;
     let calibration = args.instrument.calibration(&args.frames, input.files())?;
+    let input = input.opened()?;
+    let calibration = args.instrument.bound(calibration, input.bound_to())?;
     let conditions = args.instrument.conditions(calibration.as_ref())?;
     let needs_scale = args.judge.needs_scale().or(args.pin.given());
     if let (None, Some(name)) = (&calibration, needs_scale) {

@@ -10,7 +10,7 @@ use std::sync::{Arc, LazyLock, Mutex, Once, PoisonError};
 use super::end_at_once;
 
 /// Exit code of a command that is interrupted: a shell's, 128 + SIGINT.
-const INTERRUPTED: u8 = 130;
+pub(crate) const INTERRUPTED: u8 = 130;
 
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 static WORDS: Mutex<Option<String>> = Mutex::new(None);

@@ -7,8 +7,9 @@ use std::time::SystemTime;
 use crate::cell::{RecordedCell, SimulatedCell, TurningCell};
 use crate::cli::failure::Failure;
 use crate::closed_loop::Calibrated;
-use crate::gauge::Calibration;
+use crate::frame::BoundSource;
 use crate::gauge::calibration::Date;
+use crate::gauge::{Calibration, CalibrationError};
 use crate::job::{Job, LoopJob};
 use crate::measurement::edge_model;
 use crate::render::{BackendChoice, Renderer};
@@ -121,6 +122,30 @@ impl FramesFrom {
     pub(super) fn calibration(&self) -> Result<Option<Calibrated>, Failure> {
         let Self::Recording(recording) = self else { return Ok(None) };
         recording.calibration().map(|path| read_calibration(&path)).transpose()
+    }
+
+    /// The calibration of a run, with the camera of a head on the wire.
+    pub(super) fn bound(&self, calibration: &Calibrated) -> Calibrated {
+        match (self, calibration) {
+            (Self::Wire(head), Calibrated::Camera(own)) => {
+                (**own).clone().with_camera(head.camera().cloned()).into()
+            }
+            _ => calibration.clone(),
+        }
+    }
+
+    /// Refuses the calibration of an unfinished run where the head is another one, or is set
+    /// otherwise.
+    ///
+    /// # Errors
+    /// The setting that differs, with both values.
+    pub(super) fn check_bound(&self, calibration: Option<&Calibrated>) -> Result<(), CalibrationError> {
+        match (self, calibration) {
+            (Self::Wire(head), Some(Calibrated::Camera(own))) => {
+                head.camera().map_or(Ok(()), |found| own.for_camera(found, BoundSource::Camera).map(drop))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The loop's job with the edge model of a recording's calibration: a gauge must expect the

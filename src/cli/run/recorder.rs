@@ -78,10 +78,14 @@ impl<'a> Recorder<'a> {
             cell = Box::new(RecordingCell::new(cell, record, um_per_px));
         }
         let calibration = if is_resumed { Some(read_calibration(folder)?) } else { from.calibration()? };
+        from.check_bound(calibration.as_ref()).map_err(|why| {
+            let name = folder.path().join("calibration.json");
+            Failure::fail(format!("{} (of this unfinished run): {why}", name.display()))
+        })?;
         let settings = job.checked_loop().map_err(|e| loop_failure(e.into()))?;
         let settings = from.with_edge_model(settings, calibration.as_ref());
         let mut chain = ClosedLoop::start(settings, cell, calibration).map_err(loop_failure)?;
-        let json = serde_json::to_string_pretty(chain.calibration()).map_err(Failure::fail)?;
+        let json = serde_json::to_string_pretty(&from.bound(chain.calibration())).map_err(Failure::fail)?;
         folder.write("calibration.json", json.as_bytes()).map_err(folder_failure)?;
         resume(&mut chain, &mut tables)?;
         let run_id = crate::config::hash(job).map_err(Failure::fail)?.chars().take(12).collect();

@@ -3,6 +3,7 @@
 
 use crate::cell::TurningCell;
 use crate::cli::failure::Failure;
+use crate::frame::CameraBinding;
 use crate::job::Job;
 use crate::setting::SettingError;
 
@@ -21,6 +22,8 @@ use crate::source::commanded::CommandedHead as _;
 pub(crate) struct WireHead {
     name: String,
     shown: String,
+    /// What a calibration of its frames is bound to.
+    binding: Option<CameraBinding>,
     /// Until the cell takes it.
     head: Mutex<Option<CommandedCamera>>,
 }
@@ -48,12 +51,17 @@ impl WireHead {
             Err(Unfit::Job(key)) => return Err(refused(key)),
             Err(Unfit::Head(why)) => return Err(failed(&why)),
         }
-        let (name, shown) = (format!("gige:{name}"), head.shown());
+        let (name, shown, binding) = (format!("gige:{name}"), head.shown(), head.binding().cloned());
         // what other clients may have left is taken as it is
         let of = |feature: &str| format!("{feature} {}", head.value(feature).unwrap_or_default());
         let set = ["PixelFormat", "ExposureTime", "Gain", "Contamination"].map(of).join(", ");
         tracing::info!("{name}: {shown}; {set}");
-        Ok(Self { name, shown, head: Mutex::new(Some(head)) })
+        Ok(Self { name, shown, binding, head: Mutex::new(Some(head)) })
+    }
+
+    /// What a calibration of its frames is bound to.
+    pub(super) fn camera(&self) -> Option<&CameraBinding> {
+        self.binding.as_ref()
     }
 
     /// Maker, model, serial number and address.
@@ -90,6 +98,11 @@ impl WireHead {
         let right = "build it with it, or give the folder with the frames of the passes";
         let why = format!("gige:{name}: this program was built without the feature camera; {right}");
         Err(refused(SettingError::at("source", why)))
+    }
+
+    /// There is none.
+    pub(super) fn camera(&self) -> Option<&CameraBinding> {
+        match *self {}
     }
 
     /// There is none.

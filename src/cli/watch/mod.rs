@@ -43,6 +43,7 @@ use crate::cli::measure::reference_pin_args::ReferencePinArgs;
 use crate::cli::measure::{failure, positive_px};
 use crate::cli::process::interrupt;
 use crate::conformity::Tolerance;
+use crate::frame::{BoundSource, CameraBinding};
 use crate::gauge::{Calibration, Gauge, GaugeSettings, Polarity};
 use crate::measurement::{MeasureSettings, Stream, edge_model};
 use crate::source::live::{Binding, Live, LiveSettings, LiveSource as _, Policy, Producer, StoredProducer};
@@ -150,6 +151,15 @@ pub(crate) struct WatchArgs {
 struct Watched {
     producer: Box<dyn Producer>,
     policy: Policy,
+    /// Whether a calibration is bound to it.
+    of: Option<BoundSource>,
+}
+
+impl Watched {
+    /// The camera of a camera or a recording, where it is known; `None` for other sources.
+    fn bound_to(&self) -> Option<(BoundSource, Option<&CameraBinding>)> {
+        self.of.map(|of| (of, self.producer.camera()))
+    }
 }
 
 /// Runs the command.
@@ -165,9 +175,10 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
     }
     let calibration = args.instrument.calibration(&args.frames, &[])?;
     check(args, calibration.as_ref())?;
-    let stream = measuring(args, calibration.as_ref())?;
     let encoder = args.encoder.binding()?;
     let watched = opened(args, encoder.as_ref())?;
+    let calibration = args.instrument.bound(calibration, watched.bound_to())?;
+    let stream = measuring(args, calibration.as_ref())?;
     if watched.policy == Policy::Block && args.conditions.temperature_cmd.is_some() {
         return Err(Failure::refuse(
             "--temperature-cmd reads the temperature of now: of files and recordings give --temperatures FILE.csv",
@@ -270,9 +281,9 @@ fn session_settings(args: &WatchArgs, calibration: Option<&Calibration>) -> Sess
 #[cfg(feature = "mcap")]
 fn recorded(watched: Watched, path: Option<&Path>) -> Result<(Watched, Option<Recording>), Failure> {
     let Some(path) = path else { return Ok((watched, None)) };
-    let Watched { producer, policy } = watched;
+    let Watched { producer, policy, of } = watched;
     let (producer, recording) = Recording::begin(producer, path, policy == Policy::Block)?;
-    Ok((Watched { producer, policy }, Some(recording)))
+    Ok((Watched { producer, policy, of }, Some(recording)))
 }
 
 fn shown_name(args: &WatchArgs) -> String {
@@ -326,7 +337,8 @@ fn opened(args: &WatchArgs, encoder: Option<&Binding>) -> Result<Watched, Failur
         check_untimed(encoder)?;
     }
     let policy = if stream.is_file() { Policy::Block } else { Policy::DropOldest };
-    Ok(Watched { producer: stream.producer(&read)?, policy })
+    let of = stream.bound_source();
+    Ok(Watched { producer: stream.producer(&read)?, policy, of })
 }
 
 fn opened_path(args: &WatchArgs, read: &Reading) -> Result<Watched, Failure> {
@@ -337,5 +349,5 @@ fn opened_path(args: &WatchArgs, read: &Reading) -> Result<Watched, Failure> {
     } else {
         (read.files(paths(&[path.to_owned()])?, in_table)?, Policy::Block)
     };
-    Ok(Watched { producer: Box::new(StoredProducer::new(frames)), policy })
+    Ok(Watched { producer: Box::new(StoredProducer::new(frames)), policy, of: None })
 }

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::frame::Encoding;
+use crate::frame::{BindingError, Encoding};
 use crate::gauge::limit::limits;
 
 limits! {
@@ -89,6 +89,9 @@ pub enum CalibrationError {
         /// Optics in use.
         expected: String,
     },
+    /// Frames of another camera, or of one that is set otherwise.
+    #[error(transparent)]
+    OtherCamera(#[from] BindingError),
     /// A condition that cannot be.
     #[error("calibration key bench.{0}")]
     Setting(String),

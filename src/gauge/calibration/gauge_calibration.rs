@@ -19,7 +19,7 @@ use super::conditions::Conditions;
 use super::error::{CALIBRATION_VERSION, CalibrationError, CalibrationLimits};
 use super::masters::{MasterFigure, MasterMeasurement};
 use super::optical_setup::SetupCalibration;
-use crate::frame::Encoding;
+use crate::frame::{CameraBinding, Encoding};
 use crate::gauge::edge::model::edge_table::EdgeTable;
 use crate::gauge::edge::model::systematic_residual::SystematicResidual;
 use crate::gauge::edges::FrameFigures;
@@ -64,6 +64,10 @@ pub struct Calibration {
     /// none where none were stated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conditions: Option<Box<Conditions>>,
+    /// The camera that its frames were taken with, as it was set; `None` where they came from
+    /// files or a simulation, and in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<Box<CameraBinding>>,
 }
 
 impl Calibration {
@@ -232,6 +236,7 @@ impl Calibration {
             edge_table: None,
             conditions: None,
             encoding: None,
+            camera: None,
         }
     }
 

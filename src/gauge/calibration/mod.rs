@@ -7,13 +7,15 @@
 //!
 //! `observation` → `masters` → `adjustment` over the parameters of `imaging_model`; `conditions`,
 //! `thermometer` and `finish` state what is known of a part and of masters, `unstated` what is
-//! taken where nothing is; `verification` is a check pin, `file_checks` refuses damaged files. One
-//! more parameter of the lens goes into `imaging_model` (its derivative with it); one more source
-//! of uncertainty is a part of `adjustment`'s covariance and a row of the budget.
+//! taken where nothing is; `bound` compares with the camera that it was made with; `verification`
+//! is a check pin, `file_checks` refuses damaged files. One more parameter of the lens goes into
+//! `imaging_model` (its derivative with it); one more source of uncertainty is a part of
+//! `adjustment`'s covariance and a row of the budget.
 
 pub(crate) mod adjusted;
 pub(crate) mod adjustment;
 pub(crate) mod axis_zero;
+mod bound;
 mod conditions;
 mod date;
 pub(crate) mod error;

@@ -193,7 +193,7 @@ fn basis(u: f64, v: f64) -> [f64; 6] {
 }
 
 /// Coordinate from −1 to 1.
-fn unit(index: usize, n: usize) -> f64 {
+pub(super) fn unit(index: usize, n: usize) -> f64 {
     if n > 1 { 2.0 * index as f64 / (n - 1) as f64 - 1.0 } else { 0.0 }
 }
 
@@ -362,7 +362,7 @@ fn value(light: &[f64; 6], u: f64, v: f64) -> f64 {
 }
 
 /// Least and greatest value of the surface over the field.
-fn extremes(light: &[f64; 6]) -> (f64, f64) {
+pub(super) fn extremes(light: &[f64; 6]) -> (f64, f64) {
     let at = |i: usize| unit(i, 33);
     (0..33 * 33)
         .map(|i| value(light, at(i % 33), at(i / 33)))

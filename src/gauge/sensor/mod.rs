@@ -2,8 +2,8 @@
 //!
 //! In: frames of even light, dark frames, settings. Out: photon transfer (gain, read noise), the
 //! inverse of a response that bends ([`Response`]), dark and flat field with a list of defective
-//! pixels ([`FlatField`]), all of them values that a calibration file keeps. Grey values are in
-//! counts, places in pixels.
+//! pixels ([`FlatField`], of a part of the frames by `flat_window`), all of them values that a
+//! calibration file keeps. Grey values are in counts, places in pixels.
 //!
 //! One more property of sensors is one more file here: a function from frames to a value, and,
 //! where frames are corrected by it, a method that corrects one frame. Nothing in this room imports
@@ -11,6 +11,7 @@
 
 mod defect_correction;
 pub(crate) mod flat_field;
+mod flat_window;
 pub(crate) mod photon_transfer;
 pub(crate) mod response;
 

@@ -301,6 +301,8 @@ impl Camera {
             object: match memory.get(at::HEAD_OBJECT) {
                 1 => Object::Part,
                 2 => Object::Master { index: memory.get(at::MASTER_INDEX), clamped: self.clamped },
+                3 => Object::Flat,
+                4 => Object::Dark,
                 _ => Object::Drawn,
             },
             diameter_mm: memory.float(at::SHAFT_DIAMETER),

@@ -218,11 +218,13 @@ fn transport(sheet: &DataSheet) -> Vec<Feature> {
 fn head(sheet: &DataSheet) -> Vec<Feature> {
     let new = |name, address, kind| Feature::new(name, Category::Head, address, kind);
     let diameter = |feature: Feature| if sheet.diameter_is_drawn { feature } else { feature.written() };
-    let objects = Kind::Choice(vec![("Drawn", 0), ("Part", 1), ("Master", 2)]);
+    let objects = [("Drawn", 0), ("Part", 1), ("Master", 2), ("Flat", 3), ("Dark", 4)];
+    let objects = Kind::Choice(objects.to_vec());
     vec![
-        new("HeadObject", at::HEAD_OBJECT, objects)
-            .at_rest()
-            .about("Drawn: the config's shaft of ShaftDiameter; Part: as passes left it; Master: a pin."),
+        new("HeadObject", at::HEAD_OBJECT, objects).at_rest().about(
+            "Drawn: the config's shaft of ShaftDiameter; Part: as passes left it; Master: a pin; Flat: the \
+                 light without a part; Dark: no light.",
+        ),
         new("MasterIndex", at::MASTER_INDEX, integer(0, sheet.masters.saturating_sub(1)))
             .written()
             .about("Master pin before the camera; writing it clamps the pin anew."),

@@ -11,7 +11,7 @@ use super::guard::Restore;
 use super::session::Session;
 use super::settings::{CameraSettings, WhenGone};
 use super::watchdog::ANSWER;
-use crate::frame::{Frame, FrameMeta};
+use crate::frame::{CameraBinding, Frame, FrameMeta};
 use crate::source::commanded::{Arrived, CommandedHead, HeadError, HeadFrame, Place};
 use crate::source::live::Known;
 use crate::source::spare::Spare;
@@ -29,14 +29,22 @@ pub(crate) struct CommandedCamera {
 }
 
 impl CommandedCamera {
-    /// Finds a camera by its IPv4 address, serial number or user-defined name, and opens it.
+    /// Finds a camera by its IPv4 address, serial number or user-defined name, and opens it as it
+    /// is set.
     ///
     /// # Errors
     /// No such camera, one that is busy, and one that is set to what is not measured.
     pub(crate) fn open(name: &str) -> Result<Self, CameraError> {
+        Self::open_with(name, CameraSettings { exposure_us: None, gain_db: None, when_gone: WhenGone::Ends })
+    }
+
+    /// As [`Self::open`], with exposure and gain set where they are given.
+    ///
+    /// # Errors
+    /// As [`Self::open`], and a setting that is refused.
+    pub(crate) fn open_with(name: &str, settings: CameraSettings) -> Result<Self, CameraError> {
         let device = find::find(name)?;
         let mut restore = Restore::default();
-        let settings = CameraSettings { exposure_us: None, gain_db: None, when_gone: WhenGone::Ends };
         let session = Some(Session::open(&device, &settings, &mut restore)?);
         Ok(Self { device, session, restore, spare: Spare::of(SPARE) })
     }
@@ -44,6 +52,11 @@ impl CommandedCamera {
     /// Maker, model, serial number and address.
     pub(crate) fn shown(&self) -> String {
         find::shown(&self.device)
+    }
+
+    /// What a calibration of its frames is bound to; `None` once it is closed.
+    pub(crate) fn binding(&self) -> Option<&CameraBinding> {
+        Some(&self.session.as_ref()?.setup.binding)
     }
 
     fn session(&mut self) -> Result<&mut Session, HeadError> {

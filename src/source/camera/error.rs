@@ -51,6 +51,16 @@ pub(crate) enum CameraError {
         /// The value that is right.
         right: &'static str,
     },
+    /// A setting that the frames before had otherwise.
+    #[error("{feature} is {found}, and was {was}: frames of one series are taken alike")]
+    Otherwise {
+        /// The setting.
+        feature: &'static str,
+        /// What it was.
+        was: String,
+        /// What it is.
+        found: String,
+    },
     /// A feature that was to be set.
     #[error("{feature} cannot be set to {value}: {cause}")]
     NotSet {

@@ -49,6 +49,12 @@ impl<T: RegisterIo> Features for Camera<T> {
     }
 }
 
+/// The name of the exposure time, µs: `ExposureTimeAbs` before SFNC 1.5.
+pub(super) fn exposure_name(camera: &impl Features) -> &'static str {
+    let names = ["ExposureTime", "ExposureTimeAbs"];
+    names.into_iter().find(|name| camera.value(name).is_some()).unwrap_or(names[0])
+}
+
 /// Features in memory, for tests.
 #[cfg(test)]
 #[derive(Clone, Debug, Default)]

@@ -10,7 +10,7 @@ use super::error::CameraError;
 
 /// Wait for answers to a discovery: GigE Vision 1.2, 14.3.2, allows a device to delay its answer to
 /// a broadcast by up to a second, which devices use on request alone.
-const ANSWERS: Duration = Duration::from_millis(500);
+pub(super) const ANSWERS: Duration = Duration::from_millis(500);
 /// Discoveries of an address: a datagram may be lost.
 const TRIES: usize = 2;
 

@@ -13,7 +13,7 @@ use super::image::ImageLayout;
 use super::session::Session;
 use super::settings::{CameraSettings, WhenGone};
 use super::watchdog::{ANSWER, Watch, Watchdog};
-use crate::frame::{Frame, FrameMeta};
+use crate::frame::{CameraBinding, Frame, FrameMeta};
 use crate::position::MidExposure;
 use crate::source::host_clock::host_t_ns;
 use crate::source::live::{Clock, Known, LiveMeta, NewFrame, Produced, Producer, Remarks, Timestamp};
@@ -31,8 +31,10 @@ pub(crate) struct Camera {
     settings: CameraSettings,
     session: Option<Session>,
     restore: Restore,
-    /// Size and format of all frames: a camera that returns with others is refused.
+    /// Size and format of all frames, and what else a calibration is bound to: a camera that
+    /// returns with others is refused.
     layout: ImageLayout,
+    binding: CameraBinding,
     ids: Ids,
     /// Angles of the last frames, by which the next ones are moved to mid-exposure.
     spindle: MidExposure,
@@ -59,6 +61,7 @@ impl Camera {
             device,
             settings,
             layout: session.setup.layout.clone(),
+            binding: session.setup.binding.clone(),
             watchdog: Watchdog::new(session.setup.period, now),
             session: Some(session),
             restore,
@@ -193,9 +196,11 @@ impl Camera {
         }
         match self.reopened() {
             Ok(()) => Produced::Nothing,
-            Err(why @ (CameraError::Refused { .. } | CameraError::Format { .. })) => {
-                Produced::End(Some(format!("it came back otherwise: {why}")))
-            }
+            Err(
+                why @ (CameraError::Refused { .. }
+                | CameraError::Format { .. }
+                | CameraError::Otherwise { .. }),
+            ) => Produced::End(Some(format!("it came back otherwise: {why}"))),
             Err(why) => {
                 tracing::debug!("the camera is not open again: {why}");
                 Produced::Nothing
@@ -211,6 +216,10 @@ impl Camera {
             let why = "frames of the series have another size or format";
             let right = "what it was";
             return Err(CameraError::Refused { feature: "the image".to_owned(), found, why, right });
+        }
+        if let Err((feature, was, found)) = self.binding.check_unchanged(&session.setup.binding) {
+            session.close(&mut self.restore);
+            return Err(CameraError::Otherwise { feature, was, found });
         }
         session.start()?;
         self.watchdog = Watchdog::new(session.setup.period, Instant::now());
@@ -268,6 +277,10 @@ impl Producer for Camera {
             session.close(&mut self.restore);
             self.ids.restart();
         }
+    }
+
+    fn camera(&self) -> Option<&CameraBinding> {
+        Some(&self.binding)
     }
 }
 

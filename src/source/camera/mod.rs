@@ -3,12 +3,14 @@
 //!
 //! In: an IPv4 address, a serial number or a user-defined name; exposure and gain where they are
 //! to be set. Out: [`Camera`], a [`Producer`](super::live::Producer) of whole frames in the
-//! camera's own depth, with the device's and the host's time apart and the values of its chunks.
+//! camera's own depth, with the device's and the host's time apart and the values of its chunks, and
+//! what a calibration of them is bound to (`binding`).
 //! `find` is discovery, `features` access by name, `guard` what alters grey values and is set off,
 //! refused and restored, `image` the seven pixel formats, `ids` block ids to numbers, `chunks` and
 //! `clock` what comes beside the pixels, `watchdog` when a silent camera is asked; `session` joins
 //! them from opening to closing, `live_camera` opens again a camera that was away, `commanded` is a
-//! camera with a process behind it, commanded by its features and triggers. One more feature that
+//! camera with a process behind it, commanded by its features and triggers; `listed` are cameras by
+//! network interface and `test_packet` whether their packets arrive. One more feature that
 //! alters grey values is a line in `guard`.
 
 #![cfg_attr(
@@ -16,6 +18,7 @@
     allow(dead_code, unused_imports, reason = "the program opens cameras; the library alone does not")
 )]
 
+mod binding;
 mod chunks;
 mod clock;
 mod commanded;
@@ -25,12 +28,16 @@ mod find;
 mod guard;
 mod ids;
 mod image;
+mod listed;
 mod live_camera;
 mod session;
 mod settings;
 mod slow_register;
+mod test_packet;
 mod watchdog;
 
 pub(crate) use self::commanded::CommandedCamera;
+pub(crate) use self::listed::{AccessStatus, FoundCamera, NetworkInterface, interfaces};
 pub(crate) use self::live_camera::Camera;
 pub(crate) use self::settings::{CameraSettings, WhenGone};
+pub(crate) use self::test_packet::{TestPackets, test_packets};

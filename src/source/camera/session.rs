@@ -6,15 +6,16 @@ use viva_genicam::gencp::StatusCode;
 use viva_genicam::gige::{DeviceInfo, GigeError, GigeStatus};
 use viva_genicam::{ControlState, Frame as Block, FrameStream, GenicamError, StreamOptions, blocking};
 
+use super::binding::binding;
 use super::chunks::{ChunkValues, Chunks};
 use super::clock::DeviceClock;
 use super::error::CameraError;
-use super::features::{Device, Features};
+use super::features::{Device, Features, exposure_name};
 use super::guard::{Restore, guard};
 use super::image::ImageLayout;
 use super::settings::CameraSettings;
 use super::slow_register::SlowRegister;
-use crate::frame::Roi;
+use crate::frame::{CameraBinding, Roi};
 use crate::source::live::{Known, Provenance};
 
 /// What a camera is set to while it is open.
@@ -32,6 +33,8 @@ pub(super) struct Setup {
     pub period: Option<Duration>,
     /// Whether frames wait for triggers.
     pub is_triggered: bool,
+    /// What a calibration of its frames is bound to.
+    pub binding: CameraBinding,
     chunks: Chunks,
 }
 
@@ -69,8 +72,8 @@ impl Session {
         restore: &mut Restore,
     ) -> Result<Self, CameraError> {
         let mut camera = blocking::connect(device).map_err(of_connect)?;
-        let opened =
-            set_up(&mut camera, settings, restore).and_then(|setup| Ok((setup, stream(&mut camera)?)));
+        let opened = set_up(&mut camera, device, settings, restore)
+            .and_then(|setup| Ok((setup, stream(&mut camera)?)));
         match opened {
             Ok((setup, stream)) => {
                 let params = stream.params();
@@ -199,6 +202,7 @@ fn of_connect(error: GenicamError) -> CameraError {
 
 fn set_up(
     camera: &mut Device,
+    device: &DeviceInfo,
     settings: &CameraSettings,
     restore: &mut Restore,
 ) -> Result<Setup, CameraError> {
@@ -224,13 +228,8 @@ fn set_up(
     let constants =
         ChunkValues { exposure_us: constant(exposure), gain_db: constant("Gain"), ..ChunkValues::default() };
     let clock = DeviceClock::read(camera.transport());
-    Ok(Setup { layout, roi: roi(camera), constants, clock, period: period(camera), is_triggered, chunks })
-}
-
-/// The name of the exposure time, µs: `ExposureTimeAbs` before SFNC 1.5.
-fn exposure_name(camera: &impl Features) -> &'static str {
-    let names = ["ExposureTime", "ExposureTimeAbs"];
-    names.into_iter().find(|name| camera.value(name).is_some()).unwrap_or(names[0])
+    let (binding, period) = (binding(camera, device), period(camera));
+    Ok(Setup { layout, roi: roi(camera), constants, clock, period, is_triggered, binding, chunks })
 }
 
 /// Time from frame to frame of a free run: that of the rate, not less than the exposure.

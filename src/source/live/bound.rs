@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use super::metadata::{Known, LiveMeta, Provenance};
 use super::producer::{NewFrame, Produced, Producer};
-use crate::frame::Frame;
+use crate::frame::{CameraBinding, Frame};
 use crate::position::{
     EncoderSample, Exposure, Place, SampledEncoder, SampledPlace, TriggerCount, Triggered,
 };
@@ -188,6 +188,10 @@ fn untimed(clock: SampleClock) -> &'static str {
 }
 
 impl Producer for Bound {
+    fn camera(&self) -> Option<&CameraBinding> {
+        self.source.camera()
+    }
+
     fn produce(&mut self, spare: Option<Frame>, wait: Duration) -> Produced {
         self.spare = spare.or(self.spare.take());
         if let Some(ready) = self.ready.pop_front() {

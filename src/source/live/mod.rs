@@ -9,10 +9,9 @@
 //! and pipes as a producer), `bound` (a producer with an encoder beside it) and `taken` (a live
 //! source as frames to be decoded ahead). One more kind of source is a file that implements
 //! `Producer`; it passes `tests/inside/live`.
-#![allow(
-    dead_code,
-    unused_imports,
-    reason = "a camera's clock, ids and chunks are used with the feature camera, some kinds by tests alone"
+#![cfg_attr(
+    not(feature = "camera"),
+    allow(dead_code, unused_imports, reason = "clocks, ids and chunks are those of cameras")
 )]
 
 mod bound;

@@ -50,6 +50,7 @@ impl Pool {
     }
 
     /// Places that are free.
+    #[cfg(test)]
     pub(crate) fn free(&self) -> usize {
         self.shared.state().free
     }
@@ -106,6 +107,7 @@ pub(crate) struct Lease {
 
 impl Lease {
     /// Gives place and memory back.
+    #[cfg_attr(not(test), allow(dead_code, reason = "the program gives them back apart"))]
     pub(crate) fn give_back(self) {
         self.slot.give_back(self.frame);
     }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::event::Remarks;
 use super::metadata::LiveMeta;
-use crate::frame::Frame;
+use crate::frame::{CameraBinding, Frame};
 
 /// A frame as its source made it.
 #[derive(Debug)]
@@ -45,4 +45,10 @@ pub(crate) trait Producer: Send {
 
     /// Ceases to deliver; a camera stops its acquisition.
     fn stop(&mut self) {}
+
+    /// The camera that its frames are taken with, as it is set; `None` where there is none, or the
+    /// source does not state it.
+    fn camera(&self) -> Option<&CameraBinding> {
+        None
+    }
 }

@@ -10,8 +10,10 @@ pub(crate) enum IdWidth {
     /// 16 bits from 1 to 65535; 0 is left out.
     GigE16,
     /// 16 bits from 0 to 65535.
+    #[cfg_attr(not(test), allow(dead_code, reason = "ids of other transports than GigE Vision"))]
     Bits16,
     /// 32 bits from 0.
+    #[cfg_attr(not(test), allow(dead_code, reason = "ids of other transports than GigE Vision"))]
     Bits32,
     /// 64 bits: numbers as they are.
     Bits64,
@@ -76,6 +78,7 @@ impl Unwrapper {
 
     /// The ids begin anew (a camera that was away): the next one, whatever it is, is that after the
     /// largest so far.
+    #[cfg_attr(not(test), allow(dead_code, reason = "a camera's ids may change their width, too"))]
     pub(crate) fn restart(&mut self) {
         if let Some((newest, _)) = self.newest.take() {
             self.restarted_at = newest + 1;

@@ -37,13 +37,18 @@ pub(crate) fn taken(
                 Event::Timeout => {}
                 Event::End(failure) => {
                     has_ended = true;
-                    let cause = |why| std::io::Error::other(why);
-                    return failure.map(|why| Err(ReadError::Io { path: name.clone(), cause: cause(why) }));
+                    return failure.map(|why| Err(ended(&name, &why)));
                 }
             }
         }
         None
     })
+}
+
+/// Why a source failed, which its name stands before once: a recording states it itself.
+fn ended(name: &str, why: &str) -> ReadError {
+    let why = why.strip_prefix(name).and_then(|rest| rest.strip_prefix(": ")).unwrap_or(why);
+    ReadError::Io { path: name.to_owned(), cause: std::io::Error::other(why.to_owned()) }
 }
 
 /// A frame that needs no decoding. Its memory leaves the pool; the place is free at once.

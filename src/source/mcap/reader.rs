@@ -7,7 +7,7 @@ use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReader
 use ::mcap::{McapError, parse_record};
 
 use super::records::Records;
-use crate::frame::Frame;
+use crate::frame::{CameraBinding, Frame};
 use crate::source::live::NewFrame;
 
 /// What comes next from a file.
@@ -45,6 +45,11 @@ impl<R: Read> RecordingReader<R> {
     /// Frames so far.
     pub(super) fn given(&self) -> u64 {
         self.records.given()
+    }
+
+    /// The camera that the file states, known with the first frame.
+    pub(super) fn camera(&self) -> Option<&CameraBinding> {
+        self.records.camera()
     }
 
     /// The next frame, in spare memory where there is some. Frames of a chunk that is not whole are

@@ -6,8 +6,8 @@ use ::mcap::records::{self, MessageHeader, Record};
 
 use super::frame_message::Facts;
 use super::raw_image::RawImage;
-use super::schema;
-use crate::frame::{Frame, FrameMeta};
+use super::{camera_record, schema};
+use crate::frame::{CameraBinding, Frame, FrameMeta};
 use crate::source::live::{Clock, LiveMeta, NewFrame, Remarks, Timestamp};
 
 /// What a channel carries.
@@ -37,6 +37,8 @@ pub(super) struct Records {
     images: Option<u16>,
     /// Facts whose image comes next, with the number and the time of their entry.
     facts: Option<([u64; 2], Facts)>,
+    /// The camera, where the file states it.
+    camera: Option<CameraBinding>,
     given: u64,
 }
 
@@ -44,6 +46,11 @@ impl Records {
     /// Frames so far.
     pub(super) fn given(&self) -> u64 {
         self.given
+    }
+
+    /// The camera that the file states before its first frame.
+    pub(super) fn camera(&self) -> Option<&CameraBinding> {
+        self.camera.as_ref()
     }
 
     /// What is wrong, and where.
@@ -81,6 +88,7 @@ impl Records {
             }
             Record::Channel(channel) => self.channel(channel),
             Record::Message { header, data } => return self.message(header, &data, spare),
+            Record::Metadata(record) => self.camera = camera_record::camera(&record)?.or(self.camera.take()),
             _ => {}
         }
         Ok(None)

@@ -6,13 +6,15 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::reader::{Next, RecordingReader};
-use crate::frame::Frame;
+use crate::frame::{CameraBinding, Frame};
 use crate::source::live::{Produced, Producer};
 
 /// A recording that is replayed, as fast as its frames are taken.
 pub(crate) struct Replay<R = File> {
     name: String,
     reader: RecordingReader<R>,
+    /// What was read when it was opened: the camera stands before the first frame.
+    first: Option<Result<Next, String>>,
     spare: Option<Frame>,
     has_ended: bool,
 }
@@ -32,7 +34,9 @@ impl Replay {
 impl<R: io::Read> Replay<R> {
     /// A file of so many bytes, of this name in messages.
     pub(super) fn new(input: R, bytes: u64, name: String) -> Self {
-        Self { name, reader: RecordingReader::new(input, bytes), spare: None, has_ended: false }
+        let mut reader = RecordingReader::new(input, bytes);
+        let first = Some(reader.next(&mut None));
+        Self { name, reader, first, spare: None, has_ended: false }
     }
 }
 
@@ -42,7 +46,10 @@ impl<R: io::Read + Send> Producer for Replay<R> {
         if self.has_ended {
             return Produced::End(None);
         }
-        let next = self.reader.next(&mut self.spare);
+        let next = match self.first.take() {
+            Some(first) => first,
+            None => self.reader.next(&mut self.spare),
+        };
         self.has_ended = !matches!(next, Ok(Next::Frame(_)));
         match next {
             Ok(Next::Frame(frame)) => Produced::Frame(frame),
@@ -54,6 +61,10 @@ impl<R: io::Read + Send> Producer for Replay<R> {
             }
             Err(why) => Produced::End(Some(format!("{}: {why}", self.name))),
         }
+    }
+
+    fn camera(&self) -> Option<&CameraBinding> {
+        self.reader.camera()
     }
 }
 
@@ -95,7 +106,7 @@ mod tests {
     /// A recording of so many frames, a chunk a frame, and where each chunk ends: records are an
     /// opcode, a length of 64 bits and content; a chunk's opcode is 6 (<https://mcap.dev/spec>).
     fn recording(frames: u64) -> (Vec<u8>, Vec<usize>) {
-        let mut writer = RecordingWriter::begin(Cursor::new(Vec::new())).unwrap();
+        let mut writer = RecordingWriter::begin(Cursor::new(Vec::new()), None).unwrap();
         for number in 0..frames {
             writer.frame(&Encoded::of(&frame(number))).unwrap();
             writer.end_chunk().unwrap();
@@ -132,6 +143,19 @@ mod tests {
     #[test]
     fn frames_come_back_to_the_bit() {
         assert_eq!(replayed(&recording(7).0), (7, None));
+    }
+
+    #[test]
+    fn the_camera_is_known_before_the_first_frame() {
+        let camera = CameraBinding { serial_number: "SG-5".to_owned(), ..CameraBinding::default() };
+        for stated in [Some(&camera), None] {
+            let mut writer = RecordingWriter::begin(Cursor::new(Vec::new()), stated).unwrap();
+            writer.frame(&Encoded::of(&frame(0))).unwrap();
+            let bytes = writer.finish().unwrap().into_inner();
+            assert_eq!(replayed(&bytes), (1, None));
+            let length = bytes.len() as u64;
+            assert_eq!(Replay::new(Cursor::new(bytes), length, "day.mcap".into()).camera(), stated);
+        }
     }
 
     #[test]

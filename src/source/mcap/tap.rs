@@ -11,7 +11,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use super::writer::{CHUNK_TIME, Encoded, RecordingWriter};
-use crate::frame::Frame;
+use crate::frame::{CameraBinding, Frame};
 use crate::source::live::{NewFrame, Produced, Producer};
 
 /// Frames that wait for the disk: a third of a second at 50 a second, 64 MB of 4 megapixels in 8
@@ -44,7 +44,7 @@ impl Tap {
         path: &Path,
         waits: bool,
     ) -> io::Result<(Self, Recorded)> {
-        let writer = RecordingWriter::begin(File::create_new(path)?)?;
+        let writer = RecordingWriter::begin(File::create_new(path)?, producer.camera())?;
         let (to, from) = sync_channel(WAITING);
         let left_out = Arc::<AtomicU64>::default();
         let name = path.display().to_string();
@@ -81,6 +81,10 @@ impl Producer for Tap {
 
     fn stop(&mut self) {
         self.producer.stop();
+    }
+
+    fn camera(&self) -> Option<&CameraBinding> {
+        self.producer.camera()
     }
 }
 

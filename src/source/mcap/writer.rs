@@ -9,7 +9,8 @@ use ::mcap::{McapError, WriteOptions, Writer};
 
 use super::frame_message::Facts;
 use super::wire::Message;
-use super::{raw_image, schema};
+use super::{camera_record, raw_image, schema};
+use crate::frame::CameraBinding;
 use crate::source::live::NewFrame;
 
 /// Time after which a chunk ends: what is lost when the process is killed.
@@ -57,11 +58,11 @@ pub(super) struct RecordingWriter<W: Write + Seek> {
 }
 
 impl<W: Write + Seek> RecordingWriter<W> {
-    /// Begins a recording.
+    /// Begins a recording of frames of this camera, where it is known.
     ///
     /// # Errors
     /// Where the disk refuses.
-    pub(super) fn begin(to: W) -> io::Result<Self> {
+    pub(super) fn begin(to: W, camera: Option<&CameraBinding>) -> io::Result<Self> {
         // A chunk is put together in memory and written at once: its length stands before it, so
         // that one that is cut off is known for that.
         let options = WriteOptions::new()
@@ -76,6 +77,9 @@ impl<W: Write + Seek> RecordingWriter<W> {
         };
         let facts = channel(schema::FRAME, &schema::frame(), TOPICS[0]).map_err(failure)?;
         let image = channel(schema::IMAGE, &schema::image(), TOPICS[1]).map_err(failure)?;
+        if let Some(camera) = camera {
+            writer.write_metadata(&camera_record::record(camera)).map_err(failure)?;
+        }
         writer.flush().map_err(failure)?;
         Ok(Self { writer, channels: [facts, image], pending: 0, begun: Instant::now() })
     }

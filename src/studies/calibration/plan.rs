@@ -18,7 +18,8 @@ use crate::source::Channel;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Position {
-    /// Folder or file with its frames, relative to the TOML file; none where frames are simulated.
+    /// Folder or file with its frames, relative to the TOML file; none where frames are simulated or
+    /// taken with a camera (`source`).
     pub frames: Option<PathBuf>,
     /// Distance of the pin's axis from the plane of the masters, towards the camera, mm: from the
     /// slide on which it lies.
@@ -75,10 +76,11 @@ impl PinPlan {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FlatPlan {
-    /// Folder with its frames, two or more; none where frames are simulated.
+    /// Folder with its frames, two or more; none where frames are simulated or taken with a camera.
     #[serde(default)]
     pub frames: Option<PathBuf>,
-    /// Exposure in any unit proportional to the light.
+    /// Exposure in any unit proportional to the light. A camera (`source`) takes the largest with
+    /// its own exposure time, and the others with that share of it.
     pub exposure: f64,
 }
 
@@ -217,6 +219,15 @@ pub(crate) struct CalibrationPlan {
     /// Channel of colour frames that is measured; without it red, green and blue must be equal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
+    /// Camera that the frames are taken with, `gige:IP` or `gige:NAME` (serial number or
+    /// user-defined name), in place of folders: each pin, dark and flat are asked for in turn, or
+    /// the published head places them itself. The calibration is bound to the camera.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+    /// Frames that a camera (`source`) takes of each position and field; 8 unless given. 2 ..=
+    /// 1000.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames_each: Option<usize>,
     /// Day of the recording, "YYYY-MM-DD".
     #[schemars(with = "String")]
     pub date: Date,
@@ -246,6 +257,12 @@ pub(crate) struct CalibrationPlan {
     pub simulate: Option<SimulatedPlan>,
 }
 
+/// Frames of a position unless stated: their mean has a third of the noise of one.
+const FRAMES_EACH: usize = 8;
+
+/// Why a folder is refused where a camera takes the frames.
+const BESIDE_SOURCE: &str = "names a folder beside `source`, which takes the frames: leave one of them out";
+
 fn a_year() -> u32 {
     365
 }
@@ -273,6 +290,8 @@ impl CalibrationPlan {
         Self {
             optics_id: job.name.clone(),
             channel: None,
+            source: None,
+            frames_each: None,
             date,
             valid_days: a_year(),
             lens: LensLimits::default(),
@@ -358,7 +377,8 @@ impl CalibrationPlan {
                 ),
             ));
         }
-        if self.simulate.is_none() {
+        self.check_source()?;
+        if self.simulate.is_none() && self.source.is_none() {
             if self.fields.dark.is_none() && !self.fields.flats.is_empty() {
                 return Err(SettingError::at(
                     "fields.dark",
@@ -373,6 +393,42 @@ impl CalibrationPlan {
             }
         }
         self.simulate.as_ref().map_or(Ok(()), SimulatedPlan::check)
+    }
+
+    /// The keys of a camera: no folder stands beside it.
+    fn check_source(&self) -> Result<(), SettingError> {
+        let Some(source) = &self.source else {
+            return match self.frames_each {
+                Some(_) => Err(SettingError::at(
+                    "frames_each",
+                    "is of a camera (source = \"gige:NAME\"): a folder has its frames, and [simulate] its own key",
+                )),
+                None => Ok(()),
+            };
+        };
+        if !source.strip_prefix("gige:").is_some_and(|name| !name.trim().is_empty()) {
+            let right = "\"gige:IP\" or \"gige:NAME\"; folders are named at the positions (frames)";
+            return Err(SettingError::of("source", source, right));
+        }
+        if self.simulate.is_some() {
+            let right = "stands beside [simulate]: frames are taken or rendered; leave one of them out";
+            return Err(SettingError::at("source", right));
+        }
+        if !(2..=1000).contains(&self.frames_each()) {
+            return Err(SettingError::of("frames_each", self.frames_each(), "2 to 1000"));
+        }
+        if self.fields.dark.is_some() {
+            return Err(SettingError::at("fields.dark", BESIDE_SOURCE));
+        }
+        match self.fields.flats.iter().position(|flat| flat.frames.is_some()) {
+            Some(index) => Err(SettingError::at(format!("fields.flats[{index}].frames"), BESIDE_SOURCE)),
+            None => Ok(()),
+        }
+    }
+
+    /// Frames that a camera takes of each position and field.
+    pub(crate) fn frames_each(&self) -> usize {
+        self.frames_each.unwrap_or(FRAMES_EACH)
     }
 
     fn check_pin(&self, key: &str, pin: &PinPlan) -> Result<(), SettingError> {
@@ -406,10 +462,14 @@ impl CalibrationPlan {
             if !(position.y_mm.is_finite() && position.height_mm.is_finite()) {
                 return Err(SettingError::at(at, "y_mm and height_mm must be finite"));
             }
-            if self.simulate.is_none() && position.frames.is_none() {
+            if self.source.is_some() && position.frames.is_some() {
+                return Err(SettingError::at(format!("{at}.frames"), BESIDE_SOURCE));
+            }
+            if self.simulate.is_none() && self.source.is_none() && position.frames.is_none() {
                 return Err(SettingError::at(
                     format!("{at}.frames"),
-                    "is missing; give the folder of its frames, or a [simulate] table to render them",
+                    "is missing; give the folder of its frames, a camera (source = \"gige:NAME\"), or a [simulate] table to \
+                     render them",
                 ));
             }
         }

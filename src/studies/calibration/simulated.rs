@@ -9,7 +9,7 @@ use rand_pcg::rand_core::SeedableRng;
 use super::error::CalibrateError;
 use super::plan::{CalibrationPlan, PinPlan, Position, SimulatedPlan};
 use super::recordings::Recordings;
-use crate::frame::{Buffer, Frame, Roi};
+use crate::frame::{Buffer, Frame, PixelFormat, Roi};
 use crate::gauge::MasterCertificate;
 use crate::gauge::calibration::{LensLimits, Thermometer};
 use crate::render::optics::lens::Distortion;
@@ -108,12 +108,47 @@ impl<'a> SimulatedSetup<'a> {
     /// # Errors
     /// Where it cannot be drawn.
     pub(crate) fn flat(&mut self, share: f64) -> Result<Frame, RenderError> {
-        self.flat_numbered(share, self.frame_id).inspect(|_| self.frame_id += 1)
+        let (rows, columns) = (self.setup.rows() as u32, self.setup.columns() as u32);
+        let whole = Roi { row: 0, column: 0, rows, columns };
+        self.flat_window(share, self.frame_id, whole, None).inspect(|_| self.frame_id += 1)
     }
 
-    /// Each half of the field from a scene whose part is in the other half: light, contamination
-    /// and sensor are those of any other frame.
-    fn flat_numbered(&self, share: f64, frame_id: u64) -> Result<Frame, RenderError> {
+    /// A window of frame number `frame_id` without a part at a share of the light, in the sensor's
+    /// format or another one. Each half of the field is from a scene whose part is in the other
+    /// half: light, contamination and sensor are those of any other frame.
+    ///
+    /// # Errors
+    /// Where it cannot be drawn.
+    pub(crate) fn flat_window(
+        &self,
+        share: f64,
+        frame_id: u64,
+        window: Roi,
+        format: Option<PixelFormat>,
+    ) -> Result<Frame, RenderError> {
+        let setup = self.at_share(share);
+        let (rows, field_mm) = (setup.rows() as u32, setup.rows() as f64 * setup.pixel_mm);
+        let half = |upper: bool| {
+            let (from, to) = if upper { (0, rows / 2) } else { (rows / 2, rows) };
+            let (row, end) = (window.row.max(from), (window.row + window.rows).min(to));
+            if row >= end {
+                return Ok(None);
+            }
+            let mut thin = Shaft::cylinder(0.02 * field_mm);
+            thin.pose = Pose { x_mm: if upper { -0.25 } else { 0.25 } * field_mm, ..Pose::default() };
+            let roi = Some(Roi { row, rows: end - row, ..window });
+            let request = FrameRequest { roi, format, ..self.request(frame_id) };
+            self.renderer.render(&Scene::new(&setup, thin)?, &request, None).map(Some)
+        };
+        match (half(true)?, half(false)?) {
+            (Some(above), Some(below)) => joined(above, below),
+            (Some(one), None) | (None, Some(one)) => Ok(one),
+            (None, None) => Err(RenderError::Field { what: "the window has no row".to_owned() }),
+        }
+    }
+
+    /// The optical setup at a share of its light.
+    fn at_share(&self, share: f64) -> OpticalSetup {
         let mut setup = self.setup.clone();
         let Sensor { black_level_counts: black, .. } = setup.nominal.sensor;
         let light = &mut setup.nominal.light;
@@ -121,29 +156,7 @@ impl<'a> SimulatedSetup<'a> {
         light.bright_counts = black + share * (bright - black);
         light.shadow_counts = black + share * (light.shadow_counts - black);
         light.bright_photons = None;
-        let (rows, columns) = (setup.rows() as u32, setup.columns() as u32);
-        let half = |upper: bool| {
-            let field_mm = f64::from(rows) * setup.pixel_mm;
-            let x_mm = if upper { -0.25 } else { 0.25 } * field_mm;
-            let mut thin = Shaft::cylinder(0.02 * field_mm);
-            thin.pose = Pose { x_mm, ..Pose::default() };
-            let (row, end) = if upper { (0, rows / 2) } else { (rows / 2, rows) };
-            let roi = Some(Roi { row, column: 0, rows: end - row, columns });
-            let request = FrameRequest { roi, ..self.request(frame_id) };
-            self.renderer.render(&Scene::new(&setup, thin)?, &request, None)
-        };
-        let (above, below) = (half(true)?, half(false)?);
-        let meta = above.meta.clone();
-        let format = above.view().format();
-        let whole = match (above.into_buffer(), below.into_buffer()) {
-            (Buffer::U8(a), Buffer::U8(b)) => Buffer::U8([a, b].concat()),
-            (Buffer::U16(a), Buffer::U16(b)) => Buffer::U16([a, b].concat()),
-            (Buffer::F32(a), Buffer::F32(b)) => Buffer::F32([a, b].concat()),
-            // Both come from one renderer and have the same format.
-            (a, _) => a,
-        };
-        Frame::new(whole, format, rows as usize, columns as usize, meta)
-            .map_err(|e| RenderError::Field { what: e.to_string() })
+        setup
     }
 
     fn request(&self, frame_id: u64) -> FrameRequest {
@@ -155,6 +168,20 @@ impl<'a> SimulatedSetup<'a> {
             ..FrameRequest::default()
         }
     }
+}
+
+/// The rows of two frames, one above the other.
+fn joined(above: Frame, below: Frame) -> Result<Frame, RenderError> {
+    let (meta, format) = (above.meta.clone(), above.view().format());
+    let (rows, columns) = (above.view().rows() + below.view().rows(), above.view().columns());
+    let whole = match (above.into_buffer(), below.into_buffer()) {
+        (Buffer::U8(a), Buffer::U8(b)) => Buffer::U8([a, b].concat()),
+        (Buffer::U16(a), Buffer::U16(b)) => Buffer::U16([a, b].concat()),
+        (Buffer::F32(a), Buffer::F32(b)) => Buffer::F32([a, b].concat()),
+        // Both come from one renderer and have the same format.
+        (a, _) => a,
+    };
+    Frame::new(whole, format, rows, columns, meta).map_err(|e| RenderError::Field { what: e.to_string() })
 }
 
 /// Random draws of true values from their estimates and uncertainties.

@@ -213,6 +213,8 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError
         Setup::of_class(class, seed, draws)?;
     let mut plan = CalibrationPlan {
         channel: None,
+        source: None,
+        frames_each: None,
         optics_id: "coverage".to_owned(),
         date: "2026-01-01".parse().unwrap_or_else(|_| Date::of(std::time::SystemTime::UNIX_EPOCH)),
         valid_days: 365,

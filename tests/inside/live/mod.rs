@@ -4,9 +4,13 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 mod bound;
+#[cfg(all(feature = "camera", feature = "cli"))]
+mod camera;
 mod conformance;
 mod identity;
 mod policies;
+#[cfg(feature = "mcap")]
+mod replay;
 mod scripted;
 #[cfg(feature = "render")]
 mod simulated;

@@ -5,7 +5,7 @@ mod state;
 mod wire;
 
 #[path = "../../support/gige_client.rs"]
-mod gige_client;
+pub(super) mod gige_client;
 
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
 use shadowgauge::publish::DataSheet;
