@@ -90,7 +90,7 @@ def changed(bench):
     bench.row("every fifth frame of another size", f"{counts(end)}; columns measured: {sizes}")
     with open(bench.small, encoding="utf-8") as file:
         text = file.read()
-    variants = {"size": text.replace("rows = 512", "rows = 448"), "format": text + '\n[sensor]\nformat = "mono8"\n'}
+    variants = {"size": text.replace("rows = 512", "rows = 448"), "format": text + '\n[sensor]\nformat = "mono16"\n'}
     for name, variant in variants.items():
         assert variant != text
         other = os.path.join(bench.folder, f"other_{name}.toml")

@@ -65,16 +65,20 @@ class Client:
         """2 takes control, 0 gives it up."""
         self.command(0x82, struct.pack(">II", 0x0A00, privilege))
 
-    def node(self, name):
+    def all(self):
+        """Every node of the XML by its name."""
         if self.nodes is None:
             _, address, length = self.read(0x0200, 512).split(b"\0")[0].decode().split(";")
             xml = self.read(int(address, 16), int(length, 16)).decode()
             self.nodes = {node.get("Name"): node for node in tree.fromstring(xml)}
-        return self.nodes[name]
+        return self.nodes
+
+    def node(self, name):
+        return self.all()[name]
 
     def register(self, name):
         """Address, bytes and whether it is a float."""
-        register = self.nodes[self.node(name).findtext(f"{SCHEMA}pValue")]
+        register = self.all()[self.node(name).findtext(f"{SCHEMA}pValue")]
         length = int(register.findtext(f"{SCHEMA}Length"))
         return int(register.findtext(f"{SCHEMA}Address"), 16), length, register.tag.endswith("FloatReg")
 

@@ -12,6 +12,7 @@ import shutil
 import sys
 import tempfile
 import time
+import traceback
 
 import fakes
 import faults
@@ -80,6 +81,7 @@ def main():
             except Exception as error:  # one row that fails leaves the others
                 failed += 1
                 print(f"FAILED {name}: {type(error).__name__}: {error}", file=sys.stderr, flush=True)
+                traceback.print_exc()
     sys.exit(1 if failed else 0)
 
 

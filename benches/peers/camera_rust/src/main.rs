@@ -9,7 +9,7 @@ use std::io::Write as _;
 use std::net::Ipv4Addr;
 use std::time::{Duration, Instant};
 
-use telegenic::gige::stream::{FrameStatus, ResendPolicy};
+use telegenic::gige::stream::{FrameStatus, PacketSize, ResendPolicy};
 use telegenic::{GenICamera, StreamConfig};
 
 fn set(camera: &mut GenICamera, setting: &str) -> Result<(), Box<dyn Error>> {
@@ -37,6 +37,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         set(&mut camera, setting)?;
     }
     let mut config = StreamConfig::new();
+    // what the loopback interface carries in one piece
+    config.packet_size = PacketSize::Fixed(60_000);
     if !resends {
         config.resend = ResendPolicy::Never;
     }
