@@ -44,9 +44,20 @@ fn sheet() -> DataSheet {
 fn is_sound(order: &FrameOrder) {
     let (w, s) = (order.window, &order.scene);
     assert!(w.rows > 0 && w.columns > 0 && w.row + w.rows <= 48 && w.column + w.columns <= 64, "{w:?}");
-    let all = [order.angle_deg, order.z_mm, s.diameter_mm, s.spindle_rpm, s.exposure_us, s.gain_db, s.contamination];
+    let all = [
+        order.angle_deg,
+        order.z_mm,
+        s.diameter_mm,
+        s.spindle_rpm,
+        s.exposure_us,
+        s.gain_db,
+        s.contamination,
+    ];
     assert!(all.iter().all(|value| value.is_finite()), "{order:?}");
-    assert!(s.diameter_mm > 0.0 && s.diameter_mm <= 16.0 && s.exposure_us > 0.0 && s.exposure_us <= 1e6, "{s:?}");
+    assert!(
+        s.diameter_mm > 0.0 && s.diameter_mm <= 16.0 && s.exposure_us > 0.0 && s.exposure_us <= 1e6,
+        "{s:?}"
+    );
     assert!(s.contamination >= 0.0, "{s:?}");
 }
 
