@@ -98,7 +98,8 @@ pub(crate) fn session(bytes: &[u8]) -> bool {
             assert!(to.port() != 0 && size <= 65_507, "{size} bytes to {to}");
         }
         camera.tick(now_ns);
-        for task in std::iter::from_fn(|| camera.next_task(now_ns)).take(3) {
+        for _ in 0..3 {
+            let Some(task) = camera.next_task(now_ns) else { break };
             takes(&task);
             if matches!(task, Task::Cut(_)) {
                 camera.pass_ended(&Ok(()));
