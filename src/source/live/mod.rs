@@ -6,7 +6,8 @@
 //! `counters`, `metadata` (clocks and provenance), `sequence` (ids of 16, 32 and 64 bits to one
 //! number), `clock_map` (device to host), `pool` (bounded leases), `event` → `queue` (the policy
 //! between producer and consumer) → `producer`, `source` (the thread) → `stored` (images of files
-//! and pipes as a producer) and `taken` (a live source as frames to be decoded ahead). One more
+//! and pipes as a producer), `windows` (two windows of a producer's frames) and `taken` (a live
+//! source as frames to be decoded ahead). One more
 //! kind of source is a file that implements `Producer`; it passes `tests/inside/live`.
 #![allow(
     dead_code,
@@ -26,6 +27,7 @@ mod sequence;
 mod source;
 mod stored;
 mod taken;
+mod windows;
 
 pub(crate) use self::clock_map::{ClockMap, ClockMapError, RoundTrip};
 pub(crate) use self::counters::Counters;
@@ -39,3 +41,4 @@ pub(crate) use self::sequence::{IdWidth, Unwrapper};
 pub(crate) use self::source::{Live, LiveSettings, LiveSource};
 pub(crate) use self::stored::StoredProducer;
 pub(crate) use self::taken::taken;
+pub(crate) use self::windows::{TwoWindows, Windowed};
