@@ -123,15 +123,33 @@ def packet_loss(bench, seconds):
 
 
 def recorded(bench, seconds):
-    """`watch --record` at 2048², 50 frames/s: what it takes of a core, and whether the replay is the same."""
+    """`watch --record` at 2048², 50 frames/s, of whole frames and of two windows of 64 rows."""
+    record(bench, seconds, "watch --record")
+    text = subprocess.run([bench.binary, "watch", "--help"], capture_output=True, text=True, check=True).stdout
+    if "--windows" not in text:
+        return bench.skip("watch --windows --record", "this program has no --windows")
+    return record(bench, seconds, "watch --windows --record", "--windows", edges(bench))
+
+
+def edges(bench):
+    """UPPER,LOWER,ROWS about the edges of the still shaft, from one frame: the middle of its field and the diameter."""
+    with Head(bench.binary, bench.large) as head:
+        head.set(AcquisitionFrameRate=10, PixelFormat="Mono8")
+        end, _, receiver = watched(bench, head, 1)
+    half, middle, rows = receiver.frames()[0]["max_diameter_px"] / 2, 1024, 64
+    return f"{middle - half - rows / 2:.0f},{middle + half - rows / 2:.0f},{rows}"
+
+
+def record(bench, seconds, name, *more):
+    """What recording takes of a core, and whether the replay is the same."""
     with tempfile.TemporaryDirectory(dir=bench.folder) as folder, Head(bench.binary, bench.large) as head:
         head.set(AcquisitionFrameRate=50, PixelFormat="Mono8")
         path = os.path.join(folder, "ten.mcap")
-        end, shares, receiver = watched(bench, head, seconds, "--record", path)
+        end, shares, receiver = watched(bench, head, seconds, "--record", path, *more)
         words = "".join(line for _, line in receiver.words)
         left_out = re.search(r"(\d+) frames are not in the recording", words)
         bench.row(
-            f"watch --record, 2048² Mono8 at 50/s, {seconds} s",
+            f"{name}, 2048² Mono8 at 50/s, {seconds} s",
             f"{counts(end)}; not recorded {left_out[1] if left_out else 0}; {os.path.getsize(path) / 2**20 / seconds:.0f} MiB/s; CPU {shares[0]:.0f} %",
         )
         live = {frame["sequence"]: frame for frame in receiver.frames()}

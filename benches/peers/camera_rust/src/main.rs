@@ -52,6 +52,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             writeln!(out, "{} {:08x}", frame.frame_id, crc32fast::hash(frame.data()))?;
         } else {
             other += 1;
+            let (got, all) = (frame.received_size, frame.data().len());
+            eprintln!("block {} after {:?}: {:?}, {got} of {all} bytes", frame.frame_id, begun.elapsed(), frame.status);
         }
     }
     let stats = acquisition.stats();
