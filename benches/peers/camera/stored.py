@@ -7,7 +7,7 @@ import time
 
 from head import Receiver, cpu_s, resident_mib
 
-# Two fields of half the frames each, windows of 64 rows around the shaft's edges, 64 columns.
+# One field; a shaft of 50 pixels in windows of 64 columns and 96 rows.
 CONFIG = """name = "a million windows"
 seed = 3
 
