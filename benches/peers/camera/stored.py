@@ -7,7 +7,7 @@ import time
 
 from head import Receiver, cpu_s, resident_mib
 
-# One field; a shaft of 50 pixels in windows of 64 columns and 96 rows.
+# A shaft of 50 pixels in windows of 64 columns and 96 rows.
 CONFIG = """name = "a million windows"
 seed = 3
 
@@ -18,8 +18,8 @@ nominal_diameter_mm = [1.5]
 aim_mm = 0.0
 
 [scan]
-fields = 1
-angles = {frames}
+fields = {fields}
+angles = {angles}
 
 [camera]
 columns = 64
@@ -34,7 +34,9 @@ magnification = 0.115
 def config(bench, frames, period_ms):
     path = os.path.join(bench.folder, f"windows_{frames}.toml")
     with open(path, "w", encoding="utf-8") as file:
-        file.write(CONFIG.format(frames=frames, period_ms=period_ms))
+        # a scan has 100 000 angles at most
+        fields = -(-frames // 50_000)
+        file.write(CONFIG.format(fields=fields, angles=frames // fields, period_ms=period_ms))
     return path
 
 
@@ -60,8 +62,11 @@ def blocked(bench, frames):
             valid += frame["valid"] > 0
             in_order &= int(frame["frame"]) == last + 1
             last = int(frame["frame"])
+    words = process.stderr.read()
     process.wait()
     done.set()
+    if process.returncode != 0:
+        raise RuntimeError(words[-400:])
     settled = [mib for at, mib, _ in memory if at > 0.1 * memory[-1][0] and mib > 0]
     bench.row(
         f"{frames} frames of 64 x 96 through the simulator source, every one measured (block)",
