@@ -12,6 +12,7 @@ use crate::publish::{Camera, head::FrameOrder};
 /// Most bytes of an answer: those of a datagram of the control protocol.
 const ANSWER: usize = 548;
 /// Most that the state of the camera grows by in a session, bytes: the last command of sixteen clients with its answer, and one pass.
+#[allow(dead_code, reason = "the fuzz target alone measures the heap")]
 pub(crate) const STATE: usize = 16 * 2 * 1024 + (64 << 10);
 
 fn sheet() -> DataSheet {
@@ -41,7 +42,7 @@ fn sheet() -> DataSheet {
 }
 
 /// What a frame that is ordered must be, whatever was written.
-fn is_sound(order: &FrameOrder) {
+fn check_frame(order: &FrameOrder) {
     let (w, s) = (order.window, &order.scene);
     assert!(w.rows > 0 && w.columns > 0 && w.row + w.rows <= 48 && w.column + w.columns <= 64, "{w:?}");
     let all = [
@@ -61,10 +62,10 @@ fn is_sound(order: &FrameOrder) {
     assert!(s.contamination >= 0.0, "{s:?}");
 }
 
-fn takes(task: &Task) {
+fn check_task(task: &Task) {
     match task {
         Task::Frame(task) => {
-            is_sound(&task.order);
+            check_frame(&task.order);
             assert!((576..=65_535).contains(&task.stream.packet_bytes) && task.stream.bytes_per_s > 0);
             assert!(task.stream.to.port() != 0 && !task.stream.to.ip().is_unspecified());
         }
@@ -100,7 +101,7 @@ pub(crate) fn session(bytes: &[u8]) -> bool {
         camera.tick(now_ns);
         for _ in 0..3 {
             let Some(task) = camera.next_task(now_ns) else { break };
-            takes(&task);
+            check_task(&task);
             if matches!(task, Task::Cut(_)) {
                 camera.pass_ended(&Ok(()));
             }
