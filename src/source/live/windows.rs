@@ -58,7 +58,8 @@ impl TwoWindows {
             (Pixels::F32(p), _) => Buffer::F32(joined(p, &spans, Vec::new())),
         };
         let meta = self.meta(&frame.meta, columns);
-        let cut = Frame::new(buffer, view.format(), 2 * rows, columns, meta).map_err(|why| why.to_string())?;
+        let cut =
+            Frame::new(buffer, view.format(), 2 * rows, columns, meta).map_err(|why| why.to_string())?;
         let own = view.format().full_scale().map(f32::from);
         Ok(match view.full_scale().filter(|scale| Some(*scale) != own) {
             Some(counts) => cut.with_full_scale(counts),
