@@ -15,4 +15,4 @@ peer=${TELEGENIC:-$root/target/peers-camera/release/peer-telegenic}
 if [ ! -x "$peer" ]; then
     CARGO_TARGET_DIR="$root/target/peers-camera" cargo build --release --locked -q --manifest-path "$here/camera_rust/Cargo.toml" || peer=
 fi
-exec python3 "$here/camera/run.py" --binary "$binary" ${peer:+--telegenic "$peer"} "$@"
+exec python3 -B "$here/camera/run.py" --binary "$binary" ${peer:+--telegenic "$peer"} "$@"
