@@ -5,12 +5,13 @@
 #          make study-limits (half and double of every threshold of the instrument on the same scenes)
 #          make pictures (the pictures of the documents -> docs)
 #          make reports-check (reports before axe-core in Chromium: contrast, names, small screens)
+#          make peers (beside other software: ONLY=camera for GigE Vision clients and cameras that are not ours)
 #          make gpu-check (a hardware adapter against the CPU path; needs the built program alone)   make bench   make bless CASE=all
 
 CARGO ?= cargo
 BIN := target/release/shadowgauge
 
-.PHONY: demo test studies studies-short study-limits pictures reports-check gpu-check bench build vulkan bless
+.PHONY: demo test studies studies-short study-limits pictures reports-check gpu-check peers bench build vulkan bless
 
 # With wgpu at work where a Vulkan driver is (software drivers are taken by name only), else on the CPU path.
 demo: vulkan build
@@ -60,6 +61,10 @@ reports-check: build
 gpu-check:
 	@test -x $(BIN) || { echo "no program at $(BIN): build it (make build) or name it (make gpu-check BIN=PATH)" >&2; exit 2; }
 	$(BIN) doctor --gpu-check
+
+# Beside other software; SKIPPED, loudly, where it cannot be had.
+peers: build
+	ONLY="$(ONLY)" sh benches/peers/all.sh
 
 bench:
 	$(CARGO) bench --locked

@@ -314,8 +314,19 @@ pub struct FrameMeta {
     pub z_mm: f64,
     /// The window of the sensor this frame shows; `None` for a full frame.
     pub roi: Option<Roi>,
+    /// A second window, below the first, whose rows stand beneath those of the first: each shows an
+    /// edge. `None` for one window.
+    pub second_roi: Option<Roi>,
     /// Encoding of light in its file; the frame's own grey values are linear.
     pub encoding: Encoding,
+}
+
+impl FrameMeta {
+    /// Rows of the sensor between two windows; `None` for one window, and for two that overlap.
+    pub fn rows_between(&self) -> Option<u32> {
+        let (first, second) = (self.roi?, self.second_roi?);
+        second.row.checked_sub(first.row.checked_add(first.rows)?)
+    }
 }
 
 /// A frame that owns its pixels, row-major without padding.

@@ -1,5 +1,6 @@
 //! `measure` and `watch` of GigE Vision cameras, from outside: our published head on an address of
-//! its own, Aravis' fake camera where it is installed, and cameras that are refused.
+//! its own, the fake cameras of Aravis and of viva-genicam where they are installed, and cameras
+//! that are refused.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/gige_client.rs"]
@@ -470,4 +471,51 @@ fn a_pixel_format_that_is_not_read_is_refused_with_those_that_are() {
         stderr.contains("PixelFormat is BayerRG8") && stderr.contains("Mono8 or Mono16"),
         "{stdout} {stderr}"
     );
+}
+
+/// Serves the fake camera of PyPI viva-genicam, one packet of whose fourth frame is never sent.
+const VIVA_FAKE: &str = "
+import sys
+from viva_genicam.testing import FakeGigeCamera
+fake = FakeGigeCamera(width=320, height=240, fps=30, bind_ip=sys.argv[1], drop_packets=[(4, 1)])
+fake.start()
+print('ready', flush=True)
+sys.stdin.read()
+";
+
+/// Its frames are a pattern without a part: those that are whole come in order, the other is a gap
+/// with its reason.
+#[cfg(unix)]
+#[test]
+fn frames_of_viva_genicams_fake_are_received() {
+    let python = std::env::var("GENICAM_PYTHON").unwrap_or_else(|_| "python3".into());
+    let mut command = Command::new(&python);
+    let has_it = command.args(["-c", "import viva_genicam.testing"]).stderr(Stdio::null()).status();
+    if !has_it.is_ok_and(|status| status.success()) {
+        println!("SKIPPED (no {python} with PyPI viva-genicam; GENICAM_PYTHON names one)");
+        return;
+    }
+    let address = own_address(7);
+    let mut command = Command::new(&python);
+    command.args(["-c", VIVA_FAKE, &address.to_string()]).stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut program = command.spawn().unwrap();
+    let ready = BufReader::new(program.stdout.take().unwrap()).lines().next();
+    let fake = Published { program, address };
+    assert!(ready.is_some_and(|line| line.is_ok_and(|line| line == "ready")), "the fake does not start");
+    let running = Running::of("watch", &[&fake.source(), "--json"]);
+    let (mut numbers, mut gap) = (Vec::new(), None);
+    while gap.is_none() || numbers.last().is_none_or(|number| *number < 5) {
+        let line = running.json();
+        if line["event"] == "gap" {
+            gap = line["why"].as_str().map(str::to_owned);
+        }
+        if line["event"].is_null() {
+            assert!(line["columns"] == 320 && line["device_t_ns"].is_u64(), "{line}");
+            numbers.push(line["sequence"].as_u64().unwrap());
+        }
+    }
+    assert!(numbers.is_sorted_by(|a, b| a < b) && !numbers.contains(&3), "{numbers:?}");
+    assert!(gap.as_ref().is_some_and(|why| why.contains("missing")), "{gap:?}");
+    interrupt(&running);
+    running.end();
 }

@@ -17,7 +17,7 @@ pub struct MeasureSettings {
     /// The shaft's axis stands upright in the images.
     pub vertical: bool,
     /// Rows of the sensor between two windows that each frame was read out as, the one around the
-    /// upper edge first.
+    /// upper edge first; frames that state their windows have their own.
     pub rows_between: u32,
     /// Measures a frame that is refused for its outline again as crests and roots (threads,
     /// knurls).

@@ -387,7 +387,8 @@ impl Stream {
         if let (None, Err(source)) = (crests, first) {
             return Err(MeasureError::Refused { frame: frame(), source });
         }
-        self.edges.place_windows(0.0, f64::from(self.settings.rows_between));
+        let rows_between = meta.rows_between().unwrap_or(self.settings.rows_between);
+        self.edges.place_windows(0.0, f64::from(rows_between));
         self.check_focus(name)
     }
 

@@ -108,7 +108,7 @@ pub(crate) struct MeasureArgs {
     #[arg(long)]
     vertical: bool,
     /// Rows of the sensor between two windows that each frame was read out as, the one around the
-    /// upper edge first.
+    /// upper edge first; frames of a recording by `watch --windows` state their own.
     #[arg(long, value_name = "ROWS", default_value_t = 0)]
     rows_between: u32,
     /// The part is lit before a dark ground.

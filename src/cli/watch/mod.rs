@@ -46,7 +46,9 @@ use crate::conformity::Tolerance;
 use crate::frame::{BoundSource, CameraBinding};
 use crate::gauge::{Calibration, Gauge, GaugeSettings, Polarity};
 use crate::measurement::{MeasureSettings, Stream, edge_model};
-use crate::source::live::{Binding, Live, LiveSettings, LiveSource as _, Policy, Producer, StoredProducer};
+use crate::source::live::{
+    Binding, Live, LiveSettings, LiveSource as _, Policy, Producer, StoredProducer, TwoWindows, Windowed,
+};
 
 /// Frames that wait where every one is measured: some are decoded while one is measured.
 const WAITING: usize = 4;
@@ -142,6 +144,11 @@ pub(crate) struct WatchArgs {
     #[cfg(feature = "mcap")]
     #[arg(long, value_name = "FILE.mcap")]
     record: Option<PathBuf>,
+    /// Reads two windows of every frame, as a camera with two regions does: ROWS rows from row UPPER
+    /// on, which show the upper edge, and from row LOWER on the lower one. They alone are measured
+    /// and recorded, and a recording states them.
+    #[arg(long, value_name = "UPPER,LOWER,ROWS", conflicts_with = "vertical")]
+    windows: Option<TwoWindows>,
     /// Threads that decode images (default: all cores).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -160,6 +167,14 @@ impl Watched {
     fn bound_to(&self) -> Option<(BoundSource, Option<&CameraBinding>)> {
         self.of.map(|of| (of, self.producer.camera()))
     }
+
+    /// Its frames cut to two windows, where these are given.
+    fn windowed(self, windows: Option<TwoWindows>) -> Self {
+        match windows {
+            Some(windows) => Self { producer: Box::new(Windowed::new(self.producer, windows)), ..self },
+            None => self,
+        }
+    }
 }
 
 /// Runs the command.
@@ -176,7 +191,7 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
     let calibration = args.instrument.calibration(&args.frames, &[])?;
     check(args, calibration.as_ref())?;
     let encoder = args.encoder.binding()?;
-    let watched = opened(args, encoder.as_ref())?;
+    let watched = opened(args, encoder.as_ref())?.windowed(args.windows);
     let calibration = args.instrument.bound(calibration, watched.bound_to())?;
     let stream = measuring(args, calibration.as_ref())?;
     if watched.policy == Policy::Block && args.conditions.temperature_cmd.is_some() {

@@ -17,6 +17,8 @@ pub(crate) struct Faults {
     pub lost_per_thousand: u32,
     /// Which.
     pub seed: u32,
+    /// Packets that are asked for again are stated as gone.
+    pub refuses_resend: bool,
     /// No packet at all.
     pub silent: bool,
     /// Every which frame has a row less.
@@ -119,6 +121,7 @@ pub(crate) fn stream(memory: &Memory) -> Option<StreamSettings> {
         faults: Faults {
             lost_per_thousand: memory.get(at::FAULT_PACKET_LOSS),
             seed: memory.get(at::FAULT_SEED),
+            refuses_resend: memory.get(at::FAULT_RESEND_REFUSED) != 0,
             silent: memory.get(at::FAULT_STREAM_SILENCE) != 0,
             wrong_size: memory.get(at::FAULT_WRONG_SIZE),
             late: memory.get(at::FAULT_LATE),

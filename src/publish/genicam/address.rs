@@ -209,6 +209,8 @@ own_registers! {
     TRIGGERS_MISSED,
     /// Number of every frame of the object, from 1; 0: counted.
     HEAD_FRAME,
+    /// Whether packets that are asked for again are stated as gone.
+    FAULT_RESEND_REFUSED,
 }
 
 /// Switch of the image's chunk, always on; those of the others follow, eight bytes apart.

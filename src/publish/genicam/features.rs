@@ -292,6 +292,9 @@ fn faults() -> Vec<Feature> {
         new("FaultPacketLoss", at::FAULT_PACKET_LOSS, integer(0, 1000))
             .written()
             .about("Packets of a thousand that are not sent; those asked for again are."),
+        new("FaultResendRefused", at::FAULT_RESEND_REFUSED, Kind::Flag)
+            .written()
+            .about("Packets that are asked for again are stated as gone."),
         new("FaultSeed", at::FAULT_SEED, integer(0, u32::MAX)).written().about("Which packets are lost."),
         new("FaultStreamSilence", at::FAULT_STREAM_SILENCE, Kind::Flag)
             .written()

@@ -162,7 +162,8 @@ const MOST_RESENT: u32 = 12_000;
 /// Sends packets of a frame again, or states that they are gone.
 pub(super) fn resend(shared: &Shared<'_>, resend: &Resend, to: &StreamSettings) {
     let found = shared.ring.lock().unwrap_or_else(PoisonError::into_inner).find(resend);
-    let Some(Sent { block, stream }) = found else {
+    let is_sent = |sent: &Sent| !sent.stream.faults.refuses_resend;
+    let Some(Sent { block, stream }) = found.filter(is_sent) else {
         let gone = lone_packet(to.ids, resend.block, resend.first, Status::PacketUnavailable.code());
         return post(shared, &gone, to);
     };

@@ -71,3 +71,49 @@ impl Chunks {
         ChunkValues { exposure_us, gain_db, angle_deg, z_mm }
     }
 }
+
+#[cfg(test)]
+#[path = "../../../fuzz/received.rs"]
+mod received;
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::received;
+
+    /// The seeds of the fuzz target `receiver`.
+    fn seed(name: &str) -> Vec<u8> {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds/receiver");
+        std::fs::read(folder.join(name)).unwrap()
+    }
+
+    #[test]
+    fn packets_and_chunks_are_taken_apart() {
+        for name in ["leader", "payload", "trailer", "short_ids"] {
+            assert!(received::packet(&seed(name)), "{name}");
+        }
+        let whole = seed("chunks");
+        assert!(received::chunks(&whole));
+        // 64 bytes of pixels, two f64 and a chunk without bytes, each with its tag of 8: cut behind a
+        // tag, or behind an f64 that reads as the tag of an empty chunk, it is whole
+        let refused = (1..whole.len()).filter(|cut| !received::chunks(&whole[..*cut])).count();
+        assert!(refused > 100, "{refused} of {} cuts are refused", whole.len() - 1);
+    }
+
+    proptest! {
+        /// Whatever comes from the network, damaged payloads of chunks included.
+        #[test]
+        fn whatever_comes_is_taken_apart_or_refused(
+            bytes in prop::collection::vec(any::<u8>(), 0..200),
+            at in 0_usize..112,
+            with: u8,
+        ) {
+            received::packet(&bytes);
+            received::chunks(&bytes);
+            let mut damaged = seed("chunks");
+            damaged[at] = with;
+            received::chunks(&damaged);
+        }
+    }
+}

@@ -2,12 +2,21 @@
 //!
 //! The host reads its clock, latches the device's, and reads its own again. The latch lies between
 //! both readings: their middle is its time on the host's clock within half the round trip (Cristian
-//! 1989). The shortest of several round trips has the smallest bound.
+//! 1989). Several round trips give several such intervals of the offset of one clock against the
+//! other; it lies in all of them, so in their intersection (Marzullo & Owicki 1983), whose ends are
+//! the request that was fastest there and the answer that was fastest back. No distribution of
+//! delays is assumed: half the intersection bounds the error of its middle.
 
 use thiserror::Error;
 
-/// Round trips of a latch: the shortest of twenty on a loaded host was 2 to 4 µs off.
+/// Round trips of a latch: the shortest of twenty on a loaded host was 2 to 4 µs off, and a camera
+/// on a wire answers twenty in some milliseconds.
 const ROUND_TRIPS: usize = 20;
+
+/// Rate of two crystals against each other within a series of latches, relative: 100 parts per
+/// million at most. A series takes milliseconds: its intervals are widened by tenths of a
+/// microsecond.
+const CRYSTALS: f64 = 1e-4;
 
 /// Largest rate of one clock against the other, relative: crystals of cameras and hosts are
 /// specified to 100 parts per million at most; ten times that is another unit of ticks.
@@ -54,7 +63,8 @@ pub(crate) struct ClockMap {
 }
 
 impl ClockMap {
-    /// The map of the shortest round trip.
+    /// The map of several round trips: the middle of what all of them allow. Where they contradict
+    /// each other (clocks whose rates are no crystals'), the shortest one alone.
     ///
     /// # Errors
     /// No round trip; a host's clock that went back.
@@ -64,13 +74,14 @@ impl ClockMap {
         }
         let length = |r: &RoundTrip| r.host_after_ns - r.host_before_ns;
         let shortest = round_trips.iter().min_by_key(|r| length(r)).ok_or(ClockMapError::NoLatch)?;
-        let half = length(shortest) / 2;
+        let own = [shortest.host_before_ns, shortest.host_after_ns];
+        let [from, to] = latch_interval(shortest, round_trips).unwrap_or(own);
         Ok(Self {
             device_ns: shortest.device_ns,
-            host_ns: shortest.host_before_ns + half,
+            host_ns: from + (to - from) / 2,
             drift: 0.0,
             // Of an odd length the middle is half a nanosecond off.
-            bound_ns: length(shortest).div_ceil(2),
+            bound_ns: (to - from).div_ceil(2),
         })
     }
 
@@ -113,6 +124,21 @@ impl ClockMap {
     }
 }
 
+/// The interval of the host's clock, ns, in which a latch lies by all round trips; `None` where
+/// there is none.
+fn latch_interval(latch: &RoundTrip, round_trips: &[RoundTrip]) -> Option<[u64; 2]> {
+    let (mut from, mut to) = (0, i128::MAX);
+    for trip in round_trips {
+        let since = i128::from(latch.device_ns) - i128::from(trip.device_ns);
+        let slack = (CRYSTALS * since.abs() as f64).ceil() as i128;
+        from = from.max(i128::from(trip.host_before_ns) + since - slack);
+        to = to.min(i128::from(trip.host_after_ns) + since + slack);
+    }
+    let [first, last] = [from, to].map(u64::try_from);
+    let interval = [first.ok()?, last.ok()?];
+    (interval[0] <= interval[1]).then_some(interval)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,6 +169,26 @@ mod tests {
         // Asymmetric by 1000 ns: half of it.
         assert_eq!(error, 500);
         assert!(error <= map.bound_ns());
+    }
+
+    #[test]
+    fn the_fastest_way_there_and_the_fastest_back_bound_together() {
+        let offset = 1_700_000_000_000_000_000;
+        let at = |k: u64, there, back| round_trip(offset + k * 1_000_000, offset, there, back);
+        // One slow back, one slow there, both slow; a millisecond apart: 100 ns of two crystals.
+        let trips = [at(1, 100, 9_000), at(2, 8_000, 200), at(3, 7_000, 7_000)];
+        let map = ClockMap::of(&trips).unwrap();
+        // [-(100 + 100), 200] about the latch
+        assert!(map.bound_ns().abs_diff(200) <= 2, "{}", map.bound_ns());
+        let error = map.host_ns(2_008_000).abs_diff(offset + 2_008_000);
+        assert!(error <= map.bound_ns(), "{error}");
+        // In any order, and never wider than the shortest one's own.
+        let turned: Vec<_> = trips.iter().rev().copied().collect();
+        assert_eq!(ClockMap::of(&turned), Ok(map));
+        // Ticks 1 % fast: the intervals have nothing in common.
+        let fast = |k: u64| RoundTrip { device_ns: k * 1_010_000, ..at(k, 100, 900 + k) };
+        let map = ClockMap::of(&[fast(1), fast(2), fast(3)]).unwrap();
+        assert_eq!((map.device_ns, map.bound_ns()), (1_010_000, 501));
     }
 
     #[test]

@@ -6,9 +6,9 @@
 //! `counters`, `metadata` (clocks and provenance), `sequence` (ids of 16, 32 and 64 bits to one
 //! number), `clock_map` (device to host), `pool` (bounded leases), `event` → `queue` (the policy
 //! between producer and consumer) → `producer`, `source` (the thread) → `stored` (images of files
-//! and pipes as a producer), `bound` (a producer with an encoder beside it) and `taken` (a live
-//! source as frames to be decoded ahead). One more kind of source is a file that implements
-//! `Producer`; it passes `tests/inside/live`.
+//! and pipes as a producer), `bound` (a producer with an encoder beside it), `windows` (two windows
+//! of a producer's frames) and `taken` (a live source as frames to be decoded ahead). One more kind
+//! of source is a file that implements `Producer`; it passes `tests/inside/live`.
 #![cfg_attr(
     not(feature = "camera"),
     allow(dead_code, unused_imports, reason = "clocks, ids and chunks are those of cameras")
@@ -27,6 +27,7 @@ mod sequence;
 mod source;
 mod stored;
 mod taken;
+mod windows;
 
 pub(crate) use self::bound::{Binding, Bound, EncoderSamples, SampleClock};
 pub(crate) use self::clock_map::{ClockMap, ClockMapError, RoundTrip};
@@ -41,3 +42,4 @@ pub(crate) use self::sequence::{IdWidth, Unwrapper};
 pub(crate) use self::source::{Live, LiveSettings, LiveSource};
 pub(crate) use self::stored::StoredProducer;
 pub(crate) use self::taken::taken;
+pub(crate) use self::windows::{TwoWindows, Windowed};

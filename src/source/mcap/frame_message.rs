@@ -131,10 +131,10 @@ fn scale(of: &FileScale) -> Message {
 
 fn gauge(of: &FrameMeta) -> Message {
     let [a, b, c] = of.encoding.light_at_quarters;
-    let window = of.roi.map(|roi| {
+    let window = |roi: Roi| {
         let numbers = [roi.row, roi.column, roi.rows, roi.columns];
         (1..).zip(numbers).fold(Message::default(), |m, (field, n)| m.varint(field, u64::from(n)))
-    });
+    };
     Message::default()
         .varint(1, of.frame_id)
         .fixed64(2, of.t_ns)
@@ -142,10 +142,11 @@ fn gauge(of: &FrameMeta) -> Message {
         .double(4, of.angle_deg)
         .double(5, of.sweep_deg)
         .double(6, of.z_mm)
-        .optional(7, window.as_ref())
+        .optional(7, of.roi.map(window).as_ref())
         .double(8, a)
         .double(9, b)
         .double(10, c)
+        .optional(11, of.second_roi.map(window).as_ref())
 }
 
 fn read_time(value: Value<'_>) -> Result<Timestamp, Damaged> {
@@ -206,6 +207,7 @@ fn read_gauge(value: Value<'_>) -> Result<FrameMeta, Damaged> {
             5 => meta.sweep_deg = value.double(),
             6 => meta.z_mm = value.double(),
             7 => meta.roi = Some(read_window(value)?),
+            11 => meta.second_roi = Some(read_window(value)?),
             8..=10 => meta.encoding.light_at_quarters[number as usize - 8] = value.double(),
             _ => {}
         }
@@ -252,6 +254,7 @@ mod tests {
                 sweep_deg: -0.0,
                 z_mm: f64::MIN_POSITIVE,
                 roi: Some(Roi { row: 0, column: 3, rows: 5, columns: u32::MAX }),
+                second_roi: Some(Roi { row: 9, column: 3, rows: 5, columns: 1 }),
                 encoding: Encoding { light_at_quarters: [0.0, 0.21, 1.0] },
             },
             remarks: Remarks {

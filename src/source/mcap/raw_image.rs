@@ -13,8 +13,9 @@ pub(super) struct RawImage<'a> {
     data: &'a [u8],
 }
 
-/// The message of a frame that was taken at a time, ns since 1970.
-pub(super) fn encoded(frame: &Frame, t_ns: u64, name: &str) -> Message {
+/// The message of a frame that was taken at a time, ns since 1970; `spent` is memory of an earlier
+/// one.
+pub(super) fn encoded(frame: &Frame, t_ns: u64, name: &str, spent: Message) -> Message {
     let view = frame.view();
     let (width, height) = (view.columns(), view.rows());
     let (encoding, bytes) = match view.pixels() {
@@ -25,22 +26,22 @@ pub(super) fn encoded(frame: &Frame, t_ns: u64, name: &str) -> Message {
     let length = bytes * width * height;
     let stamp = Message::default().varint(1, t_ns / 1_000_000_000).varint(2, t_ns % 1_000_000_000);
     // The fields before the pixels take some tens of bytes and the name.
-    Message::of_capacity(length + 128 + name.len())
+    let message = Message::of_capacity(length + 128 + name.len(), spent)
         .message(1, &stamp)
         .fixed32(2, u32::try_from(width).unwrap_or(u32::MAX))
         .fixed32(3, u32::try_from(height).unwrap_or(u32::MAX))
         .text(4, encoding)
-        .fixed32(5, u32::try_from(bytes * width).unwrap_or(u32::MAX))
-        .filled(6, length, |to| match view.pixels() {
-            Pixels::U8(p) => to.copy_from_slice(p),
-            Pixels::U16(p) => {
-                to.chunks_exact_mut(2).zip(p).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
-            }
-            Pixels::F32(p) => {
-                to.chunks_exact_mut(4).zip(p).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
-            }
-        })
-        .text(7, name)
+        .fixed32(5, u32::try_from(bytes * width).unwrap_or(u32::MAX));
+    let message = match view.pixels() {
+        Pixels::U8(p) => message.data(6, p),
+        Pixels::U16(p) => message.filled(6, length, |to| {
+            to.chunks_exact_mut(2).zip(p).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
+        }),
+        Pixels::F32(p) => message.filled(6, length, |to| {
+            to.chunks_exact_mut(4).zip(p).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
+        }),
+    };
+    message.text(7, name)
 }
 
 impl<'a> RawImage<'a> {
@@ -152,7 +153,8 @@ mod tests {
             &[0x2d, 4, 0, 0, 0, 0x32, 4, 1, 2, 3, 4],
             b"\x3a\x01a",
         ];
-        assert_eq!(encoded(&frame, 1_000_000_002, "a").bytes(), right.concat());
+        let spent = Message::default().text(1, "an earlier one");
+        assert_eq!(encoded(&frame, 1_000_000_002, "a", spent).bytes(), right.concat());
     }
 
     #[test]

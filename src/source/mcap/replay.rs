@@ -108,7 +108,7 @@ mod tests {
     fn recording(frames: u64) -> (Vec<u8>, Vec<usize>) {
         let mut writer = RecordingWriter::begin(Cursor::new(Vec::new()), None).unwrap();
         for number in 0..frames {
-            writer.frame(&Encoded::of(&frame(number))).unwrap();
+            writer.frame(&Encoded::of(&frame(number), Message::default())).unwrap();
             writer.end_chunk().unwrap();
         }
         let bytes = writer.finish().unwrap().into_inner();

@@ -114,6 +114,7 @@ fn gauge() -> Message {
             ("light_at_1_4", 8, Type::Double, ""),
             ("light_at_1_2", 9, Type::Double, ""),
             ("light_at_3_4", 10, Type::Double, ""),
+            ("second_window", 11, Type::Message, ".shadowgauge.Window"),
         ],
         &[],
     )

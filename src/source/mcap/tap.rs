@@ -10,6 +10,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use super::wire::Message;
 use super::writer::{CHUNK_TIME, Encoded, RecordingWriter};
 use crate::frame::{CameraBinding, Frame};
 use crate::source::live::{NewFrame, Produced, Producer};
@@ -17,11 +18,15 @@ use crate::source::live::{NewFrame, Produced, Producer};
 /// Frames that wait for the disk: a third of a second at 50 a second, 64 MB of 4 megapixels in 8
 /// bits.
 const WAITING: usize = 16;
+/// Images whose memory is kept to be taken again: one that is made, one that was just written.
+const SPENT: usize = 2;
 
 /// A producer whose frames are recorded.
 pub(crate) struct Tap {
     producer: Box<dyn Producer>,
     to: SyncSender<Encoded>,
+    /// Images that are written, whose memory is taken again.
+    spent: Receiver<Message>,
     left_out: Arc<AtomicU64>,
     /// Whether the disk is waited for.
     waits: bool,
@@ -46,16 +51,17 @@ impl Tap {
     ) -> io::Result<(Self, Recorded)> {
         let writer = RecordingWriter::begin(File::create_new(path)?, producer.camera())?;
         let (to, from) = sync_channel(WAITING);
+        let (back, spent) = sync_channel(SPENT);
         let left_out = Arc::<AtomicU64>::default();
         let name = path.display().to_string();
-        let write = move || written(writer, &from, &name);
+        let write = move || written(writer, &Ends { from, back }, &name);
         let thread = std::thread::Builder::new().name("recording".to_owned()).spawn(write)?;
-        let tap = Self { producer, to, left_out: Arc::clone(&left_out), waits };
+        let tap = Self { producer, to, spent, left_out: Arc::clone(&left_out), waits };
         Ok((tap, Recorded { thread, left_out }))
     }
 
     fn record(&self, new: &NewFrame) {
-        let encoded = Encoded::of(new);
+        let encoded = Encoded::of(new, self.spent.try_recv().unwrap_or_default());
         let is_taken = match self.waits {
             true => self.to.send(encoded).is_ok(),
             false => self.to.try_send(encoded).is_ok(),
@@ -101,16 +107,23 @@ impl Recorded {
     }
 }
 
+/// The writing thread's ends: frames come, memory goes back.
+struct Ends {
+    from: Receiver<Encoded>,
+    back: SyncSender<Message>,
+}
+
 /// Writes what comes until the other end is gone; the number of frames.
-fn written<W: Write + Seek>(
-    mut writer: RecordingWriter<W>,
-    from: &Receiver<Encoded>,
-    name: &str,
-) -> io::Result<u64> {
+fn written<W: Write + Seek>(mut writer: RecordingWriter<W>, ends: &Ends, name: &str) -> io::Result<u64> {
     let mut frames = 0;
     loop {
-        let done = match from.recv_timeout(CHUNK_TIME) {
-            Ok(frame) => writer.frame(&frame).inspect(|()| frames += 1),
+        let done = match ends.from.recv_timeout(CHUNK_TIME) {
+            Ok(frame) => {
+                let done = writer.frame(&frame).inspect(|()| frames += 1);
+                // Full where the source is gone or waits for no memory: it is given up.
+                let _ = ends.back.try_send(frame.image);
+                done
+            }
             Err(RecvTimeoutError::Timeout) => writer.end_chunk(),
             Err(RecvTimeoutError::Disconnected) => break,
         };

@@ -12,9 +12,12 @@ const FOUR_BYTES: u64 = 5;
 pub(super) struct Message(Vec<u8>);
 
 impl Message {
-    /// An empty message with room for so many bytes.
-    pub(super) fn of_capacity(bytes: usize) -> Self {
-        Self(Vec::with_capacity(bytes))
+    /// An empty message with room for so many bytes, in the memory of one that is written.
+    pub(super) fn of_capacity(bytes: usize, spent: Self) -> Self {
+        let mut memory = spent.0;
+        memory.clear();
+        memory.reserve_exact(bytes);
+        Self(memory)
     }
 
     fn raw_varint(&mut self, mut value: u64) {
@@ -78,10 +81,21 @@ impl Message {
         self
     }
 
+    /// A field of type `bytes`.
+    #[must_use]
+    pub(super) fn data(mut self, field: u32, bytes: &[u8]) -> Self {
+        if !bytes.is_empty() {
+            self.key(field, LENGTH);
+            self.raw_varint(bytes.len() as u64);
+            self.0.extend_from_slice(bytes);
+        }
+        self
+    }
+
     /// A field of type `string`.
     #[must_use]
     pub(super) fn text(self, field: u32, text: &str) -> Self {
-        self.filled(field, text.len(), |bytes| bytes.copy_from_slice(text.as_bytes()))
+        self.data(field, text.as_bytes())
     }
 
     /// A field that is a message; there even if it is empty.

@@ -36,15 +36,16 @@ pub(super) struct Encoded {
 }
 
 impl Encoded {
-    /// Of a frame. The time of the entry is when this machine had it, otherwise the device's.
-    pub(super) fn of(new: &NewFrame) -> Self {
+    /// Of a frame, in the memory of an image that is written. The time of the entry is when this
+    /// machine had it, otherwise the device's.
+    pub(super) fn of(new: &NewFrame, spent: Message) -> Self {
         let NewFrame { frame, meta, remarks } = new;
         let t_ns = meta.host_t.or(meta.device_t).map_or(frame.meta.t_ns, |time| time.t_ns);
         Self {
             sequence: meta.sequence as u32,
             t_ns,
             facts: Facts::of(frame, meta, remarks).encoded(),
-            image: raw_image::encoded(frame, t_ns, &remarks.stem),
+            image: raw_image::encoded(frame, t_ns, &remarks.stem, spent),
         }
     }
 }
@@ -69,6 +70,8 @@ impl<W: Write + Seek> RecordingWriter<W> {
             .compression(None)
             .chunk_size(None)
             .disable_seeking(true)
+            // Every chunk has one of its own.
+            .calculate_data_section_crc(false)
             .library(concat!("shadowgauge ", env!("CARGO_PKG_VERSION")));
         let mut writer = options.create(to).map_err(failure)?;
         let mut channel = |name: &str, descriptors: &Message, topic: &str| {

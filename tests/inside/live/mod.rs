@@ -1,6 +1,6 @@
 //! Live sources: one suite (`conformance`) that every kind of source passes, driven by a factory of
 //! sources; `scripted` is the source whose script states what it sends, `policies` and `identity`
-//! what is particular to it.
+//! what is particular to it; `windows` cuts the frames of any source to two windows.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 mod bound;
@@ -15,3 +15,4 @@ mod scripted;
 #[cfg(feature = "render")]
 mod simulated;
 mod stored;
+mod windows;

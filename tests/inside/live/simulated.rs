@@ -50,3 +50,67 @@ fn live_frames_come_scan_after_scan_no_faster_than_the_camera() {
     }
     assert!(begun.elapsed() >= 4 * period);
 }
+
+/// Resident memory of this process, MiB.
+#[cfg(target_os = "linux")]
+fn resident_mib() -> f64 {
+    let pages = std::fs::read_to_string("/proc/self/statm").unwrap();
+    let pages: f64 = pages.split_whitespace().nth(1).unwrap().parse().unwrap();
+    // pages of 4 KiB: on machines of larger ones the figures are too small by the same factor
+    pages / 256.0
+}
+
+/// So many frames through the source: those that come, and by how much the memory grew after the
+/// first hundredth of them, MiB.
+#[cfg(target_os = "linux")]
+fn through(frames: u64, policy: Policy) -> (u64, f64) {
+    let mut live = Live::new(head(frames, HeadPace::Scan), settings(policy)).unwrap();
+    let (mut come, mut next, mut first) = (0, 0, None);
+    loop {
+        match live.next_event(SOON) {
+            Event::Frame(frame) => {
+                assert_eq!(frame.meta.sequence, next, "a number is missing, and no gap states it");
+                (come, next) = (come + 1, next + 1);
+                frame.lease.give_back();
+            }
+            Event::Gap(gap) => {
+                assert_eq!((gap.first, gap.lost + gap.incomplete), (next, 0), "{gap}");
+                next += gap.dropped;
+            }
+            Event::End(None) => break,
+            other => panic!("{other:?}"),
+        }
+        if next * 100 > frames {
+            first.get_or_insert_with(resident_mib);
+        }
+    }
+    let counters = live.counters();
+    assert_eq!((next, counters.accounted(), counters.delivered), (frames, frames, come), "{counters:?}");
+    (come, resident_mib() - first.unwrap())
+}
+
+/// With `Block` none is lost, with the others every frame is delivered or counted as dropped.
+#[cfg(target_os = "linux")]
+fn frames_are_accounted_for_in_flat_memory(frames: u64) {
+    for policy in [Policy::Block, Policy::DropOldest, Policy::DropNewest] {
+        let (come, grown_mib) = through(frames, policy);
+        println!("{policy:?}: {come} of {frames} frames, memory grew by {grown_mib:.2} MiB");
+        assert!(policy != Policy::Block || come == frames);
+        // other tests run in this process meanwhile; a frame of 64 × 96 bytes that is kept would make
+        // 12 MiB of the sample, and 6 GiB of a million
+        assert!(frames < 100_000 || grown_mib < 8.0, "{grown_mib} MiB");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn two_thousand_frames_are_accounted_for_by_every_policy() {
+    frames_are_accounted_for_in_flat_memory(2_000);
+}
+
+#[cfg(target_os = "linux")]
+#[ignore = "minutes"]
+#[test]
+fn a_million_frames_are_accounted_for_by_every_policy() {
+    frames_are_accounted_for_in_flat_memory(1_000_000);
+}

@@ -1,11 +1,14 @@
 //! The published head: the camera without a network (`state`), and over the loopback interface with
-//! a client of its own (`wire`), on drawn frames.
+//! a client of its own (`wire`), on drawn frames; any session of any clients (`hostile`).
 
+mod hostile;
 mod state;
 mod wire;
 
 #[path = "../../support/gige_client.rs"]
 pub(super) mod gige_client;
+#[path = "../../../fuzz/session.rs"]
+mod session;
 
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
 use shadowgauge::publish::DataSheet;

@@ -140,6 +140,16 @@ fn packets_that_are_lost_come_again_when_asked_for_the_trailer_included() {
         client.stream.send_to(&request, place).unwrap();
         let gone = std::iter::from_fn(|| client.packet(LONG)).find(|p| p.status != 0).unwrap();
         assert_eq!((gone.status, gone.block, gone.number), (0x800c, (9 << 32) + 9, 1));
+        // and so is one that is kept, where the fault is asked for
+        client.set("FaultPacketLoss", 0);
+        client.set("FaultResendRefused", 1);
+        client.set("AcquisitionFrameCount", 1);
+        client.set("AcquisitionStart", 1);
+        let block = client.frame(LONG).unwrap().block;
+        let kept = [&request[..20], &block.to_be_bytes()].concat();
+        client.stream.send_to(&kept, place).unwrap();
+        let gone = std::iter::from_fn(|| client.packet(LONG)).find(|p| p.status != 0).unwrap();
+        assert_eq!((gone.status, gone.block, gone.number), (0x800c, block, 1));
     });
 }
 
