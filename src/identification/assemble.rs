@@ -166,11 +166,14 @@ fn error(solution: &Solution, sought: &SoughtError, range: &IdentifiedRange) -> 
     let [from, to] = if name.axis() == Axis::X { range.x_mm } else { range.z_mm };
     let step = (to - from) / (TABLE_POSITIONS - 1) as f64;
     let at = |k: usize| if k + 1 == TABLE_POSITIONS { to } else { from + step * k as f64 };
-    let positions: Vec<f64> = if sought.basis.is_some() { (0..TABLE_POSITIONS).map(at).collect() } else { vec![0.0] };
+    let positions: Vec<f64> =
+        if sought.basis.is_some() { (0..TABLE_POSITIONS).map(at).collect() } else { vec![0.0] };
     let of = |direction: Direction| positions.iter().map(move |p| solution.error(sought, *p, direction));
     let datum = match sought.basis {
         None => "to the motion of Z (B0X: to square)",
-        Some(_) if is_straightness(name) && !sought.has_slope => "a line through it: its slope is an orientation",
+        Some(_) if is_straightness(name) && !sought.has_slope => {
+            "a line through it: its slope is an orientation"
+        }
         Some(_) if is_straightness(name) => "its mean over the range",
         Some(_) => "zero in the middle of a line through it",
     };

@@ -59,10 +59,8 @@ fn in_travel(
         Axis::X => (machine.x_travel_mm, "x"),
         _ => (machine.z_travel_mm, "z"),
     };
-    let is_head = matches!(
-        reading.quantity,
-        super::instrument::Quantity::Midline | super::instrument::Quantity::Slope
-    );
+    let is_head =
+        matches!(reading.quantity, super::instrument::Quantity::Midline | super::instrument::Quantity::Slope);
     let at = reading.position_mm - if is_head { machine.head_beside_tool_mm() } else { 0.0 };
     let right = format!("{from} to {to} mm, the travel (machine.{axis}_travel_mm)");
     let found = format!("{file}: line {}: slide at {at} mm", reading.line);

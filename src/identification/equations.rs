@@ -140,7 +140,8 @@ impl OwnUnknowns {
     fn factors(&self, checked: &CheckedSet, reading: &Reading) -> Vec<(usize, f64)> {
         let p = reading.position_mm;
         let mut factors = Vec::new();
-        let own = |(q, s, ..): &&(Quantity, Setup, usize, bool)| (*q, *s) == (reading.quantity, reading.setup);
+        let own =
+            |(q, s, ..): &&(Quantity, Setup, usize, bool)| (*q, *s) == (reading.quantity, reading.setup);
         if let Some((.., first, has_line)) = self.datums.iter().find(own) {
             factors.push((*first, 1.0));
             if *has_line {
@@ -198,11 +199,8 @@ pub(crate) fn positions(readings: &[Reading]) -> Vec<f64> {
 impl ReadingSet {
     /// Standard uncertainty of a reading, mm or rad; what a check has assured is stated.
     fn u_of(&self, quantity: Quantity) -> f64 {
-        let stated = if quantity.is_length() {
-            self.u_um.map(|u| 1e-3 * u)
-        } else {
-            self.u_urad.map(|u| 1e-6 * u)
-        };
+        let stated =
+            if quantity.is_length() { self.u_um.map(|u| 1e-3 * u) } else { self.u_urad.map(|u| 1e-6 * u) };
         stated.unwrap_or(1.0)
     }
 }

@@ -18,25 +18,32 @@ impl Inseparable {
             [alone] => format!("{alone} is not determined"),
             _ => format!("{} cannot be separated", names.join(", ")),
         };
-        let combinations = if dimension > 1.0 { format!(" ({dimension} combinations)") } else { String::new() };
+        let combinations =
+            if dimension > 1.0 { format!(" ({dimension} combinations)") } else { String::new() };
         format!("{what}{combinations}; {}", self.remedy())
     }
 
     /// Readings that would separate it.
     fn remedy(&self) -> String {
-        let angle = self.groups.iter().filter_map(Group::error).find(|error| {
-            matches!(error.component(), Component::About(_))
-        });
+        let angle = self
+            .groups
+            .iter()
+            .filter_map(Group::error)
+            .find(|error| matches!(error.component(), Component::About(_)));
         let has_tailstock = self.groups.iter().any(|group| matches!(group, Group::Tailstock(_)));
         let has_sag = self.groups.iter().any(|group| matches!(group, Group::Sag(_)));
         let is_orientation = self.groups.iter().any(|group| matches!(group, Group::Orientation(_)));
         let has_reversal = self.groups.iter().any(|group| matches!(group, Group::Reversal(_)));
         if has_tailstock {
-            "read a part without a tailstock, or measure where the tailstock stands (tailstock_u_um)".to_owned()
+            "read a part without a tailstock, or measure where the tailstock stands (tailstock_u_um)"
+                .to_owned()
         } else if has_sag {
             "read a thicker or shorter part, or one at another angle to gravity".to_owned()
         } else if let Some(angle) = angle {
-            format!("read {} itself (level, autocollimator, angular optics), or at another lever", angle.code())
+            format!(
+                "read {} itself (level, autocollimator, angular optics), or at another lever",
+                angle.code()
+            )
         } else if is_orientation {
             "read a cylinder or a face to the axis of rotation (datum = \"axis\")".to_owned()
         } else if has_reversal {

@@ -133,9 +133,11 @@ fn one_direction(spreads: &[Spread]) -> OneDirection {
 
 fn both_directions(up: &[Spread], down: &[Spread]) -> BothDirections {
     let reversals: Vec<f64> = up.iter().zip(down).map(|(u, d)| u.mean - d.mean).collect();
-    let repeatability = up.iter().zip(down).zip(&reversals).map(|((u, d), b)| {
-        (2.0 * u.s + 2.0 * d.s + b.abs()).max(4.0 * u.s).max(4.0 * d.s)
-    });
+    let repeatability = up
+        .iter()
+        .zip(down)
+        .zip(&reversals)
+        .map(|((u, d), b)| (2.0 * u.s + 2.0 * d.s + b.abs()).max(4.0 * u.s).max(4.0 * d.s));
     let all = || up.iter().chain(down);
     BothDirections {
         a: range(all().flat_map(|x| [x.mean + 2.0 * x.s, x.mean - 2.0 * x.s])),

@@ -80,17 +80,14 @@ pub(crate) fn estimate(
     rank: &Rank,
     left_out: &[usize],
 ) -> Option<Estimate> {
-    let folds: Vec<Normal> = (0..FOLDS)
-        .map(|fold| Normal::of(equations.iter().filter(|e| e.fold == fold), unknowns))
-        .collect();
+    let folds: Vec<Normal> =
+        (0..FOLDS).map(|fold| Normal::of(equations.iter().filter(|e| e.fold == fold), unknowns)).collect();
     let whole = folds.iter().skip(1).fold(folds[0].clone(), |sum, fold| Normal {
         square: sum.square + &fold.square,
         right: sum.right + &fold.right,
     });
-    let without = |fold: &Normal| Normal {
-        square: &whole.square - &fold.square,
-        right: &whole.right - &fold.right,
-    };
+    let without =
+        |fold: &Normal| Normal { square: &whole.square - &fold.square, right: &whole.right - &fold.right };
     let held = HeldOut { unknowns, equations, others: folds.iter().map(without).collect() };
     let smoothing = held.choose(&alike(unknowns, rank))?;
     let penalty = penalty(unknowns, &smoothing);

@@ -62,23 +62,19 @@ pub(crate) fn terms(
     let part = |station: Station, of, sign: f64| Part { station, of, sign };
     let parts: Vec<Part<'_>> = match (reading.quantity, read) {
         (Quantity::Radius, ReadWhere::Elsewhere) => vec![part(machine.tool(radius, p), &cut_radius, 1.0)],
-        (Quantity::Radius, ReadWhere::SameSide) => vec![
-            part(machine.tool(radius, p), &cut_radius, 1.0),
-            part(probe(radius, p), &along_x, -1.0),
-        ],
-        (Quantity::Radius, ReadWhere::OppositeSide) => vec![
-            part(machine.tool(radius, p), &cut_radius, 1.0),
-            part(probe(-radius, p), &along_x, 1.0),
-        ],
+        (Quantity::Radius, ReadWhere::SameSide) => {
+            vec![part(machine.tool(radius, p), &cut_radius, 1.0), part(probe(radius, p), &along_x, -1.0)]
+        }
+        (Quantity::Radius, ReadWhere::OppositeSide) => {
+            vec![part(machine.tool(radius, p), &cut_radius, 1.0), part(probe(-radius, p), &along_x, 1.0)]
+        }
         (Quantity::Height, ReadWhere::Elsewhere) => vec![part(machine.tool(p, face_z), &along_z, 1.0)],
-        (Quantity::Height, ReadWhere::SameSide) => vec![
-            part(machine.tool(p, face_z), &along_z, 1.0),
-            part(probe(p, face_z), &along_z, -1.0),
-        ],
-        (Quantity::Height, ReadWhere::OppositeSide) => vec![
-            part(machine.tool(p, face_z), &along_z, 1.0),
-            part(probe(-p, face_z), &along_z, -1.0),
-        ],
+        (Quantity::Height, ReadWhere::SameSide) => {
+            vec![part(machine.tool(p, face_z), &along_z, 1.0), part(probe(p, face_z), &along_z, -1.0)]
+        }
+        (Quantity::Height, ReadWhere::OppositeSide) => {
+            vec![part(machine.tool(p, face_z), &along_z, 1.0), part(probe(-p, face_z), &along_z, -1.0)]
+        }
         (Quantity::Midline, _) => vec![part(head_station(machine, p), &along_x, -1.0)],
         _ => vec![part(head_station(machine, p), &slope, -1.0)],
     };
@@ -115,12 +111,7 @@ fn probe_station(machine: &MachineSettings, set: &ReadingSet, x_mm: f64, z_mm: f
         crate::machine::topology::Topology::TShaped => slide.z_lever_mm,
         crate::machine::topology::Topology::Carriage => slide.z_lever_mm + beside,
     };
-    Station {
-        point_mm: tool.point_mm,
-        x_lever_mm: Some(Vector3::from(probe_mm)),
-        z_lever_mm: at_z,
-        ..slide
-    }
+    Station { point_mm: tool.point_mm, x_lever_mm: Some(Vector3::from(probe_mm)), z_lever_mm: at_z, ..slide }
 }
 
 fn of_station(

@@ -88,8 +88,7 @@ fn components(unknowns: &Unknowns, projector: &DMatrix<f64>) -> Vec<Inseparable>
         let mut at = 0;
         while at < together.len() {
             let own = together[at].1.clone();
-            let (linked, rest) =
-                left.into_iter().partition(|(_, members)| block(&own, members) > STANDS_IN);
+            let (linked, rest) = left.into_iter().partition(|(_, members)| block(&own, members) > STANDS_IN);
             left = rest;
             together.extend::<Vec<_>>(linked);
             at += 1;

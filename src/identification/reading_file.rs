@@ -64,7 +64,8 @@ fn row(cell: &dyn Fn(&str) -> String, instrument: Instrument, line: u64) -> Resu
         return Err(format!("axis '{}' must be {axis}, over which {word} is read", cell("axis")));
     }
     let run = cell("run");
-    let run = run.parse().ok().filter(|run| *run > 0).ok_or_else(|| format!("run '{run}' must be 1, 2, …"))?;
+    let run =
+        run.parse().ok().filter(|run| *run > 0).ok_or_else(|| format!("run '{run}' must be 1, 2, …"))?;
     Ok(Row {
         reading: Reading {
             quantity,
@@ -117,9 +118,14 @@ fn value(text: &str, unit: &str, quantity: Quantity) -> Result<f64, String> {
         ("urad" | "µrad", false) => 1e-6,
         ("mrad", false) => 1e-3,
         ("arcsec", false) => (1.0_f64 / 3600.0).to_radians(),
-        (_, true) => return Err(format!("unit '{unit}' must be nm, um or mm: {} is a length", quantity.word())),
+        (_, true) => {
+            return Err(format!("unit '{unit}' must be nm, um or mm: {} is a length", quantity.word()));
+        }
         (_, false) => {
-            return Err(format!("unit '{unit}' must be urad, mrad or arcsec: {} is an angle", quantity.word()));
+            return Err(format!(
+                "unit '{unit}' must be urad, mrad or arcsec: {} is an angle",
+                quantity.word()
+            ));
         }
     };
     let [shown, smaller, per] =

@@ -298,9 +298,10 @@ impl ReadingSet {
             Instrument::Midline if self.part.is_none() => {
                 missing("part", "diameter, length and holding of the part: its sag is in the midline")
             }
-            Instrument::Midline if config.head.is_none() => {
-                Err(SettingError::at("head", "the head whose midline was read: its levers are in the readings"))
-            }
+            Instrument::Midline if config.head.is_none() => Err(SettingError::at(
+                "head",
+                "the head whose midline was read: its levers are in the readings",
+            )),
             Instrument::Straightedge if self.line_mm.is_none() => {
                 missing("line_mm", "the probe's tip from the slide's reference, mm: angles act by it")
             }

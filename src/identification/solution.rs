@@ -103,9 +103,8 @@ fn is_held(config: &IdentificationConfig, sets: &[CheckedSet], name: ErrorName) 
 /// still predicted by one.
 fn parts_of_several(sets: &[CheckedSet]) -> Vec<usize> {
     let kind = |k: usize| sets[k].set.instrument;
-    let has_other = |k: &usize| {
-        kind(*k).is_part() && (0..sets.len()).any(|other| other != *k && kind(other) == kind(*k))
-    };
+    let has_other =
+        |k: &usize| kind(*k).is_part() && (0..sets.len()).any(|other| other != *k && kind(other) == kind(*k));
     (0..sets.len()).filter(has_other).collect()
 }
 

@@ -189,11 +189,6 @@ impl SoughtError {
         }
         row
     }
-
-    /// Its value by all unknowns.
-    pub(crate) fn value(&self, unknowns: &[f64], position_mm: f64, direction: Direction) -> f64 {
-        self.row(position_mm, direction).into_iter().map(|(k, factor)| factor * unknowns[k]).sum()
-    }
 }
 
 /// The positions of terms, ascending, each once, and whether both directions are among them.

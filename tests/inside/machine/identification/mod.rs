@@ -1,6 +1,7 @@
 //! Identification of a machine's errors from readings: recovery of a drawn truth, what cannot be
 //! separated, the report of ISO 230-2, refusals.
 
+mod compensation;
 mod iso230_2;
 mod recovery;
 mod refusals;

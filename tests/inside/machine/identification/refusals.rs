@@ -50,14 +50,18 @@ fn a_midline_needs_opposite_angles_and_a_straightedge_both_ways() {
     let text = |more: &str| {
         config(&format!("name = \"a\"\nhead = \"h\"\nidentify = [\"exz\"]\n{more}[machine]{GEOMETRY}"))
     };
-    let midline = text("[[readings]]\ninstrument = \"midline\"\nfile = \"my.csv\"\nu_um = 0.1\npart = { diameter_mm = 20.0, length_mm = 160.0, held = \"overhung\", gravity_x = 0.0 }\n");
+    let midline = text(
+        "[[readings]]\ninstrument = \"midline\"\nfile = \"my.csv\"\nu_um = 0.1\npart = { diameter_mm = 20.0, length_mm = 160.0, held = \"overhung\", gravity_x = 0.0 }\n",
+    );
     let head = HEAD.replace("unit", "unit,angle_deg,setup");
     let row = |angle: &str| format!("Z,50,forward,1,midline,0.1,um,{angle},\n");
     let said = refusal(&midline, 0, &(head.clone() + &row("0") + &row("90"))).to_string();
     assert!(said.contains("angle 0°") && said.contains("without 180°"), "{said}");
     let said = refusal(&midline, 0, &(head.clone() + &row("0") + &row(""))).to_string();
     assert!(said.contains("angle_deg is missing"), "{said}");
-    let edge = text("[[readings]]\ninstrument = \"straightedge\"\nfile = \"my.csv\"\nline_mm = [0, 0, 0]\nu_um = 0.1\n");
+    let edge = text(
+        "[[readings]]\ninstrument = \"straightedge\"\nfile = \"my.csv\"\nline_mm = [0, 0, 0]\nu_um = 0.1\n",
+    );
     let said = refusal(&edge, 0, &(head.clone() + "Z,0,forward,1,EXZ,1,um,,normal\n")).to_string();
     assert!(said.contains("one way only") && said.contains("turn it over"), "{said}");
     let said = refusal(&edge, 0, &(head + "Z,0,forward,1,EXZ,1,um,,\n")).to_string();
@@ -91,7 +95,10 @@ fn configs_that_cannot_be_right_name_their_key() {
         (checked(&|c| c.identify.push("exx".into())), "named once"),
         (checked(&|c| c.identify.clear()), "at least one error"),
         (checked(&|c| c.name.clear()), "the machine's name"),
-        (checked(&|c| c.machine.b0c_urad = 5.0), "machine.errors: an identification takes the geometry alone"),
+        (
+            checked(&|c| c.machine.b0c_urad = 5.0),
+            "machine.errors: an identification takes the geometry alone",
+        ),
         (checked(&|c| c.readings[2].radius_mm = None), "readings[2].radius_mm"),
         (checked(&|c| c.readings[3].face_z_mm = None), "readings[3].face_z_mm"),
         (checked(&|c| c.readings[0].u_um = Some(0.0)), "readings[0].u_um"),

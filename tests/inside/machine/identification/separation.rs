@@ -24,7 +24,8 @@ fn a_cylinder_alone_does_not_separate_straightness_and_yaw() {
     for word in ["EXZ", "EBZ", "cannot be separated", "read EBZ itself", "combinations"] {
         assert!(words.contains(word), "'{word}' is missing in: {words}");
     }
-    let both = identified(&with("\"exz\", \"ebz\", \"b0c\"", &format!("{CYLINDER}{AUTOCOLLIMATOR}")), BENT, 1);
+    let both =
+        identified(&with("\"exz\", \"ebz\", \"b0c\"", &format!("{CYLINDER}{AUTOCOLLIMATOR}")), BENT, 1);
     assert_eq!(both.file.rank.inseparable, [""; 0]);
     // u of EXZ says the same: of the class of the machine before, of the readings after
     let u = |found: &crate::identification::Identification| {
@@ -68,7 +69,8 @@ fn a_midline_shows_the_carriage_and_names_sag_and_tailstock() {
     let [from, to] = found.file.range.z_mm;
     close(rise, yaw(to) - yaw(from), 0.5, "EBZ");
     let tied = MIDLINE.replace("HELD", "centres");
-    let words = identified(&with("\"exz\", \"ebz\", \"b0c\"", &tied), BENT, 5).file.rank.inseparable.join("\n");
+    let words =
+        identified(&with("\"exz\", \"ebz\", \"b0c\"", &tied), BENT, 5).file.rank.inseparable.join("\n");
     for word in ["B0C", "tailstock", "cannot be separated", "without a tailstock"] {
         assert!(words.contains(word), "'{word}' is missing in: {words}");
     }

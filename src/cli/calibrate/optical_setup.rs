@@ -1,4 +1,4 @@
-//! `shadowgauge calibrate`: an optical setup from dark and flat fields, master pins and a check
+//! `shadowgauge calibrate CONFIG`: an optical setup from dark and flat fields, master pins and a check
 //! pin.
 
 use std::collections::HashSet;
@@ -8,8 +8,8 @@ use std::time::SystemTime;
 use indicatif::ProgressBar;
 use serde_json::json;
 
-use super::calibration_plan::{self, LoadedPlan};
-use super::failure::{CommandResult, Failure, Outcome};
+use crate::cli::calibration_plan::{self, LoadedPlan};
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::json_text;
 use crate::cli::measure::esf_argument::{esf_model, needs_scale};
 use crate::cli::terminal::progress;
@@ -26,9 +26,9 @@ use crate::studies::calibration::{
     calibrate, edge_model_line, parameter_table, rough_um_per_px,
 };
 
-/// Arguments of `calibrate`.
+/// Arguments of `calibrate CONFIG`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct CalibrateArgs {
+pub(crate) struct OpticalSetupArgs {
     /// The calibration, as configs/calibrate.toml; or a job's config, whose bench is calibrated on
     /// its master pins, rendered.
     config: PathBuf,
@@ -58,7 +58,7 @@ pub(crate) struct CalibrateArgs {
 /// # Errors
 /// Exit 2 for a config that is refused; 3 for frames that cannot be read or measured and for
 /// failures of the disk.
-pub(crate) fn run(args: &CalibrateArgs) -> CommandResult {
+pub(crate) fn run(args: &OpticalSetupArgs) -> CommandResult {
     if args.out.extension().is_none_or(|e| e != "json") {
         let name = args.out.display();
         return Err(Failure::refuse(format!(
@@ -163,7 +163,7 @@ fn summary(calibrated: &Calibrated, setup: &SetupCalibration) -> serde_json::Val
     })
 }
 
-fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
+fn say(args: &OpticalSetupArgs, calibrated: &Calibrated) {
     let calibration = &calibrated.calibration;
     let Some(setup) = &calibration.setup else { return };
     if args.json {

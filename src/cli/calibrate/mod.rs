@@ -1,0 +1,40 @@
+//! `shadowgauge calibrate`: an optical setup by its config, or what `machine` says: the errors of a
+//! machine.
+
+mod machine;
+mod optical_setup;
+
+use super::failure::CommandResult;
+pub(crate) use optical_setup::make;
+
+/// Arguments of `calibrate`.
+#[derive(Debug, clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(crate) struct CalibrateArgs {
+    #[command(flatten)]
+    optical_setup: Option<optical_setup::OpticalSetupArgs>,
+    #[command(subcommand)]
+    other: Option<CalibrateCommand>,
+}
+
+/// What else is calibrated.
+#[derive(Debug, clap::Subcommand)]
+enum CalibrateCommand {
+    /// Identify a lathe's geometric errors from readings, for the compensation.
+    Machine(machine::CalibrateMachineArgs),
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// As the commands.
+pub(crate) fn run(args: &CalibrateArgs) -> CommandResult {
+    match (&args.other, &args.optical_setup) {
+        (Some(CalibrateCommand::Machine(args)), _) => machine::run(args),
+        (None, Some(args)) => optical_setup::run(args),
+        // clap requires the config where no command stands
+        (None, None) => {
+            Err(super::failure::Failure::refuse("calibrate needs a config, or: calibrate machine"))
+        }
+    }
+}
