@@ -8,7 +8,8 @@ use super::identified::{
 use super::instrument::{Instrument, Quantity, is_straightness};
 use super::iso230_2::positioning;
 use super::reading::Reading;
-use super::settings::{Datum, IdentificationConfig, ModelChoice, ReadWhere, ReadingSet};
+use super::reading_set::{Datum, ReadWhere, ReadingSet};
+use super::settings::{IdentificationConfig, ModelChoice};
 use super::solution::{Solution, set_name, splines, structured};
 use super::unknowns::{Group, SoughtError};
 use crate::machine::conditions::Direction;
@@ -123,6 +124,7 @@ fn file(
         birge_ratio: chosen.estimate.birge_ratio,
         sets: sets.iter().enumerate().map(|(k, set)| set_row(config, k, set, chosen)).collect(),
         positioning: sets.iter().enumerate().flat_map(|(k, set)| positionings(config, k, set)).collect(),
+        spindle: Vec::new(),
         unknowns: unknown_rows(chosen),
         covariance: covariance(chosen),
     })

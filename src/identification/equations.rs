@@ -3,7 +3,8 @@
 use super::instrument::{Instrument, Quantity, is_straightness};
 use super::observation::{Term, terms};
 use super::reading::{Reading, Setup};
-use super::settings::{Datum, Prior, ReadingSet};
+use super::reading_set::{Datum, ReadingSet};
+use super::settings::Prior;
 use super::spline_basis::SplineBasis;
 use super::unknowns::{Group, Unknowns};
 use crate::machine::{ErrorName, MachineSettings};

@@ -8,7 +8,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::iso230_2::Positioning;
-use crate::machine::MachineSettings;
+use super::spindle_readings::SpindleRow;
+use crate::machine::table_file::Columns;
+use crate::machine::{ErrorName, MachineSettings};
+use crate::setting::SettingError;
 
 /// What the file is, with its version.
 pub(crate) const FORMAT: &str = "shadowgauge machine errors 1";
@@ -48,6 +51,9 @@ pub(crate) struct IdentifiedMachine {
     pub sets: Vec<SetRow>,
     /// ISO 230-2 of the sets that were read more than once a position.
     pub positioning: Vec<PositioningRow>,
+    /// Error motion of the spindle, EXC.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub spindle: Vec<SpindleRow>,
     /// The unknowns of the errors.
     pub unknowns: Vec<UnknownRow>,
     /// Lower triangle of their covariance, row by row, in products of their units.
@@ -182,6 +188,23 @@ impl IdentifiedMachine {
             serde_json::from_value(value).map_err(|e| format!("is no complete machine.json: {e}"))?;
         found.machine.motion().map_err(|e| e.to_string())?;
         Ok(found)
+    }
+
+    /// The same with the spindle's error motion, whose table goes into the machine's.
+    ///
+    /// # Errors
+    /// A table that cannot be right.
+    pub(crate) fn with_spindle(mut self, found: SpindleRow) -> Result<Self, SettingError> {
+        let columns = Columns {
+            position: found.angle_deg.clone(),
+            forward: found.motion_um.clone(),
+            backward: Vec::new(),
+        };
+        self.machine.errors.all_mut()[ErrorName::Exc as usize].fill(columns);
+        self.machine.motion()?;
+        self.taken_as_zero.retain(|code| *code != ErrorName::Exc.code());
+        self.spindle.push(found);
+        Ok(self)
     }
 
     /// Whether it is of a machine with these levers.

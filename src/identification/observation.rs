@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 
 use super::instrument::Quantity;
 use super::reading::{Reading, Setup};
-use super::settings::{ReadWhere, ReadingSet};
+use super::reading_set::{ReadWhere, ReadingSet};
 use crate::machine::conditions::Direction;
 use crate::machine::error_name::Component;
 use crate::machine::{Axis, ErrorName, MachineSettings, Pose, Station, first_order};

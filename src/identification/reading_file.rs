@@ -128,10 +128,9 @@ fn value(text: &str, unit: &str, quantity: Quantity) -> Result<f64, String> {
             ));
         }
     };
-    let [shown, smaller, per] =
-        if quantity.is_length() { ["µm", "nm", "1e3"] } else { ["µrad", "nrad", "1e6"] };
-    let value_um = scale * value * per.parse::<f64>().unwrap_or(1e3);
-    if value_um.abs() > LARGEST {
+    let (shown, smaller, per) =
+        if quantity.is_length() { ("µm", "nm", 1e3) } else { ("µrad", "nrad", 1e6) };
+    if (per * scale * value).abs() > LARGEST {
         return Err(format!(
             "value {text} {unit} is beyond ±{LARGEST} {shown}, a thousand times what a machine has: was it read in {smaller}, or is it the position instead of the deviation?"
         ));

@@ -6,11 +6,11 @@ use crate::machine::conditions::Direction;
 /// Refuses runs whose positions are not in the order of their direction: two directions in one run,
 /// a direction with the wrong name, shuffled rows, a position twice.
 pub(super) fn check_order(rows: &[Row]) -> Result<(), String> {
-    let mut begun: Vec<usize> = Vec::new();
-    for k in 0..rows.len() {
-        if !begun.iter().any(|first| same_run(&rows[*first], &rows[k])) {
-            begun.push(k);
-            run_order(rows.iter().filter(|row| same_run(row, &rows[k])))?;
+    let mut begun: Vec<&Row> = Vec::new();
+    for row in rows {
+        if !begun.iter().any(|first| same_run(first, row)) {
+            begun.push(row);
+            run_order(rows.iter().filter(|other| same_run(other, row)))?;
         }
     }
     Ok(())

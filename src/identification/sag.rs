@@ -12,7 +12,7 @@
 //! A tailstock displaced by δ bends a chucked bar by δ·z²(3L − z)/2L³ and turns one between centres
 //! by δ·z/L.
 
-use super::settings::{Held, MidlinePart};
+use super::reading_set::{Held, MidlinePart};
 
 /// Standard acceleration of gravity, m/s².
 const GRAVITY: f64 = 9.806_65;

@@ -16,10 +16,10 @@ const OPPOSITE_DEG: f64 = 0.1;
 pub(super) fn turn_means(rows: &[Row]) -> Result<Vec<Reading>, String> {
     let mut means: Vec<Reading> = Vec::new();
     for (k, row) in rows.iter().enumerate() {
-        let Some(_) = row.angle_deg else {
+        if row.angle_deg.is_none() {
             means.push(row.reading);
             continue;
-        };
+        }
         let same = |other: &&Row| is_same_place(&other.reading, &row.reading);
         if rows[..k].iter().any(|other| same(&other)) {
             continue;

@@ -11,7 +11,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 use rand_pcg::Pcg64;
 
 use crate::identification::instrument::{Instrument, Quantity};
-use crate::identification::settings::{ReadWhere, ReadingPlan, ReadingSet};
+use crate::identification::reading_set::{ReadWhere, ReadingPlan, ReadingSet};
 use crate::machine::conditions::Direction;
 use crate::machine::error_name::Component;
 use crate::machine::response::{Part, Side, cut_mm, probe_mm};

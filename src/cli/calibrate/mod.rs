@@ -1,7 +1,9 @@
-//! `shadowgauge calibrate`: an optical setup by its config, or what `machine` says: the errors of a
-//! machine.
+//! `shadowgauge calibrate`: an optical setup by its config; with `machine` the geometric errors of
+//! a lathe.
 
 mod machine;
+mod machine_tables;
+mod machine_words;
 mod optical_setup;
 
 use super::failure::CommandResult;

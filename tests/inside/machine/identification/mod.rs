@@ -6,6 +6,7 @@ mod iso230_2;
 mod recovery;
 mod refusals;
 mod separation;
+mod spindle;
 
 use crate::identification::settings::IdentificationConfig;
 use crate::identification::{CheckedSet, Identification, checked_set, identify};

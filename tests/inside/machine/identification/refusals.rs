@@ -91,7 +91,7 @@ fn configs_that_cannot_be_right_name_their_key() {
     };
     for (said, words) in [
         (checked(&|c| c.identify.push("exq".into())), "identify[8] = exq"),
-        (checked(&|c| c.identify.push("exc".into())), "separated by reversals"),
+        (checked(&|c| c.identify.push("exc".into())), "by reversals: [[spindle]]"),
         (checked(&|c| c.identify.push("exx".into())), "named once"),
         (checked(&|c| c.identify.clear()), "at least one error"),
         (checked(&|c| c.name.clear()), "the machine's name"),
