@@ -26,7 +26,8 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 use toml::de::DeTable;
 
-use crate::job::Job;
+use crate::identification::{IdentifiedMachine, MachineIdentity};
+use crate::job::{Job, RunMachine};
 use crate::machine::{Conditions, MachineSettings};
 use crate::render::form::read_contour;
 use crate::render::settings::Esf;
@@ -225,30 +226,63 @@ fn read_machine(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
         if machine.stated.is_some() {
             return Err(SettingError { key: "machine.file".to_owned(), ..twice("machine.stated") });
         }
-        let (stated, conditions) = read_machine_file("machine.file", &folder.join(name))?;
-        machine.take(stated, &conditions);
+        let found = read_machine_file("machine.file", &folder.join(name))?;
+        machine.take(found.machine, &found.conditions);
+        machine.name = machine.name.take().or(Some(found.name).filter(|name| !name.is_empty()));
     }
     if let Some(name) = machine.table.take() {
         if machine.table_stated.is_some() {
             return Err(SettingError { key: "machine.table".to_owned(), ..twice("machine.table_stated") });
         }
-        machine.table_stated = Some(read_machine_file("machine.table", &folder.join(name))?.0);
+        machine.table_stated = Some(read_table(machine, &folder.join(name))?);
     }
     Ok(())
 }
 
+/// The machine of a control's table: `machine.json` of `calibrate machine`, or a file like that of
+/// the machine itself.
+fn read_table(own: &RunMachine, path: &Path) -> Result<MachineSettings, SettingError> {
+    const KEY: &str = "machine.table";
+    let shown = path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| SettingError::at(KEY, format!("{shown}: cannot be read: {e}")))?;
+    if path.extension().is_none_or(|extension| extension != "json") {
+        return Ok(read_machine_file(KEY, path)?.machine);
+    }
+    let refuse = |why: String| SettingError::at(KEY, format!("{shown}: {why}"));
+    let found = IdentifiedMachine::read(&text).map_err(refuse)?;
+    let identity = MachineIdentity { machine: own.name.clone(), head: own.head.clone() };
+    if let Some(machine) = &own.stated {
+        found.fits(&identity, machine).map_err(refuse)?;
+    }
+    Ok(found.machine)
+}
+
+/// A machine's file, read.
+pub(crate) struct MachineFile {
+    /// Name of the machine.
+    pub name: String,
+    /// The machine with its errors.
+    pub machine: MachineSettings,
+    /// The state that it states.
+    pub conditions: Conditions,
+}
+
 /// A machine and its state from a file that `key` names.
-fn read_machine_file(key: &str, path: &Path) -> Result<(MachineSettings, Conditions), SettingError> {
+///
+/// # Errors
+/// A file that cannot be read or is no machine's, values that cannot be right.
+pub(crate) fn read_machine_file(key: &str, path: &Path) -> Result<MachineFile, SettingError> {
     let shown = path.display().to_string();
     let text = std::fs::read_to_string(path)
         .map_err(|e| SettingError::at(key, format!("{shown}: cannot be read: {e}")))?;
     let found = parse_as(&text, &shown).map_err(|e| SettingError::at(key, e.to_string()))?;
-    let MachineStudyConfig { machine: mut stated, conditions, .. } = found;
-    read_error_tables(&mut stated, path.parent().unwrap_or(Path::new("")))
+    let MachineStudyConfig { name, mut machine, conditions, .. } = found;
+    read_error_tables(&mut machine, path.parent().unwrap_or(Path::new("")))
         .and_then(|()| conditions.validate())
-        .and_then(|()| stated.motion().map(drop))
+        .and_then(|()| machine.motion().map(drop))
         .map_err(|e| SettingError::at(key, format!("{shown}: {e}")))?;
-    Ok((stated, conditions))
+    Ok(MachineFile { name, machine, conditions })
 }
 
 /// Fills `[process.tool]` from the tool's file where the text leaves its keys out.

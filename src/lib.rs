@@ -69,6 +69,8 @@ pub(crate) mod tool;
 // -- 2 composition: where stages meet
 pub mod cell;
 pub mod closed_loop;
+#[cfg(feature = "render")]
+pub(crate) mod identification;
 pub mod job;
 pub mod measurement;
 #[cfg(feature = "render")]

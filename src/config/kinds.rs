@@ -9,6 +9,7 @@ use schemars::{Schema, schema_for};
 use serde_json::{Value, json};
 
 use crate::gauge::calibration::Conditions;
+use crate::identification::IdentificationConfig;
 use crate::job::Job;
 use crate::nc::NcSettings;
 use crate::part_offsets::OffsetState;
@@ -32,7 +33,7 @@ pub(crate) struct FileKind {
 }
 
 /// Config files, jobs first.
-pub(crate) const CONFIGS: [FileKind; 13] = [
+pub(crate) const CONFIGS: [FileKind; 14] = [
     FileKind { name: "job", title: "A job (`run`, `render`, most studies)", schema: || schema_for!(Job) },
     FileKind {
         name: "calibration",
@@ -71,6 +72,11 @@ pub(crate) const CONFIGS: [FileKind; 13] = [
         schema: || schema_for!(MachineStudyConfig),
     },
     FileKind {
+        name: "machine_identification",
+        title: "A lathe whose errors are identified (`calibrate machine`)",
+        schema: || schema_for!(IdentificationConfig),
+    },
+    FileKind {
         name: "reproduce_003",
         title: "A paper's inputs (`reproduce 003 --inputs`)",
         schema: || schema_for!(Inputs),
@@ -93,7 +99,7 @@ pub(crate) const CONFIGS: [FileKind; 13] = [
 ];
 
 /// Tables in CSV: the schema is that of a row, by the names of the columns.
-pub(crate) const TABLES: [FileKind; 6] = [
+pub(crate) const TABLES: [FileKind; 7] = [
     FileKind { name: "frames", title: "frames.csv beside frames (`measure`)", schema: frames },
     FileKind { name: "contour", title: "A contour (`[shaft] contour_file`)", schema: contour },
     FileKind {
@@ -106,6 +112,11 @@ pub(crate) const TABLES: [FileKind; 6] = [
         name: "error_table",
         title: "An error of a machine's axis (`[machine.errors.exz.table] file`)",
         schema: error_table,
+    },
+    FileKind {
+        name: "machine_readings",
+        title: "Readings of a machine (`[[readings]] file` of `calibrate machine`)",
+        schema: machine_readings,
     },
     FileKind { name: "rings", title: "cmm.csv: sizes of rings (`study washers`)", schema: rings },
 ];
@@ -203,6 +214,33 @@ fn error_table() -> Schema {
                 "The same where the position fell, where it was measured apart.",
             ),
             ("backward_urad", "number", false, angular),
+        ],
+    )
+}
+
+fn machine_readings() -> Schema {
+    row(
+        "A row of a machine's readings, in the order in which they were read",
+        &[
+            ("axis", "string", true, "Slide that was moved: X or Z."),
+            (
+                "position_mm",
+                "number",
+                true,
+                "Its position, mm; of a midline the place on the part from the chuck's face.",
+            ),
+            ("direction", "string", true, "From which side the position was reached: forward or backward."),
+            ("run", "integer", true, "Run, from 1."),
+            (
+                "error",
+                "string",
+                true,
+                "What was read: an error by its name of ISO 230-1, radius, height, midline or slope.",
+            ),
+            ("value", "number", true, "Deviation, in the unit of the row."),
+            ("unit", "string", true, "nm, um or mm of lengths; urad, mrad or arcsec of angles."),
+            ("angle_deg", "number", false, "Spindle angle of a midline, degrees; with φ also φ + 180."),
+            ("setup", "string", false, "Of a straightedge: normal or reversed."),
         ],
     )
 }

@@ -21,6 +21,7 @@ pub(crate) mod in_process;
 pub(crate) mod limits;
 pub(crate) mod line_camera;
 pub(crate) mod machine;
+pub(crate) mod machine_readings;
 pub(crate) mod noses;
 pub mod optimize;
 pub(crate) mod parts;

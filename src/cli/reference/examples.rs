@@ -53,6 +53,13 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge calibrate my.toml --out bench.json --date 2026-11-22",
         ],
     ),
+    (
+        "calibrate machine",
+        &[
+            "shadowgauge calibrate machine configs/machine_identify.toml --out out/machine.json",
+            "shadowgauge calibrate machine my.toml --out machine.json --tables out/tables --radius-mm 12.5",
+        ],
+    ),
     ("optics", &["shadowgauge optics esf my.toml > edge.csv"]),
     (
         "optics esf",

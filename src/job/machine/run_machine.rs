@@ -24,10 +24,17 @@ pub struct RunMachine {
     /// Whether the control compensates the machine's static errors by a table of its own: at every
     /// station the command is less by what they add to the diameter there.
     pub compensate: bool,
-    /// File of the machine as the control's table has it, as it was identified; that of `file`
-    /// itself where it is left out.
+    /// File of the machine as the control's table has it: the `machine.json` of `calibrate machine`,
+    /// or a file like `file`; that of `file` itself where it is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table: Option<String>,
+    /// Name of the machine; the file's where it is left out. A `machine.json` of another one is
+    /// refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Name of the head. A `machine.json` that another head's readings have part in is refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub head: Option<String>,
     /// Temperature of the machine, °C; the file's where it is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature_c: Option<f64>,
@@ -122,7 +129,11 @@ impl RunMachine {
         };
         let right = format!("{}, the machine's: the table is that of another one", own.chain.notation());
         require(table.chain == own.chain, "machine.table", table.chain.notation(), &right)?;
-        check_travels(table, part)?;
+        let beyond = |e: SettingError| SettingError {
+            problem: format!("{}; there the errors of machine.table end, none is extrapolated", e.problem),
+            ..e
+        };
+        check_travels(table, part).map_err(beyond)?;
         Ok(Some(table))
     }
 

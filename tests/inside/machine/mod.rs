@@ -5,6 +5,8 @@ mod bad_input;
 mod chain;
 mod cli;
 mod functions;
+mod identification;
+mod identified_run;
 mod response;
 mod run;
 mod spindle;

@@ -1,0 +1,193 @@
+//! `shadowgauge calibrate CONFIG`: an optical setup from dark and flat fields, master pins and a check
+//! pin.
+//!
+//! In: a plan. Its frames are rendered, lie in folders (`recorded_frames`) or are taken with a
+//! camera (`camera_frames`), before which an operator lays the pins (`asked_camera`, who is `asked`
+//! on the terminal) or which places them itself. Out: a calibration, bound to its camera, with a
+//! report; what is printed is in `said`.
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use super::camera_args::CameraArgs;
+#[cfg(feature = "camera")]
+use super::camera_frames::CameraFrames;
+use super::recorded_frames::{RecordedFrames, Watched};
+use super::said::say;
+use crate::cli::calibration_plan::{self, LoadedPlan};
+use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::input_output::{ConfigText, json_text};
+use crate::cli::measure::esf_argument::{esf_model, needs_scale};
+use crate::files::OutputFile;
+use crate::gauge::Calibration;
+use crate::gauge::calibration::Date;
+use crate::render::{BackendChoice, Renderer};
+use crate::report;
+use crate::setting::SettingError;
+use crate::studies::calibration::{
+    CalibrateError, Calibrated, CalibrationPlan, SimulatedRecordings, calibrate, rough_um_per_px,
+};
+
+/// Arguments of `calibrate CONFIG`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct OpticalSetupArgs {
+    /// The calibration, as configs/calibrate.toml; or a job's config, whose bench is calibrated on
+    /// its master pins, rendered.
+    config: PathBuf,
+    /// Where the calibration goes; its report goes beside it as .html.
+    #[arg(long, value_name = "FILE.json")]
+    out: PathBuf,
+    /// Edge-spread function that is fitted, in place of the file's [gauge.esf]: gaussian, learnt
+    /// (each frame's own), a table `distance_um,light` (.csv or .json) or the optics of a config
+    /// (.toml). The calibration keeps it.
+    #[arg(long, value_name = "NAME|FILE")]
+    esf: Option<String>,
+    /// Day of the calibration that is made of a job's config, YYYY-MM-DD; today without it. A
+    /// calibration's own file has its date.
+    #[arg(long, value_name = "DATE")]
+    date: Option<Date>,
+    /// Where a [simulate] table's frames are rendered.
+    #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
+    backend: BackendChoice,
+    #[command(flatten)]
+    camera: CameraArgs,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Makes the calibration. Where the check pin refutes it, only the report is written, and the exit
+/// code is 1.
+///
+/// # Errors
+/// Exit 2 for a config that is refused; 3 for frames that cannot be read or measured and for
+/// failures of the disk.
+pub(crate) fn run(args: &OpticalSetupArgs) -> CommandResult {
+    if args.out.extension().is_none_or(|e| e != "json") {
+        let name = args.out.display();
+        return Err(Failure::refuse(format!(
+            "--out {name}: must end in .json; the report goes beside it as .html"
+        )));
+    }
+    let today = args.date.unwrap_or_else(|| Date::of(SystemTime::now()));
+    let mut loaded = calibration_plan::load(&args.config, today)?;
+    if let (None, Some(option)) = (&loaded.plan.source, args.camera.given()) {
+        let name = args.config.display();
+        return Err(Failure::refuse(format!("{option} is of a camera, and {name} names none (source)")));
+    }
+    let claim = |path: &Path| OutputFile::claim(path, [args.config.clone()]);
+    let (page_file, file) = (claim(&args.out.with_extension("html"))?, claim(&args.out)?);
+    let calibrated = made(&mut loaded, args.esf.as_deref(), args.backend, &args.camera)?;
+    let page = report::calibration_report(&loaded.plan, &calibrated).map_err(Failure::fail)?;
+    page_file.write(page.as_bytes())?;
+    let accepted = check(&calibrated.calibration);
+    if accepted {
+        let json = json_text(&calibrated.calibration)? + "\n";
+        file.write(json.as_bytes())?;
+    } else {
+        tracing::error!(
+            "the check pin refuses this calibration; {} is not written, the report says why",
+            args.out.display()
+        );
+    }
+    say(args.json, &calibrated);
+    Ok(if accepted { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+/// Makes a plan's calibration from its folders or from rendered frames, with the edge-spread
+/// function named on the command line in place of the plan's.
+///
+/// # Errors
+/// As [`run`].
+pub(crate) fn make(
+    loaded: &mut LoadedPlan,
+    esf: Option<&str>,
+    backend: BackendChoice,
+) -> Result<Calibrated, Failure> {
+    made(loaded, esf, backend, &CameraArgs::default())
+}
+
+/// As [`make`], with a camera set so.
+fn made(
+    loaded: &mut LoadedPlan,
+    esf: Option<&str>,
+    backend: BackendChoice,
+    camera: &CameraArgs,
+) -> Result<Calibrated, Failure> {
+    let LoadedPlan { plan, text, folder } = loaded;
+    plan.validate().map_err(|e| text.refuse_at(e))?;
+    if let Some(source) = plan.source.clone() {
+        return with_camera(plan, (text, &source), esf, camera);
+    }
+    let failed = |e: CalibrateError| refused_or_failed(text, e);
+    if plan.simulate.is_none() {
+        let mut recordings = RecordedFrames::new(folder.clone(), plan.channel);
+        choose_edge(plan, esf, |plan| rough_um_per_px(plan, &mut recordings).map_err(failed))?;
+        return calibrate(plan, &mut Watched::new(plan, &mut recordings)).map_err(failed);
+    }
+    let renderer = Renderer::new(backend).map_err(Failure::fail)?;
+    let rendered =
+        |plan: &CalibrationPlan| SimulatedRecordings::new(plan, &renderer).map_err(|e| text.refuse(e));
+    choose_edge(plan, esf, |plan| rough_um_per_px(plan, &mut rendered(plan)?).map_err(failed))?;
+    calibrate(plan, &mut Watched::new(plan, &mut rendered(plan)?)).map_err(failed)
+}
+
+/// Exit 2 for a key of the plan, 3 for everything else.
+fn refused_or_failed(text: &ConfigText, error: CalibrateError) -> Failure {
+    match error {
+        CalibrateError::Setting(e) => text.refuse_at(e),
+        other => Failure::fail(format!("{}: {other}", text.name)),
+    }
+}
+
+/// Makes a plan's calibration with the camera that it names, to which it is then bound.
+#[cfg(feature = "camera")]
+fn with_camera(
+    plan: &mut CalibrationPlan,
+    (text, source): (&ConfigText, &str),
+    esf: Option<&str>,
+    args: &CameraArgs,
+) -> Result<Calibrated, Failure> {
+    if plan.channel.is_some() {
+        let why = "is of colour frames, and cameras are measured in grey: leave it out";
+        return Err(text.refuse_at(SettingError::at("channel", why)));
+    }
+    let mut frames = CameraFrames::open(plan, source, args)?;
+    let made = choose_edge(plan, esf, |plan| {
+        rough_um_per_px(plan, &mut frames).map_err(|e| refused_or_failed(text, e))
+    })
+    .and_then(|()| calibrate(plan, &mut frames).map_err(|e| refused_or_failed(text, e)));
+    let mut made = made.map_err(|why| frames.interrupted().unwrap_or(why))?;
+    made.calibration = made.calibration.with_camera(frames.binding());
+    Ok(made)
+}
+
+/// Refuses: there is no client in this build.
+#[cfg(not(feature = "camera"))]
+fn with_camera(
+    _plan: &mut CalibrationPlan,
+    (text, source): (&ConfigText, &str),
+    _esf: Option<&str>,
+    _args: &CameraArgs,
+) -> Result<Calibrated, Failure> {
+    let right = "build it with it, or record the frames and name their folders (frames)";
+    let why = format!("{source}: this program was built without the feature camera; {right}");
+    Err(text.refuse_at(SettingError::at("source", why)))
+}
+
+/// Puts the edge-spread function of the command line into a plan; a table in µm is converted by a
+/// rough scale from the masters.
+fn choose_edge(
+    plan: &mut CalibrationPlan,
+    esf: Option<&str>,
+    um_per_px: impl FnOnce(&CalibrationPlan) -> Result<f64, Failure>,
+) -> Result<(), Failure> {
+    let Some(name) = esf else { return Ok(()) };
+    let scale = if needs_scale(name) { Some(um_per_px(plan)?) } else { None };
+    plan.gauge.esf = esf_model(name, scale)?;
+    Ok(())
+}
+
+fn check(calibration: &Calibration) -> bool {
+    calibration.setup.as_ref().and_then(|b| b.check).is_none_or(|c| c.accepted)
+}
