@@ -33,6 +33,10 @@ pub(super) struct Nose {
     pub(super) registers: HashMap<u32, NoseRegister>,
     /// The offset in force.
     pub(super) offset: u32,
+    /// Whether compensation begins and ends at right angles (SINUMERIK's NORM).
+    pub(super) at_right_angles: bool,
+    /// Whether offset lines are extended at outer corners (SINUMERIK's G451).
+    pub(super) extends_corners: bool,
     /// G41 or G42.
     pub(super) compensation: Option<Compensation>,
 }
