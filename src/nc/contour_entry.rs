@@ -23,15 +23,15 @@ fn way(piece: &Piece, a: f64) -> DVec2 {
     along * (piece.to - piece.from).dot(along).signum()
 }
 
-/// Along the first piece where that leads in from beyond the end face, else along its normal; onto
-/// a face `before_mm` before its first point.
+/// Along the first piece where that leads in from beyond the end face, else along its normal, onto
+/// its line `before_mm` before its first point.
 pub(super) fn entry(first: &Piece, lead_mm: f64, before_mm: f64) -> Entry {
     let (along, n) = (way(first, first.from_rad), DVec2::from_angle(first.from_rad));
     let back = first.from - lead_mm * along;
     if back.y - first.from.y > FACE * lead_mm && back.x >= 0.0 {
         return Entry { from: back, to: first.from };
     }
-    let to = if n.y > FACE { first.from - before_mm * along } else { first.from };
+    let to = first.from - before_mm * along;
     Entry { from: to + lead_mm * n, to }
 }
 

@@ -55,7 +55,7 @@ pub(crate) struct WrittenContour {
 
 /// Length of entry and exit, in units of R: controls need more than one.
 const ENTRY_RADII: f64 = 2.0;
-/// Length by which a face is begun earlier, in units of R: more than the fillet of R.
+/// Length by which a piece is begun earlier, in units of R: more than the fillet of R.
 const BEFORE_RADII: f64 = 1.5;
 /// Height of the tool above its nose in the replay, mm: beyond all dimensions of a lathe.
 const FAR_MM: f64 = 1e4;
@@ -67,6 +67,12 @@ impl ContourProgram<'_> {
     /// Machine data that are missing, a register that the control cannot be given, a block that
     /// collides or that the control would stop at.
     pub(crate) fn write(&self, dialect: Dialect) -> Result<WrittenContour, NcError> {
+        let (text, skeleton) = self.text(dialect)?;
+        self.replayed(text, &skeleton)
+    }
+
+    /// The text alone, and what it moves among.
+    fn text(&self, dialect: Dialect) -> Result<(String, Skeleton<'_>), NcError> {
         if self.register.is_some() && dialect == Dialect::Gsk {
             return Err(NcError::Plan(
                 "gsk: how a program writes the register R and the tip direction of this control is not verified; drive \
@@ -85,8 +91,7 @@ impl ContourProgram<'_> {
         lines.extend(self.leave(last, &skeleton));
         lines.extend(self.to_change(&skeleton));
         lines.extend(dialect.end());
-        let text = lines.join("\n") + "\n";
-        self.replayed(text, &skeleton)
+        Ok((lines.join("\n") + "\n", skeleton))
     }
 
     /// The pieces in the order of cutting.
@@ -114,8 +119,8 @@ impl ContourProgram<'_> {
         self.settings.lead_in_mm.max(ENTRY_RADII * self.radius_mm())
     }
 
-    /// Length by which a face is begun before its first point: a control may leave the fillet of R
-    /// between the entry and the first piece.
+    /// Length by which a piece that is entered along its normal is begun before its first point: a
+    /// control may leave the fillet of R between the entry and the first piece.
     fn before_mm(&self) -> f64 {
         BEFORE_RADII * self.radius_mm()
     }
@@ -277,12 +282,17 @@ impl ContourProgram<'_> {
         }
     }
 
+    /// The text without its replay.
+    #[cfg(test)]
+    pub(crate) fn unproven(&self, dialect: Dialect) -> Result<String, NcError> {
+        Ok(self.text(dialect)?.0)
+    }
+
     /// Replays another text among the surroundings of this program.
     #[cfg(test)]
     pub(crate) fn replay_of(&self, text: &str, dialect: Dialect) -> Result<usize, NcError> {
-        let cut = self.in_order();
-        let from = entry(&cut[0], self.lead_mm(), self.before_mm()).from;
-        replay::check(text, &self.working_space(&self.skeleton(dialect, from)?)?)
+        let (_, skeleton) = self.text(dialect)?;
+        replay::check(text, &self.working_space(&skeleton)?)
     }
 
     /// The machine around a shaft, with the measured nose below everything above it.

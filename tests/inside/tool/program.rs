@@ -267,5 +267,9 @@ fn a_left_hand_tool_is_driven_towards_the_tailstock() {
         let away = difference_um(&c, &done, &written.moves);
         println!("towards the tailstock, {}: {away:.4} µm", way.as_str());
         assert!(away < 0.1, "{}: {away}\n{}", way.as_str(), written.text);
+        let Some((_, printed)) = interpret(&written.text) else { continue };
+        let away = difference_um(&c, &done, &canonical(&printed));
+        println!("rs274, towards the tailstock, {}: {away:.4} µm", way.as_str());
+        assert!(away < 0.1, "{}: {away}\n{printed}\n{}", way.as_str(), written.text);
     }
 }
