@@ -3,14 +3,14 @@
 //! ```text
 //!    chuck |############## material ##############| end face
 //!          |------ drilled hole, hole_mm ---------|
-//!          |     <- - - - rapid, clear_mm - - - - - - - - x  in rapid along X, at Z of the change position
+//!          |     <- - - - rapid, clear_mm - - - - - - - - x  rapid along X before it
 //!          |- - - - - - - - axis - - - - - - - - -|
 //! ```
 //!
 //! Solids are in (Z, distance from the axis) on both sides of the axis: the bar reaches beyond it.
-//! From every clear place the way out is along Z, towards the tailstock. The drilled hole bounds the
-//! rapids; the bar keeps off the finished bore in feed as well. What is not stated of the bar's
-//! outside is material at every distance.
+//! From every clear place the way out is along Z, towards the tailstock. The drilled hole bounds
+//! the rapids; the bar keeps off the finished bore in feed as well. Where the part's outer diameter
+//! is not stated all room beside the hole is material.
 
 use glam::DVec2;
 
@@ -49,7 +49,8 @@ pub(crate) struct Bore<'a> {
 fn bar_of(settings: &NcSettings) -> Result<BoringBar, NcError> {
     if settings.tailstock != Some(Tailstock::Absent) {
         return Err(NcError::Plan(
-            "a bore is entered from the tailstock's side: the machine's data must state tailstock = \"none\"".into(),
+            "a bore is entered from the tailstock's side: the machine's data must state tailstock = \"none\""
+                .into(),
         ));
     }
     settings.boring_bar.ok_or_else(|| {
@@ -73,7 +74,8 @@ impl Bore<'_> {
     /// the control's register, `entry` where the first feed along the contour begins.
     ///
     /// # Errors
-    /// A hole too narrow for the clearance, a change position beside the part, data that are missing.
+    /// A hole too narrow for the clearance, a change position beside the part, data that are
+    /// missing.
     pub(super) fn route(
         &self,
         settings: &NcSettings,
@@ -154,13 +156,12 @@ impl Bore<'_> {
         let finished = self.finished().into_iter().flat_map(|shape| [shape.mirrored(), shape]);
         space.bore = Some(BoreSpace { finished: finished.collect() });
         // how deep it cuts is judged by what it leaves of the outline, not by stations
-        space.cut =
-            CommandedCut { commanded: vec![(0.0, -FAR_MM)], between: (0.0, 0.0), solid: None };
+        space.cut = CommandedCut { commanded: vec![(0.0, -FAR_MM)], between: (0.0, 0.0), solid: None };
         Ok(space)
     }
 
-    /// The part around the drilled hole with `clear_mm` of radius around its material, on one side of
-    /// the axis; towards the end face the tool feeds in from outside.
+    /// The part around the drilled hole with `clear_mm` of radius around its material, on one side
+    /// of the axis; towards the end face the tool feeds in from outside.
     fn drilled(&self, clear_mm: f64) -> Vec<Solid> {
         let (from, end) = (-clear_mm, self.end_mm());
         let (inside, outside) = (0.5 * self.hole_mm - clear_mm, self.outside_mm() + clear_mm);
@@ -183,13 +184,13 @@ impl Bore<'_> {
     /// The material around the finished bore in convex parts, on one side of the axis.
     fn finished(&self) -> Vec<Convex> {
         let outside = self.outside_mm();
-        let of = |a: DVec2, b: DVec2| Convex::hull(vec![(a.y, a.x), (b.y, b.x), (b.y, outside), (a.y, outside)]);
+        let of =
+            |a: DVec2, b: DVec2| Convex::hull(vec![(a.y, a.x), (b.y, b.x), (b.y, outside), (a.y, outside)]);
         let points = self.outline.pieces.iter().flat_map(|piece| {
             let points = piece.points(SAGITTA_MM);
             points.windows(2).map(|w| (w[0], w[1])).collect::<Vec<_>>()
         });
-        let mut parts: Vec<Convex> =
-            points.filter(|(a, b)| a.y != b.y).map(|(a, b)| of(a, b)).collect();
+        let mut parts: Vec<Convex> = points.filter(|(a, b)| a.y != b.y).map(|(a, b)| of(a, b)).collect();
         let (from, hole) = (self.outline.z_mm().0, 0.5 * self.hole_mm);
         let inside = if self.bottom_mm().is_some() { 0.0 } else { hole };
         parts.push(of(DVec2::new(inside, 0.0), DVec2::new(inside, from)));

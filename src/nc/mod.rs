@@ -57,8 +57,8 @@ mod turning;
 pub use self::{
     dialect::Dialect,
     machine::{
-        BoringBar, Centre, ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation,
-        Tailstock, Travel, WearX,
+        BoringBar, Centre, ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle,
+        SpindleOrientation, Tailstock, Travel, WearX,
     },
     probe_settings::{NcProbe, ProbeReference},
     scan_settings::{MCode, NcScan, ScanHead},

@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::machine::{
-    BoringBar, ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation, Tailstock, Travel,
-    WearX,
+    BoringBar, ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation,
+    Tailstock, Travel, WearX,
 };
 use super::probe_settings::NcProbe;
 use super::scan_settings::NcScan;

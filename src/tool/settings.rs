@@ -217,7 +217,12 @@ impl OutlineFile {
             require(stock.is_finite() && stock >= largest, "stock_diameter_mm", stock, &right)?;
         }
         let Some(hole) = self.hole_diameter_mm else { return Ok(()) };
-        require(self.side == Side::Internal, "hole_diameter_mm", hole, "left out: side = \"internal\" has one")?;
+        require(
+            self.side == Side::Internal,
+            "hole_diameter_mm",
+            hole,
+            "left out: side = \"internal\" has one",
+        )?;
         let right = format!("above 0 and at most {largest} mm, the bore's largest diameter");
         require(hole > 0.0 && hole <= largest, "hole_diameter_mm", hole, &right)
     }

@@ -142,7 +142,10 @@ fn a_bore_gets_its_program_where_the_bar_is_stated() {
     let output = shadowgauge(arguments(&files, &["--json"]));
     assert!(output.status.success(), "{}", said(&output));
     let document: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert!(document["program_largest"]["left_um"].as_f64().is_some_and(|left| left.abs() < 0.1), "{document:#}");
+    assert!(
+        document["program_largest"]["left_um"].as_f64().is_some_and(|left| left.abs() < 0.1),
+        "{document:#}"
+    );
     assert!(document["no_program"].is_null() && document["cautions"].is_null(), "{document:#}");
     let output = shadowgauge(arguments(&files, &["--way", "register"]));
     let printed = text(&output.stdout);

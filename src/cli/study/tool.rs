@@ -142,7 +142,12 @@ fn nose_in_words(study: &Study) -> String {
     format!(
         "nose: mean radius {real:.5} mm, measured {found:.5} mm (u {:.3} µm), centre off by {:.3} µm, e(a) off by {:.3} µm at \
          most (u {:.3}); {paper}. Slides scatter by {:.2} µm along X and {:.2} µm along Z (standard deviations).",
-        1e3 * u, n.centre_off_um, n.e_off_um, n.u_e_um, study.slides_um[0], study.slides_um[1]
+        1e3 * u,
+        n.centre_off_um,
+        n.e_off_um,
+        n.u_e_um,
+        study.slides_um[0],
+        study.slides_um[1]
     )
 }
 

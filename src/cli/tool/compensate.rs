@@ -233,7 +233,8 @@ impl Inputs {
             }
             Some(_) => None,
         };
-        let of_pass = "not compared with the pass after which the nose was measured, as a correction presumes";
+        let of_pass =
+            "not compared with the pass after which the nose was measured, as a correction presumes";
         compared.map(|what| format!("{what} {of_pass}")).into_iter().collect()
     }
 

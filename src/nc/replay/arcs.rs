@@ -69,7 +69,9 @@ impl Interpreter<'_> {
                 (0.5 * d, TipDirection::of(l as u8, Numbering::Linuxcnc))
             }
             (Dialect::Sinumerik, 0) if !(self.nose.at_right_angles && self.nose.extends_corners) => {
-                return Err("G41 or G42 before NORM and G451: how it begins and rounds corners is open".into());
+                return Err(
+                    "G41 or G42 before NORM and G451: how it begins and rounds corners is open".into()
+                );
             }
             (Dialect::Fanuc | Dialect::Sinumerik, 0) => {
                 let nose = self.nose.registers.get(&self.nose.offset).copied();

@@ -35,6 +35,7 @@ mod run;
 mod scan;
 mod scan_state;
 mod sinumerik;
+mod sinumerik_edge;
 mod surface;
 mod touch;
 

@@ -76,7 +76,12 @@ fn program<T>(
     })
 }
 
-fn written(c: &Compensator<'_>, done: &Compensated, d: Dialect, s: &NcSettings) -> Result<WrittenContour, String> {
+fn written(
+    c: &Compensator<'_>,
+    done: &Compensated,
+    d: Dialect,
+    s: &NcSettings,
+) -> Result<WrittenContour, String> {
     program(c, done, s, |p| p.write(d).map_err(|e| e.to_string()))
 }
 
@@ -146,7 +151,8 @@ fn the_tool_goes_in_along_the_axis_and_out_along_z() {
             let replay = |text: &str| program(c, &done, &settings, |p| p.replay_of(text, Dialect::Linuxcnc));
             assert!(replay(&text).unwrap() > 20);
             // without the way back to the axis the rapid out runs through what stands around the hole
-            let refused = replay(&format!("{}{others}", all.trim_end_matches("G01 "))).unwrap_err().to_string();
+            let refused =
+                replay(&format!("{}{others}", all.trim_end_matches("G01 "))).unwrap_err().to_string();
             assert!(refused.contains("in rapid the tool"), "{refused}");
             // X before Z leaves through the wall
             let refused = replay(&text.replace("G00 Z120.\nX200.\n", "G00 X200.\nZ120.\n")).unwrap_err();

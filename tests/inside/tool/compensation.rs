@@ -294,7 +294,10 @@ fn a_bore_is_compensated_like_a_shaft() {
             let sign = if side == Side::External { 1.0 } else { -1.0 };
             for kind in [Kind::Diameter, Kind::Cone] {
                 for (one, other) in of(&mine, kind).iter().zip(of(&its, kind)) {
-                    assert!((one - sign * other).abs() < 0.02, "{side:?} {feed:?} {way:?} {kind:?}: {one} {other}");
+                    assert!(
+                        (one - sign * other).abs() < 0.02,
+                        "{side:?} {feed:?} {way:?} {kind:?}: {one} {other}"
+                    );
                 }
             }
         }

@@ -4,7 +4,8 @@
 use crate::plan::CuttingData;
 use crate::tool::MeasuredPass;
 
-const PASS: MeasuredPass = MeasuredPass { speed_m_per_min: 180.0, feed_mm_per_rev: 0.08, depth_mm: Some(0.2) };
+const PASS: MeasuredPass =
+    MeasuredPass { speed_m_per_min: 180.0, feed_mm_per_rev: 0.08, depth_mm: Some(0.2) };
 
 fn cut(speed_m_per_min: f64, feed_mm_per_rev: f64) -> CuttingData {
     CuttingData { speed_m_per_min, feed_mm_per_rev }

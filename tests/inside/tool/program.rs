@@ -123,7 +123,9 @@ fn a_sinumerik_takes_radius_and_tip_of_the_edge_and_arcs_by_their_radius() {
     let c = compensator(&part, &nose, 0.4);
     let done = c.carry_out(Way::Register).unwrap();
     let text = written(&c, &done, Dialect::Sinumerik, &settings).unwrap().text;
-    for word in ["$TC_DP2[1,1]=3\n", "$TC_DP6[1,1]=0.4\n", "$TC_DP15[1,1]=0\n", "G451 NORM", "G42 X=", " CR=5"] {
+    for word in
+        ["$TC_DP2[1,1]=3\n", "$TC_DP6[1,1]=0.4\n", "$TC_DP15[1,1]=0\n", "G451 NORM", "G42 X=", " CR=5"]
+    {
         assert!(text.contains(word), "{word}: {text}");
     }
     let control = control(&settings, Dialect::Sinumerik);

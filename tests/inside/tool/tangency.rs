@@ -6,9 +6,7 @@ use glam::DVec2;
 use super::parts::*;
 use super::program::{control, machine};
 use crate::nc::replay::{self, Deed};
-use crate::nc::{
-    Bore, BoringBar, ContourProgram, Dialect, Direction, NcSettings, NoseRegister, Workpiece,
-};
+use crate::nc::{Bore, BoringBar, ContourProgram, Dialect, Direction, NcSettings, NoseRegister, Workpiece};
 use crate::nose::Feed;
 use crate::outline::{Outline, Piece, Side};
 use crate::plan::CuttingData;

@@ -149,7 +149,10 @@ fn a_run_is_cut_like_the_pass_that_was_measured() {
     // the example states its pass: the last one of 12.4 to 12.0 mm, 180 m/min, .08 mm
     let depth = "depth_mm = 0.2";
     let said = refused(("", ""), (depth, "depth_mm = 0.3"));
-    assert!(said.contains("part.nominal_diameter_mm") && said.contains("0.2000 mm") && said.contains("0.3 mm"), "{said}");
+    assert!(
+        said.contains("part.nominal_diameter_mm") && said.contains("0.2000 mm") && said.contains("0.3 mm"),
+        "{said}"
+    );
     let said = refused(("speed_m_per_min = 180.0", "speed_m_per_min = 150.0"), ("", ""));
     assert!(said.contains("cutting.speed_m_per_min = 150") && said.contains("180 m/min"), "{said}");
     let said = refused(("feed_mm_per_rev = 0.08", "feed_mm_per_rev = 0.12"), ("", ""));
@@ -176,7 +179,8 @@ fn a_drawn_scene_shows_what_the_nose_leaves() {
         middle.bottom_px - middle.top_px
     };
     let mm_per_px = job(Way::Register).setup_settings().nominal_pixel_mm();
-    let (drawn, worn, mended) = (diameters_px(None), diameters_px(Some(Way::Register)), diameters_px(Some(Way::Path)));
+    let (drawn, worn, mended) =
+        (diameters_px(None), diameters_px(Some(Way::Register)), diameters_px(Some(Way::Path)));
     let more = |px: f64| mm_per_px * (px - drawn);
     assert!((more(worn) - 2.0 * left_mm(0.0)).abs() < 5e-4, "{}", more(worn));
     assert!(more(mended).abs() < 5e-4, "{}", more(mended));
