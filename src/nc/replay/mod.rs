@@ -12,8 +12,8 @@
 //! - the tool is changed, and the part measured, at the change position alone,
 //! - the probe goes down to the part in probing moves alone, radially and with the spindle standing
 //!   still, and neither its ball nor its body touches anything else, even where no touch stops it,
-//! - in a bore no rapid comes closer to the drilled hole than half the clearance, and the boring bar
-//!   keeps off the finished bore in feed as well,
+//! - in a bore no rapid comes closer to the drilled hole than half the clearance, and the bar keeps
+//!   off the finished bore in feed as well,
 //! - no feed cuts below the commanded diameter (contours are judged by what they leave instead),
 //! - feeds at the commanded diameter cover the part from the stated end of the cut to its end face,
 //! - the gauge head is triggered at the planned places alone, each once and in order, with the tool

@@ -104,9 +104,10 @@ fn programs_of_bores_command_the_path_of_their_way() {
         compensated(&papers(), feed, |c| {
             for way in Way::ALL {
                 let done = c.carry_out(way).unwrap();
-                for (dialect, most) in
-                    [(Dialect::Linuxcnc, 0.1), (Dialect::Fanuc, 1.5), (Dialect::Sinumerik, 1.5)]
-                {
+                // the replay from every start position is the same for all of them: once is enough
+                let others = [(Dialect::Fanuc, 1.5), (Dialect::Sinumerik, 1.5)];
+                let others = others.into_iter().filter(|_| way == Way::EditedContour);
+                for (dialect, most) in [(Dialect::Linuxcnc, 0.1)].into_iter().chain(others) {
                     let written = written(c, &done, dialect, &settings).unwrap();
                     let away = difference_um(c, &done, &written.moves);
                     println!("{feed:?} {} {}: {away:.4} µm", dialect.as_str(), way.as_str());
@@ -127,11 +128,11 @@ fn linuxcnc_drives_the_same_path_in_a_bore() {
         compensated(&papers(), feed, |c| {
             for way in Way::ALL {
                 let done = c.carry_out(way).unwrap();
-                let written = written(c, &done, Dialect::Linuxcnc, &settings).unwrap();
-                let Some((_, printed)) = interpret(&written.text) else { return };
+                let text = program(c, &done, &settings, |p| p.unproven(Dialect::Linuxcnc)).unwrap();
+                let Some((_, printed)) = interpret(&text) else { return };
                 let away = difference_um(c, &done, &canonical(&printed));
                 println!("rs274, {feed:?} {}: {away:.4} µm", way.as_str());
-                assert!(away < 0.1, "{feed:?} {way:?}: {away}\n{printed}\n{}", written.text);
+                assert!(away < 0.1, "{feed:?} {way:?}: {away}\n{printed}\n{text}");
             }
         });
     }
