@@ -4,7 +4,7 @@
 //! The part stands roughed inside the bar, or is the bar: the tool comes down beyond the end face,
 //! in feed, enters along the first piece or along its normal by more than R, follows the pieces,
 //! and leaves radially. In a bore it goes in along the axis instead, inside the drilled hole, and
-//! leaves it along Z (`bore`). `nose_words` has what each control is told of the nose,
+//! leaves it along Z (`bore`). `nose_words` has what each control is given of the nose,
 //! `contour_entry` how a contour is entered and left.
 
 use glam::DVec2;
