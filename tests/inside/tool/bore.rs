@@ -193,3 +193,22 @@ fn a_bar_that_does_not_fit_is_refused_where_it_touches() {
     let said = refused(Feed::TowardsChuck, &NcSettings { clearance_mm: 15.0, ..with_bar(slim()) });
     assert!(said.contains("hole of 15 mm") && said.contains("clearance_mm"), "{said}");
 }
+
+#[test]
+fn a_blind_bore_is_faced_to_its_axis_and_left_along_z() {
+    let (whole, papers) = (shaft(), papers());
+    let seen = carried(&papers, Side::Internal, Feed::TowardsChuck);
+    let corners = [corner(25.0, 0.0, 0.0), corner(25.0, 16.0, 0.0), corner(45.0, 16.0, 0.0)];
+    let part = Outline::from_corners(&corners, Side::Internal).unwrap();
+    let tool = tool(Side::Internal, Feed::TowardsChuck, full_tip(Side::Internal, Feed::TowardsChuck));
+    let setting = Setting::new(&seen, &tool, &Stated::default()).unwrap();
+    let c = Compensator { outline: &part, setting, ..compensator(&whole, &papers, 0.4) };
+    let done = c.carry_out(Way::Register).unwrap();
+    let bar = BoringBar { diameter_mm: 6.0, tip_mm: 4.0, reach_mm: 45.0, front_mm: 0.0 };
+    let text = written(&c, &done, Dialect::Linuxcnc, &with_bar(bar)).unwrap().text;
+    assert!(text.contains("X0. Z25.\nG40 G01 X0. Z27.\nX13.5\nG00 Z120.\n"), "{text}");
+    // what stands before the tip meets the bottom
+    let longer = BoringBar { front_mm: 0.5, ..bar };
+    let said = written(&c, &done, Dialect::Linuxcnc, &with_bar(longer)).unwrap_err();
+    assert!(said.contains("in feed the boring bar touches the finished bore at Z 0.000 to 25.000"), "{said}");
+}
