@@ -4,16 +4,25 @@ use crate::job::Job;
 use crate::plan::ScanPlan;
 use crate::render::form::form_shaft;
 use crate::render::{FrameRequest, OpticalSetup, RenderError, Scene};
-use crate::shaft::ProfileKnot;
+use crate::shaft::{ProfileKnot, ShaftForm};
 
-/// The scene of a job: its shaft at the last pass's nominal diameter with the form of `[shaft]`.
+/// The scene of a job: its shaft at the last pass's nominal diameter with the form of `[shaft]`,
+/// and with the surface that a measured nose of `[tool]` leaves of its contour.
 ///
 /// # Errors
-/// Where optics or shaft are refused.
+/// Where optics or shaft are refused, or the tool cannot turn the contour.
 pub(crate) fn drawn_scene(job: &Job) -> Result<Scene, RenderError> {
     let setup = OpticalSetup::resolve(&job.setup_settings(), job.seed)?;
-    let profile = vec![ProfileKnot { z_mm: 0.0, radius_mm: job.part.drawn_diameter_mm() / 2.0 }];
-    let shaft = form_shaft(profile, &job.shaft, job.part.length_mm, job.seed)?;
+    let shaft = match job.worn_profile()? {
+        Some(worn) => {
+            let form = ShaftForm { contour: Vec::new(), ..job.shaft.clone() };
+            form_shaft(worn, &form, job.part.length_mm, job.seed)?
+        }
+        None => {
+            let plain = vec![ProfileKnot { z_mm: 0.0, radius_mm: job.part.drawn_diameter_mm() / 2.0 }];
+            form_shaft(plain, &job.shaft, job.part.length_mm, job.seed)?
+        }
+    };
     Scene::new(&setup, shaft)
 }
 

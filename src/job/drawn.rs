@@ -6,7 +6,9 @@ use super::loop_job::LoopJob;
 use super::part::Part;
 use super::simulated::Job;
 use super::stations;
+use crate::plan::ContourKnot;
 use crate::setting::{SettingError, positive};
+use crate::shaft::ProfileKnot;
 
 impl Part {
     /// Diameter that a picture of the part shows, mm: that of the last pass, otherwise the stock's.
@@ -72,7 +74,22 @@ impl Job {
     /// The first setting that is refused.
     pub(crate) fn check_scene(&self) -> Result<(), SettingError> {
         self.check_setup()?;
-        self.loop_job().check_drawn(!self.shaft.contour.is_empty())
+        self.loop_job().check_drawn(!self.shaft.contour.is_empty())?;
+        self.worn_profile().map(drop)
+    }
+
+    /// The surface that the tool's measured nose leaves in the last pass, as a run without
+    /// deflection cuts it; none where the tool states no nose.
+    ///
+    /// # Errors
+    /// A contour that cannot be turned, a nose that cannot turn it.
+    pub(crate) fn worn_profile(&self) -> Result<Option<Vec<ProfileKnot>>, SettingError> {
+        if self.tool.as_ref().is_none_or(|tool| tool.support.is_empty()) {
+            return Ok(None);
+        }
+        let last_mm = self.part.drawn_diameter_mm();
+        let knot = |k: &ContourKnot| ProfileKnot { z_mm: k.z_mm, radius_mm: 0.5 * (last_mm + k.relative_mm) };
+        Ok(self.contours()?.1.map(|worn| worn.knots.iter().map(knot).collect()))
     }
 
     /// Checks the optical setup as a user may write it.

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::loop_job::LoopJob;
 use super::nc_job::NcJob;
+use super::part::Part;
 use crate::nc::Dialect;
 use crate::nose::{Feed, NoseProfile, Support, ToolGeometry};
 use crate::outline::{Outline, Side};
@@ -126,6 +127,15 @@ impl RunTool {
         })
     }
 
+    /// What is not checked of the tool, for a warning.
+    pub(super) fn caution(&self) -> Option<String> {
+        let is_open = !self.support.is_empty() && self.stated.is_some_and(|t| t.measured_pass.is_none());
+        is_open.then(|| {
+            "measured_pass of the tool (tool.file) is not stated: whether the cut has the speed, feed and depth of the pass              after which the nose was measured is not checked"
+                .to_owned()
+        })
+    }
+
     /// The nose; none where the tool leaves the contour itself.
     fn profile(&self) -> Result<Option<NoseProfile>, SettingError> {
         let unread = [("tool.file", &self.file), ("tool.nose", &self.nose)];
@@ -156,6 +166,10 @@ impl RunTool {
         let tool = self.needed()?;
         let geometry = geometry(&tool)?;
         check_side_and_feed(&tool, part)?;
+        if let Some(measured) = tool.measured_pass {
+            let depth_mm = last_depth_mm(&part.part).map(|depth| ("part.nominal_diameter_mm", depth));
+            measured.allows(&part.cutting, depth_mm)?;
+        }
         let outline = Outline::from_corners(&part.contour, Side::External)
             .map_err(|e| SettingError { key: format!("shaft.{}", e.key), ..e })?;
         let refused = |e: ToolError| match e {
@@ -195,6 +209,13 @@ pub(super) fn worn(part: &LoopJob, drawn: &Contour, path: &NosePath) -> Result<C
         )
     })?;
     Ok(super::sections::with_surface(drawn, &part.contour, &knots))
+}
+
+/// Depth of the last pass, mm of radius; none of a part without passes.
+fn last_depth_mm(part: &Part) -> Option<f64> {
+    let last = part.nominal_diameter_mm.last()?;
+    let before = part.nominal_diameter_mm.iter().rev().nth(1).unwrap_or(&part.stock_diameter_mm);
+    Some(0.5 * (before - last))
 }
 
 fn check_side_and_feed(tool: &ToolFile, part: &LoopJob) -> Result<(), SettingError> {

@@ -237,7 +237,8 @@ impl Job {
             self.control.controller == ControllerName::Model && self.control.model.coefficient_n.is_none();
         let force =
             if model { workpiece::workpiece(&self.part, &self.process, &self.cutting).1 } else { None };
-        force.into_iter().chain(self.loop_job().cautions()).collect()
+        let tool = self.tool.as_ref().and_then(RunTool::caution);
+        force.into_iter().chain(tool).chain(self.loop_job().cautions()).collect()
     }
 
     /// Checks every stage's settings and the conditions across stages.

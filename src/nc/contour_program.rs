@@ -3,37 +3,30 @@
 //!
 //! The part stands roughed inside the bar, or is the bar: the tool comes down beyond the end face,
 //! in feed, enters along the first piece or along its normal by more than R, follows the pieces,
-//! and leaves radially. Fanuc: the radius goes into the geometry of the tool's offset (G10 P10000 +
-//! n, R, Q), the wear radius, which adds to it, is set to zero. LinuxCNC: G42.1 takes the diameter
-//! and the tip direction with it and leaves the tool table alone.
+//! and leaves radially. In a bore it goes in along the axis instead, inside the drilled hole, and
+//! leaves it along Z (`bore`). `nose_words` has what each control is given of the nose,
+//! `contour_entry` how a contour is entered and left.
 
 use glam::DVec2;
 
+use super::bore::Bore;
+use super::contour_entry::{entry, exit};
 use super::dialect::{Dialect, number};
 use super::error::NcError;
 use super::machine::{Direction, Spindle};
-use super::replay::{self, Convex, Deed};
-use super::route::{Workpiece, round3};
+use super::nose_words::{self, NoseRegister};
+use super::replay::{self, Convex, Deed, WorkingSpace};
+use super::route::{Route, Workpiece, round3};
 use super::settings::NcSettings;
 use super::skeleton::{self, Skeleton};
-use crate::nose::{Numbering, TipDirection};
 use crate::outline::Piece;
 use crate::plan::CuttingData;
-
-/// The register of a nose for the control's compensation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct NoseRegister {
-    /// Radius R, mm.
-    pub radius_mm: f64,
-    /// Tip direction.
-    pub tip: TipDirection,
-}
 
 /// A finishing cut to be written.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContourProgram<'a> {
-    /// The contour, or with no register the path of the gauge point: a shaft's, from chuck to
-    /// tailstock, X as a radius.
+    /// The contour, or with no register the path of the gauge point, in the direction of the
+    /// outline: a shaft's from chuck to tailstock, a bore's to the chuck; X as a radius.
     pub pieces: &'a [Piece],
     /// The register for G41 or G42; with none the program runs with G40.
     pub register: Option<NoseRegister>,
@@ -41,6 +34,8 @@ pub(crate) struct ContourProgram<'a> {
     pub nose: &'a [DVec2],
     /// The bar.
     pub piece: &'a Workpiece,
+    /// The bore that is cut in it; none of a shaft.
+    pub bore: Option<Bore<'a>>,
     /// The machine.
     pub settings: &'a NcSettings,
     /// Cutting data.
@@ -58,11 +53,9 @@ pub(crate) struct WrittenContour {
     pub moves: Vec<(DVec2, DVec2)>,
 }
 
-/// Beyond this share of Z in its normal a piece is entered and left along Z.
-const FACE: f64 = 0.7;
 /// Length of entry and exit, in units of R: controls need more than one.
 const ENTRY_RADII: f64 = 2.0;
-/// Length by which a face is begun earlier, in units of R: more than the fillet of R.
+/// Length by which a piece is begun earlier, in units of R: more than the fillet of R.
 const BEFORE_RADII: f64 = 1.5;
 /// Height of the tool above its nose in the replay, mm: beyond all dimensions of a lathe.
 const FAR_MM: f64 = 1e4;
@@ -74,16 +67,17 @@ impl ContourProgram<'_> {
     /// Machine data that are missing, a register that the control cannot be given, a block that
     /// collides or that the control would stop at.
     pub(crate) fn write(&self, dialect: Dialect) -> Result<WrittenContour, NcError> {
+        let (text, skeleton) = self.text(dialect)?;
+        self.replayed(text, &skeleton)
+    }
+
+    /// The text alone, and what it moves among.
+    fn text(&self, dialect: Dialect) -> Result<(String, Skeleton<'_>), NcError> {
         if self.register.is_some() && dialect == Dialect::Gsk {
             return Err(NcError::Plan(
                 "gsk: how a program writes the register R and the tip direction of this control is not verified; drive \
                  the nose's own path (--way path), which needs neither"
                     .into(),
-            ));
-        }
-        if dialect == Dialect::Sinumerik {
-            return Err(NcError::Plan(
-                "sinumerik: programs along lines and arcs are written in linuxcnc, fanuc and gsk".into(),
             ));
         }
         let cut = self.in_order();
@@ -95,38 +89,55 @@ impl ContourProgram<'_> {
         lines.extend(self.approach(&skeleton));
         lines.extend(self.blocks(&skeleton, &cut));
         lines.extend(self.leave(last, &skeleton));
-        lines.extend(dialect.to_change(skeleton.route.change));
+        lines.extend(self.to_change(&skeleton));
         lines.extend(dialect.end());
-        let text = lines.join("\n") + "\n";
-        self.replayed(text, &skeleton)
+        Ok((lines.join("\n") + "\n", skeleton))
     }
 
     /// The pieces in the order of cutting.
     fn in_order(&self) -> Vec<Piece> {
         let reversed =
             |p: &Piece| Piece { from: p.to, to: p.from, from_rad: p.to_rad, to_rad: p.from_rad, ..*p };
-        match self.piece.direction {
-            Direction::TowardsChuck => self.pieces.iter().rev().map(reversed).collect(),
-            Direction::TowardsTailstock => self.pieces.to_vec(),
+        // an outline runs to the tailstock along a shaft and to the chuck in a bore
+        if (self.piece.direction == Direction::TowardsChuck) == self.bore.is_some() {
+            self.pieces.to_vec()
+        } else {
+            self.pieces.iter().rev().map(reversed).collect()
         }
     }
 
-    fn lead_mm(&self) -> f64 {
-        let radius = self.register.map_or(0.0, |r| r.radius_mm);
-        self.settings.lead_in_mm.max(ENTRY_RADII * radius)
+    /// Whether the tool runs on the right of the contour.
+    fn is_on_the_right(&self) -> bool {
+        (self.piece.direction == Direction::TowardsChuck) != self.bore.is_some()
     }
 
-    /// Length by which a face is begun before its first point: a control may leave the fillet of R
-    /// between the entry and the first piece.
+    fn radius_mm(&self) -> f64 {
+        self.register.map_or(0.0, |r| r.radius_mm)
+    }
+
+    fn lead_mm(&self) -> f64 {
+        self.settings.lead_in_mm.max(ENTRY_RADII * self.radius_mm())
+    }
+
+    /// Length by which a piece that is entered along its normal is begun before its first point: a
+    /// control may leave the fillet of R between the entry and the first piece.
     fn before_mm(&self) -> f64 {
-        self.register.map_or(0.0, |r| BEFORE_RADII * r.radius_mm)
+        BEFORE_RADII * self.radius_mm()
     }
 
     fn skeleton(&self, dialect: Dialect, entry: DVec2) -> Result<Skeleton<'_>, NcError> {
-        let largest = self.pieces.iter().map(|p| 2.0 * p.from.x.max(p.to.x)).fold(0.0, f64::max);
-        let mut route =
-            skeleton::check(self.settings, self.piece, largest.min(self.piece.before_mm), dialect)?;
-        route.z_first = round3(entry.y);
+        let route = match &self.bore {
+            Some(bore) => {
+                skeleton::check_settings(self.settings, dialect)?;
+                bore.route(self.settings, (self.nose, self.radius_mm()), entry)?
+            }
+            None => {
+                let largest = self.pieces.iter().map(|p| 2.0 * p.from.x.max(p.to.x)).fold(0.0, f64::max);
+                let nominal = largest.min(self.piece.before_mm);
+                let route = skeleton::check(self.settings, self.piece, nominal, dialect)?;
+                Route { z_first: round3(entry.y), ..route }
+            }
+        };
         Ok(Skeleton {
             dialect,
             settings: self.settings,
@@ -142,17 +153,20 @@ impl ContourProgram<'_> {
 
     fn head(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
         let s = self.settings;
-        let mut texts = vec![
-            format!("shadowgauge {} for {}", env!("CARGO_PKG_VERSION"), skeleton.dialect.as_str()),
-            self.about.to_owned(),
-            format!(
+        let program = format!("shadowgauge {} for {}", env!("CARGO_PKG_VERSION"), skeleton.dialect.as_str());
+        let mut texts = vec![program, self.about.to_owned()];
+        match &self.bore {
+            Some(bore) => texts.extend(bore.words(s)),
+            None => texts.push(format!(
                 "finishing cut in a bar of {} mm, roughed to the contour",
                 number(self.piece.before_mm, 3)
-            ),
+            )),
+        }
+        texts.extend([
             "X is a diameter, Z 0 the face that clamps the part".to_owned(),
             format!("tool {}, set in X and Z at its tip direction", s.tool),
-        ];
-        texts.extend(skeleton.change_position());
+        ]);
+        texts.extend(skeleton.change_position(self.bore.is_some()));
         let smallest = self.end_diameter_mm();
         texts.extend(skeleton.assumed(smallest, true));
         skeleton.framed(&format!("CONTOUR OF PART {}", s.part_number), texts)
@@ -166,19 +180,21 @@ impl ContourProgram<'_> {
 
     fn approach(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
         let (d, s, route) = (skeleton.dialect, self.settings, &skeleton.route);
-        let mut lines = d.to_change(route.change);
-        if let (Some(register), Dialect::Fanuc) = (self.register, d) {
-            let (radius, tip) =
-                (number(register.radius_mm, d.x_decimals()), register.tip.number(Numbering::Fanuc));
-            lines.push(d.comment("geometry radius and tip, the wear radius adds to it"));
-            lines.push(format!("G10 P{} R{radius} Q{tip}", 10_000 + s.tool));
-            lines.push(format!("G10 P{} R0.", s.tool));
-        }
+        let mut lines = self.to_change(skeleton);
+        lines.extend(self.register.iter().flat_map(|r| nose_words::writing(d, s.tool, *r)));
         lines.extend(d.tool(s.tool, s.tool));
         let sense = s.spindle.unwrap_or(Spindle::M03);
         lines.extend(d.spindle(self.cutting.speed_m_per_min, s.speed_limit_per_min, sense));
-        lines.extend(d.approach(route.change, route.z_first, route.clear_mm));
+        lines.extend(match self.bore {
+            Some(_) => d.approach_into_bore(route.change, route.z_first, route.clear_mm),
+            None => d.approach(route.change, route.z_first, route.clear_mm),
+        });
         lines
+    }
+
+    fn to_change(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
+        let (d, change) = (skeleton.dialect, skeleton.route.change);
+        if self.bore.is_some() { d.to_change_out_of_bore(change) } else { d.to_change(change) }
     }
 
     /// The entry and the pieces, as far as increments resolve them.
@@ -186,7 +202,8 @@ impl ContourProgram<'_> {
         let d = skeleton.dialect;
         let feed = number(self.cutting.feed_mm_per_rev, 4);
         let at = entry(&cut[0], self.lead_mm(), self.before_mm());
-        let mut lines = vec![format!("G01 X{} F{feed}", number(2.0 * at.from.x, d.x_decimals()))];
+        let x = d.axis('X', &number(2.0 * at.from.x, d.x_decimals()));
+        let mut lines = vec![format!("G01 {x} F{feed}")];
         lines.push(self.position(&self.compensation(d), at.to, skeleton));
         let (mut code, mut stands) = ("", self.position("", at.to, skeleton));
         let to = self.position("", cut[0].from, skeleton);
@@ -209,7 +226,7 @@ impl ContourProgram<'_> {
 
     /// Away from the last piece, where the compensation ends, and out to the clear diameter.
     fn leave(&self, last: &Piece, skeleton: &Skeleton<'_>) -> Vec<String> {
-        let clear = format!("X{}", number(skeleton.route.clear_mm, 3));
+        let clear = skeleton.dialect.axis('X', &number(skeleton.route.clear_mm, 3));
         let along_z = exit(last, self.lead_mm()).map(|at| self.position("", at, skeleton));
         let mut lines: Vec<String> = along_z.into_iter().chain([clear]).collect();
         lines[0] = format!("{}G01 {}", if self.register.is_some() { "G40 " } else { "" }, lines[0]);
@@ -226,39 +243,22 @@ impl ContourProgram<'_> {
         }
         // seen with Z to the right and X up, a falling angle of the normal is anticlockwise
         let code = if piece.to_rad < piece.from_rad { "G03" } else { "G02" };
-        (code, format!(" R{}", number(radius, d.x_decimals())))
+        (code, nose_words::arc_radius(d, radius))
     }
 
     fn position(&self, before: &str, at: DVec2, skeleton: &Skeleton<'_>) -> String {
-        let decimals = skeleton.dialect.x_decimals();
-        format!("{before}X{} Z{}", number(2.0 * at.x, decimals), number(at.y, decimals))
+        let d = skeleton.dialect;
+        let word = |letter: char, value: f64| d.axis(letter, &number(value, d.x_decimals()));
+        format!("{before}{} {}", word('X', 2.0 * at.x), word('Z', at.y))
     }
 
     /// Words that start the compensation with the entry.
     fn compensation(&self, d: Dialect) -> String {
-        let Some(register) = self.register else { return String::new() };
-        let side = match self.piece.direction {
-            Direction::TowardsChuck => "G42",
-            Direction::TowardsTailstock => "G41",
-        };
-        match d {
-            Dialect::Linuxcnc => {
-                let tip = register.tip.number(Numbering::Linuxcnc);
-                format!("{side}.1 D{} L{tip} ", number(2.0 * register.radius_mm, d.x_decimals()))
-            }
-            _ => format!("{side} "),
-        }
+        self.register.map_or_else(String::new, |r| nose_words::start(d, self.is_on_the_right(), r))
     }
 
     fn replayed(&self, text: String, skeleton: &Skeleton<'_>) -> Result<WrittenContour, NcError> {
-        let mut space = skeleton.working_space(vec![(0.0, self.end_diameter_mm())]);
-        // how deep it cuts is judged by what it leaves of the outline, not by stations
-        space.cut =
-            replay::CommandedCut { commanded: vec![(0.0, -FAR_MM)], between: (0.0, 0.0), solid: None };
-        let tip: Vec<(f64, f64)> = self.nose.iter().map(|p| (p.y, p.x)).collect();
-        let above = |z: f64| (z, FAR_MM);
-        let ((left, _), (right, _)) = Convex::hull(tip.clone()).bounds();
-        space.tool[0] = Convex::hull(tip.into_iter().chain([above(left), above(right)]).collect());
+        let space = self.working_space(skeleton)?;
         replay::check(&text, &space)?;
         let start = replay::Point { x: skeleton.route.change.x_mm, z: skeleton.route.change.z_mm };
         let events = replay::run(&text, &space.control(start)).map_err(|(block, what)| NcError::Block {
@@ -274,36 +274,37 @@ impl ContourProgram<'_> {
         let moves = events.iter().filter_map(|event| feed(&event.deed)).collect();
         Ok(WrittenContour { text, moves })
     }
-}
 
-/// Direction of the cut at the ends of a piece, from its chord or, on an arc, at right angles to
-/// the normal.
-fn way(piece: &Piece, a: f64) -> DVec2 {
-    let along = DVec2::from_angle(a).perp();
-    along * (piece.to - piece.from).dot(along).signum()
-}
-
-/// How a cut is entered.
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    from: DVec2,
-    to: DVec2,
-}
-
-/// Along the first piece where that leads in from beyond the end face, else along its normal; onto
-/// a face `before_mm` before its first point.
-fn entry(first: &Piece, lead_mm: f64, before_mm: f64) -> Entry {
-    let (along, n) = (way(first, first.from_rad), DVec2::from_angle(first.from_rad));
-    let back = first.from - lead_mm * along;
-    if back.y - first.from.y > FACE * lead_mm && back.x >= 0.0 {
-        return Entry { from: back, to: first.from };
+    fn working_space<'s>(&self, skeleton: &Skeleton<'s>) -> Result<WorkingSpace<'s>, NcError> {
+        match &self.bore {
+            Some(bore) => bore.working_space(skeleton, self.nose),
+            None => Ok(self.around_a_shaft(skeleton)),
+        }
     }
-    let to = if n.y > FACE { first.from - before_mm * along } else { first.from };
-    Entry { from: to + lead_mm * n, to }
-}
 
-/// Where a cut that ends on a face is left to, along Z; others are left radially.
-fn exit(last: &Piece, lead_mm: f64) -> Option<DVec2> {
-    let n = DVec2::from_angle(last.to_rad);
-    (n.y > FACE).then(|| last.to + DVec2::new(0.0, lead_mm))
+    /// The text without its replay.
+    #[cfg(test)]
+    pub(crate) fn unproven(&self, dialect: Dialect) -> Result<String, NcError> {
+        Ok(self.text(dialect)?.0)
+    }
+
+    /// Replays another text among the surroundings of this program.
+    #[cfg(test)]
+    pub(crate) fn replay_of(&self, text: &str, dialect: Dialect) -> Result<usize, NcError> {
+        let (_, skeleton) = self.text(dialect)?;
+        replay::check(text, &self.working_space(&skeleton)?)
+    }
+
+    /// The machine around a shaft, with the measured nose below everything above it.
+    fn around_a_shaft<'s>(&self, skeleton: &Skeleton<'s>) -> WorkingSpace<'s> {
+        let mut space = skeleton.working_space(vec![(0.0, self.end_diameter_mm())]);
+        // how deep it cuts is judged by what it leaves of the outline, not by stations
+        space.cut =
+            replay::CommandedCut { commanded: vec![(0.0, -FAR_MM)], between: (0.0, 0.0), solid: None };
+        let tip: Vec<(f64, f64)> = self.nose.iter().map(|p| (p.y, p.x)).collect();
+        let above = |z: f64| (z, FAR_MM);
+        let ((left, _), (right, _)) = Convex::hull(tip.clone()).bounds();
+        space.tool[0] = Convex::hull(tip.into_iter().chain([above(left), above(right)]).collect());
+        space
+    }
 }

@@ -211,6 +211,29 @@ impl Dialect {
         }
     }
 
+    /// To the change position out of a bore, Z alone and then X.
+    pub(super) fn to_change_out_of_bore(self, change: ChangePosition) -> Vec<String> {
+        match self {
+            Self::Fanuc | Self::Gsk => vec!["G28 W0.".into(), "G28 U0.".into()],
+            Self::Sinumerik => vec!["G75 FP=1 Z1=0".into(), "G75 FP=1 X1=0".into()],
+            Self::Linuxcnc => {
+                vec![format!("G00 Z{}", number(change.z_mm, 3)), format!("X{}", number(change.x_mm, 3))]
+            }
+        }
+    }
+
+    /// From the change position before a bore to the clear diameter, and along the axis to `z`.
+    pub(super) fn approach_into_bore(self, change: ChangePosition, z: f64, clear_mm: f64) -> Vec<String> {
+        let mut lines = Vec::new();
+        if !self.changes_at_reference() {
+            // the offset of the tool just called acts from here on
+            lines.push(format!("G00 Z{}", number(change.z_mm, 3)));
+        }
+        lines.push(format!("G00 {}", self.axis_at('X', clear_mm)));
+        lines.push(self.axis_at('Z', z));
+        lines
+    }
+
     /// From the change position, where the tool was called, to the clear diameter above `z`.
     pub(super) fn approach(self, change: ChangePosition, z: f64, clear_mm: f64) -> Vec<String> {
         let mut lines = Vec::new();

@@ -38,7 +38,7 @@ impl Skeleton<'_> {
     /// First lines of a program that moves the probe alone.
     pub(super) fn head_of_probe(&self, title: &str, about: &[String]) -> Vec<String> {
         let mut texts = about.to_vec();
-        texts.extend(self.change_position());
+        texts.extend(self.change_position(false));
         texts.extend(self.settings.probe.iter().flat_map(|probe| self.probed_with(probe, true)));
         texts.extend(self.assumed(self.piece.before_mm, false));
         self.framed(title, texts)
@@ -81,7 +81,7 @@ impl Skeleton<'_> {
             format!("tool {} nose r {}, spindle {spindle}", s.tool, mm(route.nose_mm)),
             format!("tool Z is set at the side of the nose towards the {leading}"),
         ];
-        texts.extend(self.change_position());
+        texts.extend(self.change_position(false));
         if let Some(taken) = s.wear_x.filter(|_| s.uses_wear_register(self.dialect)) {
             let taken = if taken.diameter_per_unit() > 1.0 { "radius" } else { "diameter" };
             texts.push(format!("wear offset {} is written here, X in {taken}", s.wear_offset));
@@ -89,18 +89,20 @@ impl Skeleton<'_> {
         texts
     }
 
-    pub(super) fn change_position(&self) -> [String; 2] {
+    /// The change position, and which axis goes there first: out of a bore Z.
+    pub(super) fn change_position(&self, of_bore: bool) -> [String; 2] {
+        let (first, then) = if of_bore { ('Z', 'X') } else { ('X', 'Z') };
         let change = self.route.change;
         let change = format!("X {} Z {}", mm(change.x_mm), mm(change.z_mm));
         if self.dialect.changes_at_reference() {
             [
                 format!("change position: {}, at or beyond {change}", self.dialect.reference_words()),
-                "start: anywhere clear, first X then Z goes to the reference point".to_owned(),
+                format!("start: anywhere clear, first {first} then {then} goes to the reference point"),
             ]
         } else {
             [
                 format!("change position: {change}"),
-                "start: anywhere clear, offset of the tool in use active, X goes first".to_owned(),
+                format!("start: anywhere clear, offset of the tool in use active, {first} goes first"),
             ]
         }
     }
@@ -198,7 +200,8 @@ impl Skeleton<'_> {
             !cuts || s.nose_radius_mm.is_some(),
             format!("nose radius, {} assumed", mm(self.route.nose_mm)),
         );
-        not_stated(!cuts || s.holder.is_some(), "tool holder, only the nose was checked".into());
+        let has_body = s.holder.is_some() || s.boring_bar.is_some();
+        not_stated(!cuts || has_body, "tool holder, only the nose was checked".into());
         not_stated(s.chuck.is_some(), "chuck and jaws, nothing moves behind Z 0".into());
         let c: Centre = assumed_centre(self.piece, smallest_mm);
         let centre = format!(

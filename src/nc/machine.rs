@@ -190,6 +190,35 @@ pub struct Holder {
     pub above_mm: f64,
 }
 
+/// A boring bar behind its nose: what goes into the bore with it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoringBar {
+    /// Diameter of the bar, mm.
+    pub diameter_mm: f64,
+    /// Distance of the programmed point from the bar's axis, mm (f of ISO 5609-1).
+    pub tip_mm: f64,
+    /// How far it reaches from the programmed point to what holds it, mm.
+    pub reach_mm: f64,
+    /// How far it reaches beyond the programmed point towards the chuck, mm.
+    #[serde(default)]
+    pub front_mm: f64,
+}
+
+impl BoringBar {
+    pub(super) fn validate(&self) -> Result<(), SettingError> {
+        for (key, value) in [
+            ("nc.boring_bar.diameter_mm", self.diameter_mm),
+            ("nc.boring_bar.tip_mm", self.tip_mm),
+            ("nc.boring_bar.reach_mm", self.reach_mm),
+        ] {
+            require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")?;
+        }
+        let front = self.front_mm;
+        require((0.0..1e3).contains(&front), "nc.boring_bar.front_mm", front, "0 mm or more")
+    }
+}
+
 impl Obstacle {
     pub(super) fn validate(&self, [from, to, diameter]: [&'static str; 3]) -> Result<(), SettingError> {
         let (begin, end, across) = (self.from_z_mm, self.to_z_mm, self.diameter_mm);

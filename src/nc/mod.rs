@@ -21,12 +21,14 @@
 //! `settings`, `machine`, `probe_settings` and `stated` hold the machine's data; `route`, `path`
 //! (`contour_path` of a stepped shaft) and `skeleton` plan, `dialect` writes the blocks
 //! (`sinumerik` those that are not ISO), `turning`, `air_cut`, `macro_program`, `probing_program`,
-//! `contour_program` (lines and arcs) and `scan_program` (the gauge head along the part, by
-//! `scan_settings`) are the programs, `surroundings` the solids. A new
-//! dialect is a variant of `Dialect` with its words and its match arms in `replay`; a new program
-//! is a file beside `turning`.
+//! `contour_program` (lines and arcs, with `bore`, `contour_entry` and `nose_words`) and
+//! `scan_program` (the gauge head along the part, by `scan_settings`) are the programs,
+//! `surroundings` the solids. A new dialect is a variant of `Dialect` with its words and its match
+//! arms in `replay`; a new program is a file beside `turning`.
 
 mod air_cut;
+mod bore;
+mod contour_entry;
 mod contour_path;
 mod contour_program;
 mod dialect;
@@ -35,6 +37,7 @@ mod header;
 mod line;
 mod machine;
 mod macro_program;
+mod nose_words;
 mod path;
 mod probe;
 mod probe_settings;
@@ -54,19 +57,21 @@ mod turning;
 pub use self::{
     dialect::Dialect,
     machine::{
-        Centre, ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation,
-        Tailstock, Travel, WearX,
+        BoringBar, Centre, ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle,
+        SpindleOrientation, Tailstock, Travel, WearX,
     },
     probe_settings::{NcProbe, ProbeReference},
     scan_settings::{MCode, NcScan, ScanHead},
     settings::{NcSettings, Remeasure},
 };
 pub(crate) use air_cut::AirCut;
-pub(crate) use contour_program::{ContourProgram, NoseRegister, WrittenContour};
+pub(crate) use bore::Bore;
+pub(crate) use contour_program::{ContourProgram, WrittenContour};
 pub(crate) use error::NcError;
 pub(crate) use line::{LineFit, fit_line};
 pub(crate) use machine::Direction;
 pub(crate) use macro_program::{MacroProgram, MacroValues};
+pub(crate) use nose_words::NoseRegister;
 pub(crate) use path::{Path, dry_run};
 pub(crate) use probing_program::ProbingProgram;
 pub(crate) use qualification::Qualification;

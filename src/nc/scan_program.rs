@@ -275,7 +275,7 @@ impl<'a> ScanProgram<'a> {
         if scan.air_on.is_none() {
             texts.push("no air blast is stated: the part must be dry".to_owned());
         }
-        texts.extend(skeleton.change_position());
+        texts.extend(skeleton.change_position(false));
         let parked = |text: &String| !text.contains("gauge head");
         texts.extend(skeleton.assumed(self.piece.before_mm, false).into_iter().filter(parked));
         let title = format!("PART {} SCAN AFTER PASS {}", self.settings.part_number, self.pass);

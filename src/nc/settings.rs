@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::machine::{
-    ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation, Tailstock, Travel,
-    WearX,
+    BoringBar, ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation,
+    Tailstock, Travel, WearX,
 };
 use super::probe_settings::NcProbe;
 use super::scan_settings::NcScan;
@@ -80,6 +80,9 @@ pub struct NcSettings {
     pub nose_radius_mm: Option<f64>,
     /// The tool behind its nose; only the nose is replayed where it is not stated.
     pub holder: Option<Holder>,
+    /// The tool where it is a boring bar: programs for bores need it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub boring_bar: Option<BoringBar>,
     /// Chuck and jaws; nothing may move behind Z = 0 where they are not stated.
     pub chuck: Option<Chuck>,
     /// `"none"` or a centre; a large centre is assumed where it is not stated.
@@ -117,6 +120,7 @@ impl Default for NcSettings {
             change_position: None,
             nose_radius_mm: None,
             holder: None,
+            boring_bar: None,
             chuck: None,
             tailstock: None,
             steady_rests: None,

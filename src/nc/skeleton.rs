@@ -122,11 +122,17 @@ pub(super) fn check(
     nominal_mm: f64,
     dialect: Dialect,
 ) -> Result<Route, NcError> {
+    check_settings(settings, dialect)?;
+    piece.check(nominal_mm)?;
+    Route::new(piece, settings)
+}
+
+/// Checks of the machine's data alone.
+pub(super) fn check_settings(settings: &NcSettings, dialect: Dialect) -> Result<(), NcError> {
     settings.validate()?;
     settings.check_stated(dialect)?;
     if settings.probe.is_some() {
         dialect.check_macros()?;
     }
-    piece.check(nominal_mm)?;
-    Route::new(piece, settings)
+    Ok(())
 }

@@ -82,6 +82,7 @@ impl NcSettings {
                 require(most > least, key, least, "[least, largest], rising")?;
             }
         }
+        self.boring_bar.map_or(Ok(()), |bar| bar.validate())?;
         if let Some(holder) = self.holder {
             finite("nc.holder.towards_chuck_mm", holder.towards_chuck_mm)?;
             finite("nc.holder.towards_tailstock_mm", holder.towards_tailstock_mm)?;

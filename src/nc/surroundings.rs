@@ -104,6 +104,7 @@ impl<'a> Skeleton<'a> {
             stock,
             kept_clear,
             tool: tool(s, route, piece.direction),
+            bore: None,
             probe: s.probe.map(|p| p.outlines()).unwrap_or_default(),
             surface: None,
             change: route.change,
@@ -115,7 +116,8 @@ impl<'a> Skeleton<'a> {
         }
     }
 
-    fn chuck(&self) -> Vec<Solid> {
+    /// Chuck and jaws, from the axis outwards.
+    pub(super) fn chuck(&self) -> Vec<Solid> {
         let solid = |what, to_z, diameter| Solid { what, shape: Convex::cylinder(-FAR_MM, to_z, diameter) };
         match self.settings.chuck {
             None => vec![solid("room behind Z 0 (chuck not stated)", 0.0, 2.0 * FAR_MM)],

@@ -72,6 +72,12 @@ pub(crate) struct Document {
     pub corners: Vec<CornerChange>,
     /// Control of the program; absent where none is written.
     pub dialect: Option<&'static str>,
+    /// Why no program is written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_program: Option<String>,
+    /// What was not checked.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cautions: Vec<String>,
     /// The largest remainder of the program as written, with its rounding.
     pub program_largest: Option<LargestLeft>,
 }
@@ -164,6 +170,8 @@ impl Document {
             pieces,
             corners,
             dialect: None,
+            no_program: None,
+            cautions: Vec::new(),
             program_largest: None,
         }
     }

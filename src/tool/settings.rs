@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::precondition::MeasuredPass;
 use super::register::Stated;
 use crate::nose::{Feed, Numbering, TipDirection, ToolGeometry};
 use crate::outline::{Outline, Side};
@@ -45,6 +46,10 @@ pub(crate) struct ToolFile {
     /// Where the tool was set with another nose than the one measured.
     #[serde(default)]
     pub setting: SetWith,
+    /// The pass after which the nose was measured: cuts that are corrected by it must have its
+    /// speed, feed and depth; not compared where it is not stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured_pass: Option<MeasuredPass>,
 }
 
 /// Directions of the machine's axes in the image as seen: 0° to the right, counter-clockwise.
@@ -106,6 +111,7 @@ impl ToolFile {
         self.register_mm.map_or(Ok(()), |mm| positive("register_mm", mm))?;
         self.check_image()?;
         self.check_set_with()?;
+        self.measured_pass.map_or(Ok(()), |pass| pass.validate())?;
         Ok(ToolGeometry {
             nose_radius_mm: self.nose_radius_mm,
             kappa_r_rad: self.kappa_r_deg.to_radians(),
@@ -170,9 +176,18 @@ pub(crate) struct OutlineFile {
     /// Whether it is a shaft or a bore.
     #[serde(default)]
     pub side: Side,
-    /// Diameter of the bar around it, mm; its largest diameter where it is not stated.
+    /// Diameter of the bar around it, mm; of a shaft its largest diameter where it is not stated, of
+    /// a bore unbounded.
     #[serde(default)]
     pub stock_diameter_mm: Option<f64>,
+    /// Diameter of the drilled hole in which a bore is cut, mm; its smallest diameter where it is
+    /// not stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hole_diameter_mm: Option<f64>,
+    /// Depth of the finishing cut, mm of radius, to be compared with that of the pass after which
+    /// the nose was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depth_mm: Option<f64>,
     /// Cutting data of the finishing cut.
     pub cutting: CuttingData,
     /// Corners from the chuck to the tailstock, as in `[shaft] contour`; two at one z make a
@@ -189,11 +204,32 @@ impl OutlineFile {
         let outline = Outline::from_corners(&self.contour, self.side)?;
         positive("cutting.speed_m_per_min", self.cutting.speed_m_per_min)?;
         positive("cutting.feed_mm_per_rev", self.cutting.feed_mm_per_rev)?;
-        if let (Some(stock), Side::External) = (self.stock_diameter_mm, self.side) {
-            let largest = 2.0 * outline.largest_radius_mm();
+        self.depth_mm.map_or(Ok(()), |depth| positive("depth_mm", depth))?;
+        self.check_blank(&outline)?;
+        Ok(outline)
+    }
+
+    /// Bar and hole against the part.
+    fn check_blank(&self, outline: &Outline) -> Result<(), SettingError> {
+        let largest = 2.0 * outline.largest_radius_mm();
+        if let Some(stock) = self.stock_diameter_mm {
             let right = format!("at least the part's largest diameter, {largest} mm");
             require(stock.is_finite() && stock >= largest, "stock_diameter_mm", stock, &right)?;
         }
-        Ok(outline)
+        let Some(hole) = self.hole_diameter_mm else { return Ok(()) };
+        require(
+            self.side == Side::Internal,
+            "hole_diameter_mm",
+            hole,
+            "left out: side = \"internal\" has one",
+        )?;
+        let right = format!("above 0 and at most {largest} mm, the bore's largest diameter");
+        require(hole > 0.0 && hole <= largest, "hole_diameter_mm", hole, &right)
+    }
+
+    /// Diameter of the hole in which a bore is cut, mm: as stated, else the bore's smallest.
+    pub(crate) fn hole_mm(&self, outline: &Outline) -> f64 {
+        let least = outline.pieces.iter().flat_map(|p| [p.from.x, p.to.x]).fold(f64::INFINITY, f64::min);
+        self.hole_diameter_mm.unwrap_or(2.0 * least)
     }
 }

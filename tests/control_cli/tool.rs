@@ -111,4 +111,52 @@ fn files_that_do_not_fit_are_refused_with_their_place() {
     refused(&nose("\"support\"", "\"supports\""), &[], 2, &["--image NAME", "nose_004"]);
     refused(&nose("\"h_um\": 374.3000", "\"h_um\": 380.0"), &[], 2, &["convex hull", "nose_004"]);
     refused(&[("--nose", "no_such.json".to_owned())], &[], 3, &["no_such.json"]);
+    // a register that no control takes, and a cut unlike the pass that was measured
+    refused(
+        &tool("tip_direction = 3", "tip_direction = 3\nregister_mm = 1200.0"),
+        &["--way", "register"],
+        2,
+        &["1200.00000 mm", "0.001 to 999.999 mm", "register_mm"],
+    );
+    let (speed, feed) = ("speed_m_per_min = 180.0", "feed_mm_per_rev = 0.08");
+    refused(
+        &part(speed, "speed_m_per_min = 200.0"),
+        &[],
+        2,
+        &["cutting.speed_m_per_min", "200", "180 m/min", "measured"],
+    );
+    refused(&part(feed, "feed_mm_per_rev = 0.1"), &[], 2, &["cutting.feed_mm_per_rev", "0.1", "0.08 mm"]);
+    refused(&part("depth_mm = 0.2", "depth_mm = 0.5"), &[], 2, &["depth_mm", "0.5000 mm", "0.2 mm"]);
+    let both = [tool("depth_mm = 0.2", "depth_mm = -1.0"), part("depth_mm = 0.2", "depth_mm = 0.0")];
+    refused(&both[0], &[], 2, &["measured_pass.depth_mm"]);
+    refused(&both[1], &[], 2, &["depth_mm", "above 0"]);
+}
+
+#[test]
+fn a_bore_gets_its_program_where_the_bar_is_stated() {
+    let files = [
+        ("--tool", example("boring_tool.toml")),
+        ("--part", example("bore.toml")),
+        ("--machine", example("boring_machine.toml")),
+    ];
+    let output = shadowgauge(arguments(&files, &["--json"]));
+    assert!(output.status.success(), "{}", said(&output));
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(
+        document["program_largest"]["left_um"].as_f64().is_some_and(|left| left.abs() < 0.1),
+        "{document:#}"
+    );
+    assert!(document["no_program"].is_null() && document["cautions"].is_null(), "{document:#}");
+    let output = shadowgauge(arguments(&files, &["--way", "register"]));
+    let printed = text(&output.stdout);
+    for word in ["G41.1 D0.8 L3", "G00 Z120.\nX200.", "BORING BAR OF 4 MM", "Z GOES FIRST"] {
+        assert!(printed.contains(word), "{word}: {printed}");
+    }
+    // no bar, no program; the rest is there
+    let files = [files[0].clone(), files[1].clone(), ("--machine", example("machine.toml"))];
+    let output = shadowgauge(arguments(&files, &["--json"]));
+    assert!(output.status.success(), "{}", said(&output));
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(document["no_program"].as_str().is_some_and(|why| why.contains("boring_bar")), "{document:#}");
+    assert!(document["dialect"].is_null() && document["ways"].as_array().is_some_and(|ways| ways.len() == 4));
 }

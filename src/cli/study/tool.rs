@@ -140,9 +140,14 @@ fn nose_in_words(study: &Study) -> String {
         (_, _, why) => format!("by the paper's way none: {}", why.as_deref().unwrap_or_default()),
     };
     format!(
-        "nose: mean radius {real:.5} mm, measured {found:.5} mm (u {u:.5}), centre off by {:.3} µm, e(a) off by {:.3} µm at \
+        "nose: mean radius {real:.5} mm, measured {found:.5} mm (u {:.3} µm), centre off by {:.3} µm, e(a) off by {:.3} µm at \
          most (u {:.3}); {paper}. Slides scatter by {:.2} µm along X and {:.2} µm along Z (standard deviations).",
-        n.centre_off_um, n.e_off_um, n.u_e_um, study.slides_um[0], study.slides_um[1]
+        1e3 * u,
+        n.centre_off_um,
+        n.e_off_um,
+        n.u_e_um,
+        study.slides_um[0],
+        study.slides_um[1]
     )
 }
 
@@ -177,7 +182,8 @@ fn write(folder: &StudyFolder, study: &Study, noses: &Noses) -> Result<(), Failu
         "The workpieces of the paper on tool wear by vision (Zhang, Lu, Xia, Zhang, Zhu 2025), cut by the nose of a rendered \
          insert. Programs are made for the nose as measured in its frame, or by the paper's two registers; the true nose cuts. \
          The diameter of workpiece 4 is measured through frames by the gauge, the others on the surface itself, since cones of \
-         these angles are beyond the gauge's slopes. The paper's columns are the means of its four readings.",
+         these angles are beyond the gauge's slopes. The paper's columns are the means of its four readings. Every workpiece is cut \
+         with the cutting data of the one before compensation.",
     );
     page.text(&nose_in_words(study));
     let picture = overlay(&noses.frame.view(), &noses.measured).map_err(Failure::fail)?;
@@ -226,8 +232,12 @@ fn charts(study: &Study, noses: &Noses) -> [Figure; 2] {
         Series::new(program.words(), Mark::Dots, k, rows.filter_map(point).collect())
     };
     let by_paper = |name: &str, colour: usize, value: fn(&OfPaper) -> f64| {
-        let points = study.paper.iter().zip(1..).map(|(p, k)| (f64::from(k), value(p)));
-        Series::new(name, Mark::Dashed, colour, points.collect())
+        // a level over each workpiece, none between two
+        let level = |(p, k): (&OfPaper, u32)| {
+            let (k, v) = (f64::from(k), value(p));
+            [(k - 0.35, v), (k + 0.35, v), (k + 0.35, f64::NAN)]
+        };
+        Series::new(name, Mark::Dashed, colour, study.paper.iter().zip(1..).flat_map(level).collect())
     };
     let mut series: Vec<Series> = Tried::ALL.into_iter().enumerate().map(|(k, p)| of(k, p)).collect();
     series.push(by_paper("paper, before", 6, |p| p.before_um));

@@ -9,7 +9,7 @@ use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
 use crate::config;
 use crate::nc::{
-    ContourProgram, Dialect, Direction, NcError, NcSettings, NoseRegister, Workpiece, WrittenContour,
+    Bore, ContourProgram, Dialect, Direction, NcError, NcSettings, NoseRegister, Workpiece, WrittenContour,
 };
 use crate::nose::{Feed, NoseProfile, ToolGeometry};
 use crate::outline::{Outline, Piece, Side};
@@ -61,7 +61,7 @@ pub(crate) struct CompensateArgs {
     /// What the program changes.
     #[arg(long, value_enum, default_value = "path")]
     way: WayArgument,
-    /// The control of the program: fanuc, linuxcnc or gsk.
+    /// The control of the program: fanuc, linuxcnc, gsk or sinumerik.
     #[arg(long, value_parser = dialect, default_value = "linuxcnc")]
     dialect: Dialect,
     /// A TOML file with the machine's data (docs/nc.md).
@@ -107,7 +107,10 @@ pub(crate) fn run(args: &CompensateArgs) -> CommandResult {
     let way = args.way.way();
     let tried = Way::ALL.map(|way| (way, measured(&compensator, &tool, way)));
     let (done, left) = chosen(&tried, way).map_err(|e| inputs.refused(e))?;
-    let written = written(args, &inputs, &compensator, done)?;
+    let (written, no_program) = match written(args, &inputs, &compensator, done)? {
+        Ok(written) => (Some(written), None),
+        Err(why) => (None, Some(why)),
+    };
     let gauge = compensator.setting.gauge_point();
     let by_program = written.as_ref().map(|written| {
         let moves: Vec<_> = written.moves.iter().map(|m| (m.0 - gauge, m.1 - gauge)).collect();
@@ -118,6 +121,8 @@ pub(crate) fn run(args: &CompensateArgs) -> CommandResult {
     let mut document =
         Document::new(&nose, &compensator, results, (way, final_left), inputs.geometry.range_rad());
     document.dialect = written.as_ref().map(|_| args.dialect.as_str());
+    document.no_program = no_program;
+    document.cautions = inputs.cautions();
     document.program_largest = by_program.as_ref().and_then(|left| LargestLeft::of(left));
 
     let program = written.as_ref().map(|written| written.text.as_str());
@@ -162,21 +167,24 @@ fn write(
     folder.write("path.svg", svg.as_bytes())
 }
 
-/// The program of a way; none for bores, whose surroundings the replay has no solids for.
+/// The program of a way, or why none is written.
 fn written(
     args: &CompensateArgs,
     inputs: &Inputs,
     compensator: &Compensator<'_>,
     done: &Compensated,
-) -> Result<Option<WrittenContour>, Failure> {
-    if inputs.geometry.side == Side::Internal {
-        return Ok(None);
+) -> Result<Result<WrittenContour, String>, Failure> {
+    let settings = machine(args, inputs)?;
+    if inputs.geometry.side == Side::Internal && settings.boring_bar.is_none() {
+        let why = "that of a bore needs boring_bar in the machine's data (--machine FILE): what goes into the bore with the \
+                   nose";
+        return Ok(Err(why.to_owned()));
     }
     let (setting, radius_mm) = (&compensator.setting, done.register_mm);
     let register = (done.way != Way::Path).then_some(NoseRegister { radius_mm, tip: setting.tip });
     let gauge = setting.gauge_point();
     let nose: Vec<DVec2> = setting.nose.outline().into_iter().map(|p| p - gauge).collect();
-    program(args, inputs, &done.programmed, (register, &nose)).map(Some)
+    program(args, inputs, (&settings, &done.programmed), (register, &nose)).map(Ok)
 }
 
 fn way_result(way: Way, result: &Result<Measured, ToolError>) -> WayResult {
@@ -205,7 +213,38 @@ impl Inputs {
             let right = format!("the side of the tool in {}", tool_text.name);
             return Err(part_text.refuse_at(SettingError::of("side", found, right)));
         }
+        if let Some(measured) = tool.measured_pass {
+            let depth = part.depth_mm.map(|depth| ("depth_mm", depth));
+            measured.allows(&part.cutting, depth).map_err(|e| part_text.refuse_at(e))?;
+        }
         Ok(Self { nose_text, tool_text, part_text, tool, geometry, part, outline })
+    }
+
+    /// What was not compared of this cut and the pass after which the nose was measured.
+    fn cautions(&self) -> Vec<String> {
+        let (tool, part) = (&self.tool_text.name, &self.part_text.name);
+        let compared = match self.tool.measured_pass {
+            None => Some(format!("measured_pass is not stated in {tool}: speed, feed and depth are")),
+            Some(pass) if pass.depth_mm.is_none() => {
+                Some(format!("measured_pass.depth_mm is not stated in {tool}: the depth is"))
+            }
+            Some(_) if self.part.depth_mm.is_none() => {
+                Some(format!("depth_mm is not stated in {part}: the depth is"))
+            }
+            Some(_) => None,
+        };
+        let of_pass =
+            "not compared with the pass after which the nose was measured, as a correction presumes";
+        compared.map(|what| format!("{what} {of_pass}")).into_iter().collect()
+    }
+
+    /// What is bored; none of a shaft.
+    fn bore(&self) -> Option<Bore<'_>> {
+        (self.geometry.side == Side::Internal).then(|| Bore {
+            hole_mm: self.part.hole_mm(&self.outline),
+            outer_mm: self.part.stock_diameter_mm,
+            outline: &self.outline,
+        })
     }
 
     /// The part and the nose as the control of `dialect` takes it.
@@ -241,10 +280,9 @@ impl Inputs {
 fn program(
     args: &CompensateArgs,
     inputs: &Inputs,
-    programmed: &[Element],
+    (settings, programmed): (&NcSettings, &[Element]),
     (register, nose): (Option<NoseRegister>, &[DVec2]),
 ) -> Result<WrittenContour, Failure> {
-    let settings = machine(args, inputs)?;
     let largest = 2.0 * inputs.outline.largest_radius_mm();
     let stock = inputs.part.stock_diameter_mm.unwrap_or(largest);
     let piece = Workpiece {
@@ -269,7 +307,8 @@ fn program(
         register,
         nose,
         piece: &piece,
-        settings: &settings,
+        bore: inputs.bore(),
+        settings,
         cutting: inputs.part.cutting,
         about: &about,
     };

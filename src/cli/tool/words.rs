@@ -68,8 +68,12 @@ pub(super) fn print(d: &Document, program: Option<&str>) {
                 largest(d.program_largest.as_ref())
             );
         }
-        None => say_line!("no program: programs for bores are not written, path.csv of --out has the path"),
+        None => {
+            let why = d.no_program.as_deref().unwrap_or_default();
+            say_line!("no program: {why}; path.csv of --out has the path");
+        }
     }
+    d.cautions.iter().for_each(|caution| say_line!("caution: {caution}"));
     if let Some(text) = program {
         say!("{text}");
     }

@@ -1,7 +1,7 @@
 //! Arcs and nose radius compensation of a replay: both become straight moves.
 //!
-//! An arc by R is the shorter one, clockwise for G02 as seen with Z to the right and X up; `nose`
-//! has what G41 and G42 make of a contour.
+//! An arc by R (`CR=` of a SINUMERIK, whose I and K are read too) is the shorter one, clockwise for
+//! G02 as seen with Z to the right and X up; `nose` has what G41 and G42 make of a contour.
 
 use glam::DVec2;
 
@@ -68,7 +68,12 @@ impl Interpreter<'_> {
                 let (d, l) = (words.get('D').ok_or(missing)?, words.get('L').ok_or(missing)?);
                 (0.5 * d, TipDirection::of(l as u8, Numbering::Linuxcnc))
             }
-            (Dialect::Fanuc, 0) => {
+            (Dialect::Sinumerik, 0) if !(self.nose.at_right_angles && self.nose.extends_corners) => {
+                return Err(
+                    "G41 or G42 before NORM and G451: how it begins and rounds corners is open".into()
+                );
+            }
+            (Dialect::Fanuc | Dialect::Sinumerik, 0) => {
                 let nose = self.nose.registers.get(&self.nose.offset).copied();
                 let nose = nose.ok_or("G41 or G42 with a register that the program has not written")?;
                 (nose.radius + nose.wear, TipDirection::of(nose.tip, Numbering::Fanuc))
@@ -87,7 +92,7 @@ impl Interpreter<'_> {
         let motion = self.modal.motion;
         let points = match motion {
             Some(Motion::Arc { clockwise }) => {
-                let radius = words.get('R').ok_or("an arc needs R")?;
+                let radius = self.arc_radius(to, words, clockwise)?;
                 chords(plane(self.at), plane(to), radius, clockwise)?
             }
             _ => vec![to],
@@ -115,6 +120,28 @@ impl Interpreter<'_> {
         }
         self.go(line, to, false);
         Ok(())
+    }
+
+    /// The radius of an arc of less than half a turn: as stated, or by its centre from its first
+    /// point, I (X as a radius) and K, where the ends are as far from it as each other.
+    fn arc_radius(&self, to: Point, words: &Words, clockwise: bool) -> Result<f64, String> {
+        let centre = (words.get('I'), words.get('K'));
+        let (i, k) = match (words.get('R'), centre) {
+            (Some(radius), (None, None)) => return Ok(radius),
+            (None, (Some(i), Some(k))) => (i, k),
+            _ => return Err("an arc needs R (CR=), or I and K".into()),
+        };
+        let (from, to) = (plane(self.at), plane(to));
+        let centre = from + DVec2::new(k, i);
+        let (before, behind) = (from.distance(centre), to.distance(centre));
+        if (before - behind).abs() > ROUNDING_MM {
+            return Err(format!("the ends of an arc lie {before:.4} and {behind:.4} mm from its centre"));
+        }
+        let sense = if clockwise { -1.0 } else { 1.0 };
+        if (from - centre).perp_dot(to - centre) * sense <= 0.0 {
+            return Err("an arc of half a turn or more".into());
+        }
+        Ok(0.5 * (before + behind))
     }
 }
 

@@ -62,6 +62,11 @@ impl Convex {
         Self { points: self.points.iter().map(|p| (p.0 + z, p.1 + r)).collect() }
     }
 
+    /// The same beyond the axis.
+    pub(crate) fn mirrored(&self) -> Self {
+        Self { points: self.points.iter().rev().map(|p| (p.0, -p.1)).collect() }
+    }
+
     /// The region that it sweeps on the straight way from `a` to `b`.
     pub(crate) fn swept(&self, a: (f64, f64), b: (f64, f64)) -> Self {
         let at = |by: (f64, f64)| self.points.iter().map(move |p| (p.0 + by.0, p.1 + by.1));

@@ -1,5 +1,6 @@
 //! Checks the events of a program against the list in [`super`].
 
+use super::bore_space::{BoreSpace, is_out_of_bore};
 use super::commanded_scan::CommandedScan;
 use super::convex::Convex;
 use super::event::{Deed, Event, Point};
@@ -59,6 +60,8 @@ pub(crate) struct WorkingSpace<'a> {
     pub kept_clear: Vec<Convex>,
     /// Outlines of the tool about the programmed point, (Z, radius).
     pub tool: Vec<Convex>,
+    /// What a bore is besides stock; none of a shaft.
+    pub bore: Option<BoreSpace>,
     /// Outlines of the probe about its programmed point; none without a probe.
     pub probe: Vec<Convex>,
     /// The surface that the probe touches.
@@ -190,11 +193,14 @@ impl WorkingSpace<'_> {
                 places.push(Point { x: 1.5 * x * self.change.x_mm, z: 1.25 * z * end });
             }
         }
-        let ((left, bottom), (right, _)) = tool.first().map_or(((0.0, 0.0), (0.0, 0.0)), Convex::bounds);
+        let ((left, bottom), (right, top)) = tool.first().map_or(((0.0, 0.0), (0.0, 0.0)), Convex::bounds);
         for solid in self.solids.iter().chain(&self.stock) {
             for &(z, r) in solid.shape.points().iter().filter(|p| p.0.abs() < 1e3 && p.1 < 1e3) {
                 let x = 2.0 * (r - bottom + BESIDE_MM);
                 places.push(Point { x, z });
+                if self.bore.is_some() {
+                    places.push(Point { x: 2.0 * (r - top - BESIDE_MM), z });
+                }
                 places.push(Point { x: 2.0 * (r - bottom), z: z - right - BESIDE_MM });
                 places.push(Point { x: 2.0 * (r - bottom), z: z - left + BESIDE_MM });
             }
@@ -308,13 +314,16 @@ impl WorkingSpace<'_> {
         let swept = self.judge_way(tool, from, to, if rapid { "in rapid" } else { "in feed" })?;
         let touches = |shape: &Convex| swept.iter().any(|s| s.meets(shape));
         if !rapid {
+            if let Some(bore) = &self.bore {
+                bore.bar_is_free(&swept[1..]).map_err(|what| format!("{what} {way}"))?;
+            }
             return self.not_too_deep(from, to);
         }
         if let Some(solid) = self.stock.iter().find(|s| touches(&s.shape)) {
             return Err(format!("in rapid the tool touches the {} {way}", solid.what));
         }
-        // a start beside the stock may lie within the clearance: leaving it radially is allowed
-        let leaves = is_outwards(from, to);
+        // a start beside the stock may lie within the clearance: leaving it is allowed
+        let leaves = if self.bore.is_some() { is_out_of_bore(from, to) } else { is_outwards(from, to) };
         if !leaves && self.kept_clear.iter().any(touches) {
             return Err(format!("in rapid the tool comes closer to the stock than half the clearance {way}"));
         }

@@ -12,6 +12,8 @@
 //! - the tool is changed, and the part measured, at the change position alone,
 //! - the probe goes down to the part in probing moves alone, radially and with the spindle standing
 //!   still, and neither its ball nor its body touches anything else, even where no touch stops it,
+//! - in a bore no rapid comes closer to the drilled hole than half the clearance, and the bar keeps
+//!   off the finished bore in feed as well,
 //! - no feed cuts below the commanded diameter (contours are judged by what they leave instead),
 //! - feeds at the commanded diameter cover the part from the stated end of the cut to its end face,
 //! - the gauge head is triggered at the planned places alone, each once and in order, with the tool
@@ -19,6 +21,7 @@
 //!   passes over the part and touches nothing on the way.
 
 mod arcs;
+mod bore_space;
 mod commanded_scan;
 mod convex;
 mod event;
@@ -32,9 +35,11 @@ mod run;
 mod scan;
 mod scan_state;
 mod sinumerik;
+mod sinumerik_edge;
 mod surface;
 mod touch;
 
+pub(crate) use bore_space::BoreSpace;
 pub(crate) use commanded_scan::{CommandedScan, CommandedStop};
 pub(crate) use convex::Convex;
 #[cfg(test)]

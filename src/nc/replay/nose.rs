@@ -33,6 +33,10 @@ pub(super) struct Nose {
     pub(super) registers: HashMap<u32, NoseRegister>,
     /// The offset in force.
     pub(super) offset: u32,
+    /// Whether compensation begins and ends at right angles (SINUMERIK's NORM).
+    pub(super) at_right_angles: bool,
+    /// Whether offset lines are extended at outer corners (SINUMERIK's G451).
+    pub(super) extends_corners: bool,
     /// G41 or G42.
     pub(super) compensation: Option<Compensation>,
 }
@@ -64,7 +68,7 @@ struct Way {
 }
 
 impl Compensation {
-    /// The gauge point along the contour.
+    /// The gauge point along the contour, each place with the block that moves to it.
     pub(super) fn path(&self) -> Result<Vec<(DVec2, usize)>, String> {
         let ways = self.ways();
         let Some(first) = ways.first() else { return Err("a compensated contour without a move".into()) };
@@ -83,7 +87,10 @@ impl Compensation {
         centres.push((ways[k].to, ways[k].block));
         let (sx, sz) = self.tip.signs();
         let gauge = self.radius * DVec2::new(sz, sx);
-        Ok(centres.into_iter().map(|(centre, block)| (centre + gauge, block)).collect())
+        // a centre carries the block that begins there; the move to it belongs to the one before
+        let blocks: Vec<usize> =
+            self.contour.iter().take(1).chain(&centres).map(|(_, block)| *block).collect();
+        Ok(centres.into_iter().zip(blocks).map(|((centre, _), block)| (centre + gauge, block)).collect())
     }
 
     /// Moves of the centre at the distance R from each move of the contour.

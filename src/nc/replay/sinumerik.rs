@@ -1,7 +1,8 @@
-//! Blocks of SINUMERIK programs, as far as this crate emits them: G00 G01 G4 G18 G40 G54 G75 G90
-//! G94 G95 G96 G97 G710, DIAMON, `X=` and `Z=`, F, S, `LIMS=`, `SPOS=`, T with D, M02-M05 M30, one
-//! M code that measures and those of a scan, R parameters and their sums, MSG, STOPRE, M0, `IF …
-//! GOTOF`, GOTOB and labels. Everything else is refused.
+//! Blocks of SINUMERIK programs, as far as this crate emits them: G00 to G4 G18 G40 to G42 G54 G75
+//! G90 G94 G95 G96 G97 G451 G710, DIAMON, NORM, `X=` and `Z=`, `CR=` or `I=` and `K=`, F, S,
+//! `LIMS=`, `SPOS=`, T with D, `$TC_DP2`, `$TC_DP6` and `$TC_DP15` of a tool's first edge, M02-M05
+//! M30, one M code that measures and those of a scan, R parameters and their sums, MSG, STOPRE, M0,
+//! `IF … GOTOF`, GOTOB and labels. Everything else is refused.
 //!
 //! `M0` after a message is an alarm: the programs loop about it. An R parameter may be read or
 //! written only in a block after `STOPRE`: blocks are prepared ahead of the motion, so that without
@@ -37,9 +38,11 @@ struct Others {
     pauses: bool,
     constant_speed: bool,
     spindle_deg: Option<f64>,
+    /// G40, G41 or G42 times ten, as the ISO dialects count.
+    compensation: Option<u32>,
 }
 
-fn parsed(text: &str) -> Result<f64, String> {
+pub(super) fn parsed(text: &str) -> Result<f64, String> {
     let value: Option<f64> = text.parse().ok().filter(|v: &f64| v.is_finite());
     value.ok_or_else(|| format!("{text:?} is no number"))
 }
@@ -69,6 +72,9 @@ impl Interpreter<'_> {
         }
         if let Some(label) = text.strip_prefix("GOTOB ") {
             return self.to_label(line, label, true);
+        }
+        if let Some(rest) = text.strip_prefix("$TC_DP") {
+            return self.write_edge(rest).map(|()| Next::Line);
         }
         if let Some((number, value)) = parameter(text) {
             self.is_synchronous(line)?;
@@ -148,6 +154,9 @@ impl Interpreter<'_> {
             }
             end |= !self.switches(line, MCode { m, p: None })? && self.miscellaneous(line, m)?;
         }
+        if let Some(code) = others.compensation {
+            self.set_compensation(code, &words)?;
+        }
         self.travel(line, &words)?;
         Ok(if end { Next::End } else { Next::Line })
     }
@@ -157,13 +166,17 @@ impl Interpreter<'_> {
             self.modal.positions.x_unit = Some(1.0);
             return Ok(());
         }
+        if word == "NORM" {
+            self.nose.at_right_angles = true;
+            return Ok(());
+        }
         if let Some((name, value)) = word.split_once('=') {
             let value = parsed(value)?;
             match name {
-                "X" | "Z" => {
-                    let letter = if name == "X" { 'X' } else { 'Z' };
+                "X" | "Z" | "I" | "K" | "CR" => {
+                    let letter = if name == "CR" { 'R' } else { name.chars().next().unwrap_or('X') };
                     if words.get(letter).is_some() {
-                        return Err(format!("{letter} stands twice"));
+                        return Err(format!("{name} stands twice"));
                     }
                     words.other.push((letter, value));
                 }
@@ -197,8 +210,14 @@ impl Interpreter<'_> {
             _ if code.fract() != 0.0 => return Err(format!("G{code} is not understood")),
             0 => self.modal.motion = Some(Motion::Rapid),
             1 => self.modal.motion = Some(Motion::Feed),
+            2 | 3 => self.modal.motion = Some(Motion::Arc { clockwise: code == 2.0 }),
             18 => positions.plane = true,
-            40 => positions.no_nose_compensation = true,
+            40 => {
+                positions.no_nose_compensation = true;
+                others.compensation = Some(400);
+            }
+            41 | 42 => others.compensation = Some(10 * code as u32),
+            451 => self.nose.extends_corners = true,
             4 => others.pauses = true,
             54 | 96 => {}
             97 => others.constant_speed = true,
@@ -253,6 +272,7 @@ impl Interpreter<'_> {
                     return Err(format!("T{tool} is not tool {}", self.control.settings.tool));
                 };
                 (self.with_probe, self.modal.tool_called) = (with_probe, true);
+                self.nose.offset = tool as u32;
                 self.happens(line, Deed::ToolChange(self.at));
                 Ok(())
             }

@@ -8,8 +8,10 @@ use super::workpieces::LARGE_MM;
 use crate::cell::SimulatedCell;
 use crate::closed_loop::{Calibrated, ClosedLoop, LoopError};
 use crate::job::{CuttingTruth, Job, RunTool};
+use crate::plan::CuttingData;
 use crate::render::Renderer;
 use crate::setting::SettingError;
+use crate::tool::MeasuredPass;
 
 /// A camera before the lathe, calibrated once.
 pub(super) struct Frames<'a> {
@@ -64,6 +66,10 @@ impl<'a> Frames<'a> {
         let stated = cut.stated();
         (file.setting.x_extent_mm, file.setting.z_extent_mm) = (stated.x_mm, stated.z_mm);
         file.register_mm = cut.register_mm();
+        // the nose was worn, and is measured, by cuts like those before compensation
+        let CuttingData { speed_m_per_min, feed_mm_per_rev } = self.job.cutting;
+        let depth_mm = Some(0.5 * ALLOWANCE_MM);
+        file.measured_pass = Some(MeasuredPass { speed_m_per_min, feed_mm_per_rev, depth_mm });
         let truth = CuttingTruth { nose: cut.noses.real.clone(), slides_mm };
         let mut tool =
             RunTool { stated: Some(file), way: cut.program.way(), truth: Some(truth), ..RunTool::default() };

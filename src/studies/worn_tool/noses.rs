@@ -217,5 +217,6 @@ fn tool(nose_radius_mm: f64, epsilon_r_deg: f64) -> ToolFile {
         register_mm: None,
         image: Default::default(),
         setting: Default::default(),
+        measured_pass: None,
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_4;
 use glam::DVec2;
 
 use super::parts::*;
-use crate::nose::{Feed, NoseProfile, Numbering, Support, TipDirection};
+use crate::nose::{NoseProfile, Numbering, Support, TipDirection};
 use crate::outline::{Outline, Side};
 use crate::tool::*;
 
@@ -57,43 +57,25 @@ fn the_paper_s_cases_are_special_ones() {
     assert!((kept - 0.007_88).abs() < 5e-6 && (kept / 24f64.to_radians().sin() - 0.019_36).abs() < 1e-5);
 }
 
-/// The nose mirrored in X, in Z, or both.
-fn mirrored(nose: &NoseProfile, flip: impl Fn(f64) -> f64) -> NoseProfile {
-    let mut values: Vec<Support> = (0..=480)
-        .map(|k| (-27.0 + 0.25 * f64::from(k)).to_radians())
-        .map(|a| Support { a_rad: flip(a), h_mm: nose.support_mm(a), u_mm: 5e-5 })
-        .collect();
-    values.sort_by(|a, b| a.a_rad.total_cmp(&b.a_rad));
-    NoseProfile::new(&values, None, 0.0).unwrap()
-}
-
 #[test]
 fn every_tip_direction_leaves_the_same_of_the_mirrored_part() {
-    use std::f64::consts::PI;
     let nose = papers();
-    type Flip = fn(f64) -> f64;
-    let flips: [(i8, i8, Flip); 4] =
-        [(-1, -1, |a| a), (1, -1, |a| PI - a), (-1, 1, |a| -a), (1, 1, |a| PI + a)];
-    for (x, z, flip) in flips {
-        let seen = mirrored(&nose, flip);
-        let tool = crate::nose::ToolGeometry {
-            tip: TipDirection { x, z },
-            side: if x < 0 { Side::External } else { Side::Internal },
-            feed: if z < 0 { Feed::TowardsChuck } else { Feed::TowardsTailstock },
-            ..geometry()
-        };
+    for (side, feed) in TURNED {
+        let flip = |a: f64| flipped(side, feed, a);
+        let seen = carried(&nose, side, feed);
+        let tool = tool(side, feed, full_tip(side, feed));
         let (low, high) = tool.range_rad();
         let (from, to) = (flip((-27f64).to_radians()), flip(93f64.to_radians()));
         assert!(
             (low - from.min(to)).abs() < 1e-9 && (high - from.max(to)).abs() < 1e-9,
-            "{x} {z}: {low} {high}"
+            "{side:?} {feed:?}: {low} {high}"
         );
         let here = Setting::new(&seen, &tool, &Stated::default()).unwrap();
         let there = Setting::new(&nose, &geometry(), &Stated::default()).unwrap();
         for k in -26..=92 {
             let a = f64::from(k).to_radians();
             let (one, other) = (here.left_mm(flip(a), 0.4), there.left_mm(a, 0.4));
-            assert!((one - other).abs() < 1e-8, "{x} {z} {k}: {one} {other}");
+            assert!((one - other).abs() < 1e-8, "{side:?} {feed:?} {k}: {one} {other}");
         }
     }
     // a centre as the gauge point: nothing of R but the circle's own
@@ -287,27 +269,39 @@ fn a_groove_narrower_than_the_nose_is_left_partly_and_never_cut_into() {
 
 #[test]
 fn a_bore_is_compensated_like_a_shaft() {
-    use std::f64::consts::PI;
-    let tool =
-        crate::nose::ToolGeometry { tip: TipDirection { x: 1, z: -1 }, side: Side::Internal, ..geometry() };
-    let nose = mirrored(&papers(), |a| PI - a);
-    let corners =
-        [corner(0.0, 20.0, 0.0), corner(10.0, 20.0, 2.0), corner(20.0, 28.0, 0.0), corner(30.0, 28.0, 0.0)];
-    let bore = Outline::from_corners(&corners, Side::Internal).unwrap();
-    let setting = Setting::new(&nose, &tool, &Stated::default()).unwrap();
-    let c = Compensator {
-        outline: &bore,
-        setting,
-        register_mm: 0.4,
-        register_range_mm: (0.001, 9.999),
-        increment_mm: 1e-4,
-    };
-    c.check(&tool).unwrap();
-    let um = largest_um(&c, Way::Path);
-    assert!(um.abs() < 0.03, "{um}");
-    let cone = 180.0 - 4f64.atan2(10.0).to_degrees();
-    let expected = 1e3 * c.setting.left_mm(cone.to_radians(), 0.4);
-    assert!((largest_um(&c, Way::Register) - expected).abs() < 0.01, "{expected}");
+    let (papers, whole) = (papers(), shaft());
+    for (side, feed) in TURNED {
+        let (part, nose) = (turned(&shaft_corners(), (side, feed), 80.0), carried(&papers, side, feed));
+        let tool = tool(side, feed, full_tip(side, feed));
+        let setting = Setting::new(&nose, &tool, &Stated::default()).unwrap();
+        let c = Compensator { outline: &part, setting, ..compensator(&whole, &papers, 0.4) };
+        c.check(&tool).unwrap();
+        for way in Way::ALL {
+            let (here, register) = left_of(&c, way);
+            let (there, wanted) = left_of(&compensator(&whole, &papers, 0.4), way);
+            let most = |left: &[Remainder]| 1e3 * largest(left).unwrap().left_mm;
+            println!("{side:?} {feed:?} {}: {:.4} µm", way.as_str(), most(&here));
+            assert!((most(&here) - most(&there)).abs() < 0.01, "{side:?} {feed:?} {way:?}");
+            assert!((register - wanted).abs() < 2e-4, "{register} {wanted}");
+            let (mine, its) = (changes(&part, &here).0, changes(&whole, &there).0);
+            let of = |pieces: &[PieceChange], kind: Kind| -> Vec<f64> {
+                let mut of: Vec<f64> =
+                    pieces.iter().filter(|p| p.kind == kind).filter_map(|p| p.diameter_um).collect();
+                of.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+                of
+            };
+            // what is left makes a shaft larger and a bore smaller
+            let sign = if side == Side::External { 1.0 } else { -1.0 };
+            for kind in [Kind::Diameter, Kind::Cone] {
+                for (one, other) in of(&mine, kind).iter().zip(of(&its, kind)) {
+                    assert!(
+                        (one - sign * other).abs() < 0.02,
+                        "{side:?} {feed:?} {way:?} {kind:?}: {one} {other}"
+                    );
+                }
+            }
+        }
+    }
 }
 
 #[test]

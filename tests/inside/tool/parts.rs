@@ -1,5 +1,7 @@
 //! Noses and parts that the tests share.
 
+use std::f64::consts::PI;
+
 use crate::nose::{Feed, NoseProfile, Support, TipDirection, ToolGeometry};
 use crate::outline::{Outline, Side};
 use crate::shaft::ContourPoint;
@@ -55,22 +57,79 @@ pub fn corner(z_mm: f64, diameter_mm: f64, radius_mm: f64) -> ContourPoint {
 }
 
 /// Cylinder, concave R4, shoulder, cylinder, a 24° cone, cylinder, convex R5, end face.
-pub fn shaft() -> Outline {
+pub fn shaft_corners() -> [ContourPoint; 7] {
     let run = 6.0 / 24f64.to_radians().tan();
-    Outline::from_corners(
-        &[
-            corner(-40.0, 60.0, 0.0),
-            corner(-32.0, 60.0, 0.0),
-            corner(-32.0, 46.0, 4.0),
-            corner(-22.0, 46.0, 0.0),
-            corner(-22.0 + run, 34.0, 0.0),
-            corner(0.0, 34.0, 5.0),
-            corner(0.0, 10.0, 0.0),
-        ],
-        Side::External,
-    )
-    .unwrap()
+    [
+        corner(-40.0, 60.0, 0.0),
+        corner(-32.0, 60.0, 0.0),
+        corner(-32.0, 46.0, 4.0),
+        corner(-22.0, 46.0, 0.0),
+        corner(-22.0 + run, 34.0, 0.0),
+        corner(0.0, 34.0, 5.0),
+        corner(0.0, 10.0, 0.0),
+    ]
 }
+
+/// The shaft with these corners.
+pub fn shaft() -> Outline {
+    Outline::from_corners(&shaft_corners(), Side::External).unwrap()
+}
+
+/// A tool by its side, its feed and its tip direction.
+pub fn tool(side: Side, feed: Feed, tip: TipDirection) -> ToolGeometry {
+    ToolGeometry { tip, side, feed, ..geometry() }
+}
+
+/// The tip direction of a tool set in X and Z.
+pub fn full_tip(side: Side, feed: Feed) -> TipDirection {
+    TipDirection {
+        x: if side == Side::External { -1 } else { 1 },
+        z: if feed == Feed::TowardsChuck { -1 } else { 1 },
+    }
+}
+
+/// A normal's angle as a tool of another side and feed sees it.
+pub fn flipped(side: Side, feed: Feed, a: f64) -> f64 {
+    match (side, feed) {
+        (Side::External, Feed::TowardsChuck) => a,
+        (Side::External, Feed::TowardsTailstock) => -a,
+        (Side::Internal, Feed::TowardsChuck) => PI - a,
+        (Side::Internal, Feed::TowardsTailstock) => PI + a,
+    }
+}
+
+/// A nose as a tool of another side and feed carries it, its support every quarter of a degree.
+pub fn carried(nose: &NoseProfile, side: Side, feed: Feed) -> NoseProfile {
+    let mut values: Vec<Support> = (0..=480)
+        .map(|k| (-27.0 + 0.25 * f64::from(k)).to_radians())
+        .map(|a| Support { a_rad: flipped(side, feed, a), h_mm: nose.support_mm(a), u_mm: 5e-5 })
+        .collect();
+    values.sort_by(|a, b| a.a_rad.total_cmp(&b.a_rad));
+    NoseProfile::new(&values, None, 0.0).unwrap()
+}
+
+/// Corners of a shaft for a tool of another side and feed: mirrored in Z about the middle of both
+/// ends, and into a bore about half of `sum_mm`.
+pub fn turned(corners: &[ContourPoint], (side, feed): (Side, Feed), sum_mm: f64) -> Outline {
+    let (first, last) = (corners[0].z_mm, corners[corners.len() - 1].z_mm);
+    let mut made = corners.to_vec();
+    if feed == Feed::TowardsTailstock {
+        made.iter_mut().for_each(|c| c.z_mm = first + last - c.z_mm);
+        made.reverse();
+    }
+    if side == Side::Internal {
+        made.iter_mut().for_each(|c| c.diameter_mm = sum_mm - c.diameter_mm);
+    }
+    Outline::from_corners(&made, side).unwrap()
+}
+
+/// Both sides with both feeds.
+pub const TURNED: [(Side, Feed); 4] = [
+    (Side::External, Feed::TowardsChuck),
+    (Side::External, Feed::TowardsTailstock),
+    (Side::Internal, Feed::TowardsChuck),
+    (Side::Internal, Feed::TowardsTailstock),
+];
 
 /// A part with a nose set by touching, R in 0.001 to 9.999 mm.
 pub fn compensator<'a>(outline: &'a Outline, nose: &'a NoseProfile, register_mm: f64) -> Compensator<'a> {

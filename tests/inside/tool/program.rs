@@ -30,7 +30,7 @@ fn part() -> Outline {
     Outline::from_corners(&corners, Side::External).unwrap()
 }
 
-fn machine() -> NcSettings {
+pub fn machine() -> NcSettings {
     NcSettings {
         tailstock: Some(Tailstock::Absent),
         chuck: Some(Chuck { diameter_mm: 160.0, jaws_to_z_mm: 14.0, jaws_diameter_mm: None }),
@@ -59,6 +59,7 @@ fn written(
             .then_some(NoseRegister { radius_mm: done.register_mm, tip: c.setting.tip }),
         nose: &outline,
         piece: &Workpiece { direction, ..Workpiece::new(45.0, 32.0, 32.0) },
+        bore: None,
         settings,
         cutting: CuttingData { speed_m_per_min: 180.0, feed_mm_per_rev: 0.08 },
         about: "test",
@@ -68,7 +69,7 @@ fn written(
 
 /// Largest difference of what moves of the gauge point leave from what the way's own path leaves,
 /// µm.
-fn difference_um(c: &Compensator<'_>, done: &Compensated, moves: &[(DVec2, DVec2)]) -> f64 {
+pub fn difference_um(c: &Compensator<'_>, done: &Compensated, moves: &[(DVec2, DVec2)]) -> f64 {
     let (tool, gauge) = (Tool::new(c.setting.nose), c.setting.gauge_point());
     let moves: Vec<_> = moves.iter().map(|m| (m.0 - gauge, m.1 - gauge)).collect();
     let own = remainders(c.outline, &done.path, &crate::tool::moves_of(&done.path), &tool);
@@ -90,7 +91,9 @@ fn programs_command_the_path_of_their_way() {
         for way in Way::ALL {
             let done = c.carry_out(way).unwrap();
             // half an increment of Fanuc's X as a radius is .25 µm, of Z .5 µm, of R .5 µm
-            for (dialect, most) in [(Dialect::Linuxcnc, 0.1), (Dialect::Fanuc, 1.5)] {
+            for (dialect, most) in
+                [(Dialect::Linuxcnc, 0.1), (Dialect::Fanuc, 1.5), (Dialect::Sinumerik, 1.5)]
+            {
                 let written = written(&c, &done, dialect, &settings).unwrap();
                 let away = difference_um(&c, &done, &written.moves);
                 println!("{} {}: {away:.4} µm", dialect.as_str(), way.as_str());
@@ -100,8 +103,58 @@ fn programs_command_the_path_of_their_way() {
     }
 }
 
+/// The control of a dialect at the change position.
+pub fn control(settings: &NcSettings, dialect: Dialect) -> Control<'_> {
+    let change = Point { x: 200.0, z: 120.0 };
+    Control {
+        dialect,
+        settings,
+        start: change,
+        reference: change,
+        variables: Vec::new(),
+        with_probe: false,
+        surface: None,
+    }
+}
+
+#[test]
+fn a_sinumerik_takes_radius_and_tip_of_the_edge_and_arcs_by_their_radius() {
+    let (part, settings, nose) = (part(), machine(), round(0.4));
+    let c = compensator(&part, &nose, 0.4);
+    let done = c.carry_out(Way::Register).unwrap();
+    let text = written(&c, &done, Dialect::Sinumerik, &settings).unwrap().text;
+    for word in
+        ["$TC_DP2[1,1]=3\n", "$TC_DP6[1,1]=0.4\n", "$TC_DP15[1,1]=0\n", "G451 NORM", "G42 X=", " CR=5"]
+    {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    let control = control(&settings, Dialect::Sinumerik);
+    let run = |text: &str| replay::run(text, &control);
+    let events = run(&text).unwrap();
+    // the convex R5 by its centre: from the face at Ø12 its centre lies 5 towards the chuck
+    let arc = text.lines().find(|l| l.ends_with(" CR=5")).unwrap();
+    let by_centre = text.replace(arc, &arc.replace(" CR=5", " I=0 K=-5"));
+    let again = run(&by_centre).unwrap();
+    assert_eq!(events.len(), again.len(), "{arc}");
+    let fault = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}: {text}");
+        run(&text.replacen(from, to, 1)).unwrap_err().1
+    };
+    assert!(fault(" CR=5", " I=0 K=-4").contains("from its centre"), "{}", fault(" CR=5", " I=0 K=-4"));
+    assert!(fault(" CR=5", "").contains("an arc needs"));
+    assert!(fault("G451 NORM\n", "").contains("before NORM and G451"));
+    assert!(fault("$TC_DP6[1,1]", "$TC_DP6[2,1]").contains("tool 1"));
+    assert!(fault("$TC_DP6[1,1]", "$TC_DP7[1,1]").contains("not understood"));
+    // written after the call it would act from the next one on
+    let late = text.replace("$TC_DP6[1,1]=0.4\n", "").replace("T1 D1\n", "T1 D1\n$TC_DP6[1,1]=0.4\n");
+    assert!(run(&late).unwrap_err().1.contains("after its tool was called"));
+    // a larger radius goes another way
+    let wider = run(&text.replace("$TC_DP6[1,1]=0.4", "$TC_DP6[1,1]=0.5")).unwrap();
+    assert_ne!(events, wider);
+}
+
 /// Straight moves of LinuxCNC's canonical commands, arcs by chords: (X radius, Z).
-fn canonical(printed: &str) -> Vec<(DVec2, DVec2)> {
+pub fn canonical(printed: &str) -> Vec<(DVec2, DVec2)> {
     let mut at: Option<DVec2> = None;
     let mut moves = Vec::new();
     for line in printed.lines() {
@@ -163,16 +216,7 @@ fn blocks_that_a_control_would_stop_at_are_refused() {
     let (part, settings, nose) = (part(), machine(), round(0.4));
     let c = compensator(&part, &nose, 0.4);
     let text = written(&c, &c.carry_out(Way::Register).unwrap(), Dialect::Linuxcnc, &settings).unwrap().text;
-    let change = Point { x: 200.0, z: 120.0 };
-    let control = Control {
-        dialect: Dialect::Linuxcnc,
-        settings: &settings,
-        start: change,
-        reference: change,
-        variables: Vec::new(),
-        with_probe: false,
-        surface: None,
-    };
+    let control = control(&settings, Dialect::Linuxcnc);
     let fault = |from: &str, to: &str| {
         assert!(text.contains(from), "{from}: {text}");
         replay::run(&text.replacen(from, to, 1), &control).unwrap_err().1
@@ -225,5 +269,9 @@ fn a_left_hand_tool_is_driven_towards_the_tailstock() {
         let away = difference_um(&c, &done, &written.moves);
         println!("towards the tailstock, {}: {away:.4} µm", way.as_str());
         assert!(away < 0.1, "{}: {away}\n{}", way.as_str(), written.text);
+        let Some((_, printed)) = interpret(&written.text) else { continue };
+        let away = difference_um(&c, &done, &canonical(&printed));
+        println!("rs274, towards the tailstock, {}: {away:.4} µm", way.as_str());
+        assert!(away < 0.1, "{}: {away}\n{printed}\n{}", way.as_str(), written.text);
     }
 }

@@ -4,11 +4,12 @@
 use std::path::Path;
 
 use super::parts::papers_support;
-use crate::cell::SimulatedCell;
+use crate::cell::{SimulatedCell, drawn_scene, scan_request};
 use crate::closed_loop::{ClosedLoop, PassResult};
 use crate::config;
 use crate::job::Job;
-use crate::render::{BackendChoice, Renderer};
+use crate::plan::ScanPlan;
+use crate::render::{BackendChoice, Renderer, geometric_edges};
 use crate::tool::Way;
 
 /// Half angle of the cone: .25 mm of radius a millimetre.
@@ -141,6 +142,54 @@ fn a_tool_that_contradicts_or_does_not_reach_is_refused() {
     assert!(said.contains("-26.565°") && said.contains("edges") && said.contains("-22.000°"), "{said}");
     let said = refused(same, ("tip_direction = 3", "tip_direction = 4\nfeed = \"towards_tailstock\""));
     assert!(said.contains("feed_direction"), "{said}");
+}
+
+#[test]
+fn a_run_is_cut_like_the_pass_that_was_measured() {
+    // the example states its pass: the last one of 12.4 to 12.0 mm, 180 m/min, .08 mm
+    let depth = "depth_mm = 0.2";
+    let said = refused(("", ""), (depth, "depth_mm = 0.3"));
+    assert!(
+        said.contains("part.nominal_diameter_mm") && said.contains("0.2000 mm") && said.contains("0.3 mm"),
+        "{said}"
+    );
+    let said = refused(("speed_m_per_min = 180.0", "speed_m_per_min = 150.0"), ("", ""));
+    assert!(said.contains("cutting.speed_m_per_min = 150") && said.contains("180 m/min"), "{said}");
+    let said = refused(("feed_mm_per_rev = 0.08", "feed_mm_per_rev = 0.12"), ("", ""));
+    assert!(said.contains("cutting.feed_mm_per_rev = 0.12") && said.contains("0.08 mm"), "{said}");
+    let mut open = job(Way::Path);
+    assert!(!open.cautions().iter().any(|c| c.contains("measured_pass")), "{:?}", open.cautions());
+    if let Some(tool) = open.tool.as_mut().and_then(|t| t.stated.as_mut()) {
+        tool.measured_pass = None;
+    }
+    assert!(open.cautions().iter().any(|c| c.contains("measured_pass")));
+}
+
+/// The picture of a config shows what its run would leave.
+#[test]
+fn a_drawn_scene_shows_what_the_nose_leaves() {
+    let diameters_px = |way: Option<Way>| {
+        let mut job = job(way.unwrap_or_default());
+        job.tool = job.tool.filter(|_| way.is_some());
+        // the middle of the first cylinder
+        let plan = ScanPlan { field_z_mm: vec![10.0], angle_deg: vec![0.0] };
+        let request = scan_request(&job, &plan, 0);
+        let edges = geometric_edges(&drawn_scene(&job).unwrap(), &request).unwrap();
+        let middle = edges[edges.len() / 2];
+        middle.bottom_px - middle.top_px
+    };
+    let mm_per_px = job(Way::Register).setup_settings().nominal_pixel_mm();
+    let (drawn, worn, mended) =
+        (diameters_px(None), diameters_px(Some(Way::Register)), diameters_px(Some(Way::Path)));
+    let more = |px: f64| mm_per_px * (px - drawn);
+    assert!((more(worn) - 2.0 * left_mm(0.0)).abs() < 5e-4, "{}", more(worn));
+    assert!(more(mended).abs() < 5e-4, "{}", more(mended));
+    let profile = job(Way::Register).worn_profile().unwrap().unwrap();
+    let last = job(Way::Register).part.drawn_diameter_mm();
+    let (_, contour) = job(Way::Register).contours().unwrap();
+    for (knot, of) in profile.iter().zip(contour.unwrap().knots) {
+        assert!((2.0 * knot.radius_mm - last - of.relative_mm).abs() < 1e-12);
+    }
 }
 
 /// The resolved config of a run folder holds tool and nose itself and gives the same contour.
