@@ -1,5 +1,5 @@
-//! `shadowgauge calibrate CONFIG`: an optical setup from dark and flat fields, master pins and a check
-//! pin.
+//! `shadowgauge calibrate CONFIG`: an optical setup from dark and flat fields, master pins and a
+//! check pin.
 //!
 //! In: a plan. Its frames are rendered, lie in folders (`recorded_frames`) or are taken with a
 //! camera (`camera_frames`), before which an operator lays the pins (`asked_camera`, who is `asked`
