@@ -135,3 +135,48 @@ fn the_example_identifies_its_lathe() {
     let b = found.file.positioning.iter().find(|row| row.error == "EZZ").unwrap();
     assert!(b.parameters.both.unwrap().r < 2.0 && b.parameters.short_of_standard.is_empty(), "{b:?}");
 }
+
+/// Profiles of 0.8 µm peak to valley from 51 readings of 0.01 µm, each less its mean.
+#[test]
+fn profiles_come_back_below_the_readings_own_scatter() {
+    let geometry = "chain = \"carriage\"\ntool_mm = [0, 0, 0]\nhead_mm = [0, 0, 0]\nhead_on = \"x_carrier\"\ncarriage_mm = [0, 0, 0]\nx_travel_mm = [-1, 30]\nz_travel_mm = [0, 100]\n";
+    let readings = "[[readings]]\ninstrument = \"cylinder\"\nradius_mm = 12.5\nu_um = 0.01\nplan = { from_mm = 0.0, to_mm = 100.0, positions = 51, quantities = [\"radius\"] }\n";
+    let config =
+        config(&format!("name = \"a\"\nidentify = [\"exz\", \"b0c\"]\n{readings}[machine]\n{geometry}"));
+    let mut draws = crate::inside::machine::Draws(7);
+    let mut all: Vec<f64> = (0..40)
+        .map(|seed| {
+            let mut wave = |k: f64| {
+                let (long, phase) = (100.0 / (0.7 * k + 0.3 * draws.next().abs()), 180.0 * draws.next());
+                (long, (1.0 + 0.5 * draws.next()) / k, phase)
+            };
+            let waves = [1.0, 2.0, 3.0, 4.0, 5.0].map(&mut wave);
+            let at = |z: f64| -> f64 {
+                waves.iter().map(|(l, a, p)| a * (std::f64::consts::TAU * z / l + p.to_radians()).cos()).sum()
+            };
+            let values: Vec<f64> = (0..=500).map(|k| at(0.2 * f64::from(k))).collect();
+            let high = values.iter().copied().fold(f64::MIN, f64::max);
+            let scale = 0.8 / (high - values.iter().copied().fold(f64::MAX, f64::min));
+            let list: Vec<String> = waves
+                .iter()
+                .map(|(l, a, p)| {
+                    format!(
+                        "{{ wavelength_mm = {l:.9}, amplitude_um = {:.9}, phase_deg = {p:.9} }}",
+                        scale * a
+                    )
+                })
+                .collect();
+            let text = format!("{geometry}[errors.exz]\nfourier = [{}]\n", list.join(", "));
+            let sets = super::sets(&config, &toml::from_str(&text).unwrap(), seed);
+            let found = crate::identification::identify(&config, &sets).unwrap().chosen;
+            let tool = |z: f64| 1e3 * found.tool(&config.machine, [12.5, z], 0, Direction::Forward).value;
+            let off: Vec<f64> = (0..=100).map(f64::from).map(|z| tool(z) - scale * at(z)).collect();
+            let mean = off.iter().sum::<f64>() / 101.0;
+            (off.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 101.0).sqrt()
+        })
+        .collect();
+    all.sort_by(f64::total_cmp);
+    let mean = all.iter().sum::<f64>() / 40.0;
+    println!("profiles: rms {mean} µm in the mean, {} of 95 %", all[37]);
+    assert!(mean <= 0.008 && all[37] <= 0.010, "{mean} {}", all[37]);
+}
