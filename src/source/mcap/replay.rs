@@ -150,7 +150,7 @@ mod tests {
         let camera = CameraBinding { serial_number: "SG-5".to_owned(), ..CameraBinding::default() };
         for stated in [Some(&camera), None] {
             let mut writer = RecordingWriter::begin(Cursor::new(Vec::new()), stated).unwrap();
-            writer.frame(&Encoded::of(&frame(0))).unwrap();
+            writer.frame(&Encoded::of(&frame(0), Message::default())).unwrap();
             let bytes = writer.finish().unwrap().into_inner();
             assert_eq!(replayed(&bytes), (1, None));
             let length = bytes.len() as u64;
