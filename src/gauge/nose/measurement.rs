@@ -205,16 +205,18 @@ impl<'a> Work<'a> {
             .map(|(along, c)| EdgePoint { along, shift: c.shift, u: c.u_own, shared: c.shared })
             .collect();
         let from = &self.path.lines[k];
+        let least = NoseLimits::get().least_on_line * own.count as f64;
+        let at = from.at + from.along() * own.middle(own.count / 2);
+        let (row, column, fitted) = (-at.y, at.x, points.len());
+        if (fitted as f64) < least {
+            let (refused, calipers) = (own.count - fitted, own.count);
+            return Err(NoseImageError::NoEdgeModel { row, column, refused, calipers });
+        }
         let found = line::fit(from, &points);
         let on_line = found.as_ref().map_or(0, |f| f.on_line);
-        match found {
-            Some(found) if on_line as f64 >= NoseLimits::get().least_on_line * own.count as f64 => Ok(found),
-            _ => {
-                let at = from.at + from.along() * own.middle(own.count / 2);
-                let (row, column) = (-at.y, at.x);
-                Err(NoseImageError::NotStraight { row, column, on_line, calipers: own.count })
-            }
-        }
+        found
+            .filter(|_| on_line as f64 >= least)
+            .ok_or(NoseImageError::NotStraight { row, column, on_line, fitted })
     }
 
     /// Radii of the sectors about the path's centre.
