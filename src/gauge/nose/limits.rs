@@ -11,6 +11,14 @@ limits! {
     /// contamination: chips and specks of tenths of a millimetre beside an insert of some
     /// millimetres cover a hundredth.
     second_part: f64 = 0.1;
+    /// Cells over the shorter side of a frame that is searched by cells: the least insert, of
+    /// `least_area`, still covers hundreds of them where a cell is 4 px wide.
+    cells_across: usize = 400;
+    /// Largest side of a cell, px: an insert's edge of `least_edge_px` is ten cells.
+    most_side: usize = 4;
+    /// Least area within a contour over that of the cells found: less is a hole's contour, or one of
+    /// two parts that touch in cells alone.
+    enclosed: f64 = 0.9;
     /// Distance from a line of the coarse contour, px, within which a place lies on it: the contour
     /// of whole pixels, smoothed, scatters by a third of a pixel.
     coarse_px: f64 = 0.8;

@@ -1,5 +1,7 @@
 //! The measurement: coarse corner, pooled fits along the contour, lines, centre, sectors, support.
 
+use std::borrow::Cow;
+
 use glam::DVec2;
 use nalgebra::Matrix2;
 
@@ -17,7 +19,7 @@ use super::support::{SectorNoise, below_hull, support};
 use crate::frame::{FrameView, PixelFormat};
 use crate::gauge::edge::estimation::light_field::{LightField, Lit};
 use crate::gauge::ring::edge_pixels::Band;
-use crate::gauge::ring::fit::{Caliper, EdgeFit, fit_edge};
+use crate::gauge::ring::fit::{Caliper, EdgeFit, fit_edge, fit_edge_from};
 use crate::gauge::ring::measurement::RingLightLimits;
 use crate::numerics::robust::median_of;
 
@@ -165,14 +167,18 @@ impl<'a> Work<'a> {
         let least_variance = if whole { 1.0 / 12.0 } else { 1e-6 };
         let half = (self.half_px, self.half_px);
         let raw = collect(self.view, &BandPlan { path: &self.path, calipers: *calipers, half });
-        let mut band = raw.clone();
         if self.field.is_none() {
             self.field = Some(self.light(calipers));
         }
+        let mut band = Cow::Borrowed(&raw);
         if let Some(Some((field, dark))) = &self.field {
-            band.level(field, *dark);
+            band.to_mut().level(field, *dark);
         }
-        let fitted = fit_edge(&band, least_variance, f64::MAX.sqrt(), None);
+        // the plane of the levels counts from the path's centre, which moves by fractions of a pixel
+        let fitted = match self.last.as_ref().and_then(|last| last.fit.begun) {
+            Some(begun) => fit_edge_from(&band, least_variance, f64::MAX.sqrt(), begun),
+            None => fit_edge(&band, least_variance, f64::MAX.sqrt(), None),
+        };
         let flank = fitted.as_ref().map_or(f64::INFINITY, |fit| fit.noise);
         let fitted = match raw.ends(flank, whole) {
             None => fitted,

@@ -16,6 +16,7 @@
 
 pub(crate) mod axes;
 mod bands;
+mod cells;
 mod centre;
 mod contour;
 mod corner;
@@ -33,6 +34,6 @@ mod wear;
 #[cfg(test)]
 pub(crate) use error::NoseImageError;
 pub(crate) use measurement::measure_nose;
-pub(crate) use result::{NoseMeasurement, NoseSector, Reference};
+pub(crate) use result::{NoseMeasurement, NoseSector, Reference, SupportValue};
 pub(crate) use settings::{ExpectedNose, NoseSettings};
 pub(crate) use wear::{BaselineNose, Wear, wear};
