@@ -6,11 +6,12 @@
 #          make pictures (the pictures of the documents -> docs)
 #          make reports-check (reports before axe-core in Chromium: contrast, names, small screens)
 #          make gpu-check (a hardware adapter against the CPU path; needs the built program alone)   make bench   make bless CASE=all
+#          make peers (this crate beside other software, in venvs below out/peers; ONLY="nose" for some of run, render, nose)
 
 CARGO ?= cargo
 BIN := target/release/shadowgauge
 
-.PHONY: demo test studies studies-short study-limits pictures reports-check gpu-check bench build vulkan bless
+.PHONY: demo test studies studies-short study-limits pictures reports-check gpu-check bench peers build vulkan bless
 
 # With wgpu at work where a Vulkan driver is (software drivers are taken by name only), else on the CPU path.
 demo: vulkan build
@@ -63,6 +64,13 @@ gpu-check:
 
 bench:
 	$(CARGO) bench --locked
+
+# Beside other software on the same frames, each script with a venv of its own -> out/peers/NAME.txt; needs Python and PyPI.
+peers: build
+	@mkdir -p out/peers
+	@for name in $(or $(ONLY),run render nose); do \
+	  VENVS="$(CURDIR)/out/peers" sh benches/peers/$$name.sh > out/peers/$$name.txt && cat out/peers/$$name.txt || exit 1; \
+	done
 
 bless:
 	BLESS=$(CASE) $(CARGO) test --release --locked --lib render_golden

@@ -64,8 +64,8 @@ pub use machine::RunMachine;
 #[cfg(feature = "render")]
 pub(crate) use machine::{HeadView, Lathe, MachineRow};
 #[cfg(feature = "render")]
-pub use run_tool::RunTool;
-#[cfg(feature = "render")]
 pub(crate) use run_tool::CuttingTruth;
+#[cfg(feature = "render")]
+pub use run_tool::RunTool;
 #[cfg(feature = "render")]
 pub use simulated::Job;

@@ -3,9 +3,9 @@
 use rand::{RngExt as _, SeedableRng as _};
 use serde::Serialize;
 
+use crate::frame::Frame;
 use crate::gauge::nose::{NoseMeasurement, NoseSettings, SupportValue, measure_nose};
 use crate::render::RenderError;
-use crate::frame::Frame;
 use crate::render::insert::{InsertBlur, InsertSettings, Truth, Wear, render_insert_through};
 
 /// 97.5 % of the normal distribution, for intervals of 95 %.

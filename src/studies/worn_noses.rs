@@ -88,7 +88,8 @@ pub(crate) struct WornRow {
 
 /// Every family that draws inserts, with a blur of about a pixel of 2.4 µm.
 pub(crate) fn families() -> Vec<(&'static str, Esf)> {
-    let partial = PartiallyCoherentEdge { na: 0.06, coherence_ratio: 0.7, ..PartiallyCoherentEdge::default() };
+    let partial =
+        PartiallyCoherentEdge { na: 0.06, coherence_ratio: 0.7, ..PartiallyCoherentEdge::default() };
     let cylinder = CylinderEdge { na: 0.06, coherence_ratio: 0.7, ..CylinderEdge::default() };
     // a contact shadow: the sensor 15 µm behind the edge, below which its pixels average the fringes
     let laser = LaserShadow { distance_mm: 0.015, source_half_angle_mrad: 50.0, ..LaserShadow::default() };
@@ -159,9 +160,8 @@ pub(crate) fn run(
 
 /// What each family does to an area.
 fn blurs(of: &WornSettings) -> Result<Vec<InsertBlur>, RenderError> {
-    let blur = |(_, esf): &(&str, Esf)| {
-        InsertBlur::new(&InsertSettings { esf: esf.clone(), ..of.insert.clone() })
-    };
+    let blur =
+        |(_, esf): &(&str, Esf)| InsertBlur::new(&InsertSettings { esf: esf.clone(), ..of.insert.clone() });
     of.families.iter().map(blur).collect()
 }
 
@@ -268,7 +268,8 @@ mod tests {
             worst_um,
             refused: String::new(),
         };
-        let noses = [nose(Some(0.2), false), nose(Some(0.7), false), nose(Some(9.0), true), nose(None, false)];
+        let noses =
+            [nose(Some(0.2), false), nose(Some(0.7), false), nose(Some(9.0), true), nose(None, false)];
         let all = rows(&noses, &[("gaussian", Some(0.1)), ("cylinder", None)]);
         let [gaussian, cylinder, sum] = &all[..] else { panic!("{all:?}") };
         assert_eq!((gaussian.noses, gaussian.measured, gaussian.flagged, gaussian.refused), (4, 2, 1, 1));

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use super::nose_frames::NoseFrames;
-use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::failure::{CommandResult, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
 use crate::cli::terminal::progress;
 use crate::render::insert::InsertSettings;

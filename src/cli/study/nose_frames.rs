@@ -43,9 +43,7 @@ impl<'a> NoseFrames<'a> {
     pub(super) fn finish(self) -> Result<(), Failure> {
         match (self.failed, self.folder) {
             (Some(failure), _) => Err(failure),
-            (None, Some(folder)) => {
-                folder.write("truth.json", (json_text(&self.truths)? + "\n").as_bytes())
-            }
+            (None, Some(folder)) => folder.write("truth.json", (json_text(&self.truths)? + "\n").as_bytes()),
             (None, None) => Ok(()),
         }
     }

@@ -8,8 +8,8 @@ use glam::DVec2;
 use image::{GrayImage, Luma};
 use imageproc::region_labelling::{Connectivity, connected_components};
 
-use super::error::NoseImageError;
 use super::cells::{Cells, Smoothed};
+use super::error::NoseImageError;
 use super::limits::NoseLimits;
 use crate::frame::{FrameView, PixelFormat};
 use crate::gauge::ring::RingError;
@@ -163,9 +163,8 @@ fn trace(
 /// The runs between touches of the frame's border, as smoothed places.
 fn split(corners: &[(isize, isize)], (rows, columns): (usize, usize)) -> Vec<Run> {
     let n = corners.len();
-    let touches = |c: &(isize, isize)| {
-        c.0 == 0 || c.1 == 0 || c.0 == rows as isize || c.1 == columns as isize
-    };
+    let touches =
+        |c: &(isize, isize)| c.0 == 0 || c.1 == 0 || c.0 == rows as isize || c.1 == columns as isize;
     let place = |c: &(isize, isize)| DVec2::new(c.1 as f64 - 0.5, 0.5 - c.0 as f64);
     let Some(first) = corners.iter().position(touches) else {
         // the whole insert: once around, and the nose may lie at the beginning
@@ -234,7 +233,8 @@ mod tests {
         let view = FrameView::new(Pixels::U16(&values), PixelFormat::Mono12, rows, columns, columns).unwrap();
         // the median of three closes it as well: one insert, by either
         assert_eq!(by_cells(&view).is_some(), by_pixels(&view).is_ok());
-        let small = FrameView::new(Pixels::U16(&values[..90_000]), PixelFormat::Mono12, 300, 300, 300).unwrap();
+        let small =
+            FrameView::new(Pixels::U16(&values[..90_000]), PixelFormat::Mono12, 300, 300, 300).unwrap();
         assert!(by_cells(&small).is_none());
     }
 }

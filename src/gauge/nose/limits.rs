@@ -89,6 +89,17 @@ limits! {
     /// variance (the variance of a smooth of second differences falls with the fourth root of the
     /// penalty).
     penalty_share: f64 = 0.03;
+    /// What the hull of sectors hides of a corner, over the change of its slope per sector, of sharp
+    /// edges: by trial over all places of the corner in its sector (`hidden_corner`).
+    corner_sharp: f64 = 0.115;
+    /// The same by the blur over the width of a sector.
+    corner_blur: f64 = 0.085;
+    /// Scatter of what is hidden, of sharp edges.
+    corner_u_sharp: f64 = 0.045;
+    /// The same by the blur.
+    corner_u_blur: f64 = 0.035;
+    /// Standard uncertainties of a change of slope below which it is noise.
+    corner_u: f64 = 3.0;
     /// Draws of the Monte Carlo of the support: u is known to 5 %.
     draws: usize = 200;
     /// Largest distance of the support's directions, degrees; a nose profile takes 5.

@@ -220,9 +220,12 @@ impl<'a> Work<'a> {
         }
         let found = line::fit(from, &points);
         let on_line = found.as_ref().map_or(0, |f| f.on_line);
-        found
-            .filter(|_| on_line as f64 >= least)
-            .ok_or(NoseImageError::NotStraight { row, column, on_line, fitted })
+        found.filter(|_| on_line as f64 >= least).ok_or(NoseImageError::NotStraight {
+            row,
+            column,
+            on_line,
+            fitted,
+        })
     }
 
     /// Radii of the sectors about the path's centre.
@@ -296,7 +299,8 @@ impl<'a> Work<'a> {
         let by_radius = self.found.u_px / (0.5 * path.sweep_rad).cos();
         let b = nalgebra::Vector2::new(towards.x, towards.y);
         covariance += b * b.transpose() * (by_radius * by_radius);
-        let Some(support) = support(path, &last.sectors, &last.noise()) else {
+        let blur_px = last.fit.sigma.hypot(12f64.sqrt().recip());
+        let Some(support) = support(path, &last.sectors, &last.noise(), blur_px) else {
             return Err(NoseImageError::Fit("its sectors have no smooth contour".to_owned()));
         };
         let m = last.sectors.len() as f64;

@@ -21,6 +21,7 @@ mod centre;
 mod contour;
 mod corner;
 mod error;
+mod hidden_corner;
 pub(crate) mod limits;
 mod line;
 mod measurement;

@@ -363,27 +363,27 @@ impl<const P: usize> State<P> {
         let mut zones = [Vec::new(), Vec::new(), Vec::new()];
         let ends = self.clipped.map_or(Ends::NONE, |c| c.ends);
         let separated = self.clipped.as_ref().map(|c| &c.separated);
+        let mut evaluated = Vec::new();
         for (pixels, at) in band.sectors.iter().zip(&self.sectors).filter(|(_, at)| at.good) {
             let shift = at.shift;
-            let inside = || pixels.iter().filter(|p| p.value > ends.low && p.value < ends.high);
             let informed = |light: f64, by_shift: f64| by_shift * by_shift / self.variance.at(light);
-            let own: f64 = inside()
-                .map(|pixel| {
-                    let (_, _, by_shift, light) = model(pixel, &self.pooled, shift, separated);
-                    informed(light, by_shift)
-                })
-                .sum();
-            for pixel in inside() {
+            let inside = pixels.iter().filter(|p| p.value > ends.low && p.value < ends.high);
+            evaluated.clear();
+            evaluated.extend(inside.map(|pixel| {
                 let (value, _, by_shift, light) = model(pixel, &self.pooled, shift, separated);
+                (pixel.value - value, informed(light, by_shift), light)
+            }));
+            let own: f64 = evaluated.iter().map(|(_, informed, _)| informed).sum();
+            for &(residual, informed, light) in &evaluated {
                 let zone = match light {
                     l if l < 0.1 => 0,
                     l if l > 0.9 => 2,
                     l if (0.25..0.75).contains(&l) => 1,
                     _ => continue,
                 };
-                let left = 1.0 - informed(light, by_shift) / own;
+                let left = 1.0 - informed / own;
                 if left > limits.least_left {
-                    zones[zone].push(((pixel.value - value).powi(2) / left) as f32);
+                    zones[zone].push((residual.powi(2) / left) as f32);
                 }
             }
         }
