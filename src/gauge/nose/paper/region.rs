@@ -87,19 +87,19 @@ impl Region {
 mod tests {
     use super::*;
 
-    /// Level lines of a strip 3 px wide: straight for 60 px, then an arc of 40 px radius that turns
+    /// Level lines of a strip 3 px wide: straight for 60 px, then an arc of 60 px radius that turns
     /// by a radian.
     fn edge_and_arc() -> Gradients {
         let (columns, rows) = (130, 80);
         let mut angle = vec![None; columns * rows];
-        let centre = DVec2::new(70.0, 60.0);
+        let centre = DVec2::new(70.0, 80.0);
         for (at, angle) in angle.iter_mut().enumerate() {
             let p = DVec2::new((at % columns) as f64, (at / columns) as f64);
             let arm = p - centre;
             let turn = arm.x.atan2(-arm.y);
             *angle = if (10.0..=70.0).contains(&p.x) && (p.y - 20.0).abs() <= 1.0 {
                 Some(0.0)
-            } else if (0.0..=1.0).contains(&turn) && (arm.length() - 40.0).abs() <= 1.0 {
+            } else if (0.0..=1.0).contains(&turn) && (arm.length() - 60.0).abs() <= 1.0 {
                 Some(turn as f32)
             } else {
                 None
