@@ -99,6 +99,9 @@ limits! {
     corner_u_sharp: f64 = 0.08;
     /// The same by the blur.
     corner_u_blur: f64 = 0.035;
+    /// Uncertainty of the support by a hidden corner, px, from which it is flagged: two of it are half
+    /// a micrometre at 2.4 µm a px, the most that e(a) may be off.
+    most_u_corner_px: f64 = 0.1;
     /// Standard uncertainties of a change of slope below which it is noise.
     corner_u: f64 = 3.0;
     /// Draws of the Monte Carlo of the support: u is known to 5 %.

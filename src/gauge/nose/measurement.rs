@@ -311,6 +311,10 @@ impl<'a> Work<'a> {
         let turn = std::array::from_fn(|k| a.shared_angle[k] - b.shared_angle[k]);
         let u_angle = (a.u_angle_rad.powi(2) + b.u_angle_rad.powi(2) + product(&turn, &turn)).sqrt();
         let u_normals = path.lines.map(|l| l.u_direction_rad().to_degrees());
+        let mut flags = flags(path, last, &self.found);
+        if support.u_corner_px > NoseLimits::get().most_u_corner_px {
+            flags.push("corner_hidden");
+        }
         Ok(NoseMeasurement {
             angle_deg: 180.0 - path.sweep_rad.to_degrees(),
             u_angle_deg: u_angle.to_degrees(),
@@ -328,7 +332,7 @@ impl<'a> Work<'a> {
             support_covariance: support.covariance,
             sigma_px: last.fit.sigma,
             levels: [last.fit.levels.0, last.fit.levels.1],
-            flags: flags(path, last, &self.found),
+            flags,
         })
     }
 }

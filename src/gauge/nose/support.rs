@@ -33,6 +33,8 @@ pub(super) struct Support {
     pub(super) values: Vec<SupportValue>,
     /// Their covariance.
     pub(super) covariance: DMatrix<f64>,
+    /// Largest uncertainty by a corner that sectors hide, px.
+    pub(super) u_corner_px: f64,
 }
 
 /// The support about the path's centre, of edges blurred by `blur_px` (lens and pixel).
@@ -78,7 +80,8 @@ pub(super) fn support(
     });
     let values: Vec<SupportValue> = values.collect();
     let symmetric = (&covariance + covariance.transpose()) * 0.5;
-    Some(Support { values, covariance: symmetric })
+    let u_corner_px = hidden.iter().map(|hidden| hidden.u_px).fold(0.0, f64::max);
+    Some(Support { values, covariance: symmetric, u_corner_px })
 }
 
 /// How far each sector stands below the hull of all, px: the least distance to a tangent of it.
