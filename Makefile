@@ -5,8 +5,8 @@
 #          make study-limits (half and double of every threshold of the instrument on the same scenes)
 #          make pictures (the pictures of the documents -> docs)
 #          make reports-check (reports before axe-core in Chromium: contrast, names, small screens)
-#          make peers (beside other software: ONLY=camera for GigE Vision clients and cameras that are not ours)
 #          make gpu-check (a hardware adapter against the CPU path; needs the built program alone)   make bench   make bless CASE=all
+#          make peers (this crate beside other software, in venvs below out/peers; ONLY="nose" for some of run, render, nose, camera)
 
 CARGO ?= cargo
 BIN := target/release/shadowgauge
@@ -62,12 +62,15 @@ gpu-check:
 	@test -x $(BIN) || { echo "no program at $(BIN): build it (make build) or name it (make gpu-check BIN=PATH)" >&2; exit 2; }
 	$(BIN) doctor --gpu-check
 
-# Beside other software; SKIPPED, loudly, where it cannot be had.
-peers: build
-	ONLY="$(ONLY)" sh benches/peers/all.sh
-
 bench:
 	$(CARGO) bench --locked
+
+# Beside other software on the same frames, each script with a venv of its own -> out/peers/NAME.txt; needs Python and PyPI.
+peers: build
+	@mkdir -p out/peers
+	@for name in $(or $(ONLY),run render nose camera); do \
+	  VENVS="$(CURDIR)/out/peers" sh benches/peers/$$name.sh > out/peers/$$name.txt && cat out/peers/$$name.txt || exit 1; \
+	done
 
 bless:
 	BLESS=$(CASE) $(CARGO) test --release --locked --lib render_golden

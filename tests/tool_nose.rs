@@ -242,3 +242,72 @@ fn the_papers_mode_has_the_same_keys_without_uncertainties() {
     let said = refused(&[&with_tool[..], &["--baseline", &worn]].concat(), 2);
     assert!(said.contains("--baseline") && said.contains("--mode ml"), "{said}");
 }
+
+/// A small insert for studies, as a file.
+fn small(folder: &Path) -> String {
+    let path = folder.join("small.toml");
+    let text = "[camera]\ncolumns = 640\nrows = 512\n[nose]\nradius_mm = 0.2\ncentre_px = [260.0, 310.0]\n";
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_study_of_worn_noses_writes_what_it_drew_and_counts_every_nose() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let config = small(folder.path());
+    let call = [
+        "study",
+        "nose",
+        &config,
+        "--worn",
+        "5",
+        "--contamination",
+        "--out",
+        out.to_str().unwrap(),
+        "--json",
+    ];
+    let document: Value = serde_json::from_str(&good(&call)).unwrap();
+    let all = document["rows"].as_array().unwrap().last().unwrap();
+    let count = |key: &str| all[key].as_u64().unwrap();
+    assert_eq!(count("noses"), 5);
+    assert_eq!(count("measured") + count("flagged") + count("refused"), 5, "{all}");
+    let truth: Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("truth.json")).unwrap()).unwrap();
+    assert_eq!(truth.as_array().unwrap().len(), 5);
+    assert_eq!(std::fs::read_to_string(out.join("noses.csv")).unwrap().lines().count(), 6);
+    // a frame of it, measured and timed
+    let frame = out.join("frames/000004.png").to_str().unwrap().to_owned();
+    let text = good(&["tool", "nose", &frame, "--um-per-px", "2.415", "--bench", "1", "--json"]);
+    let document: Value = serde_json::from_str(&text).unwrap();
+    let off = document["images"][0]["angle_deg"].as_f64().unwrap() - truth[4]["angle_deg"].as_f64().unwrap();
+    assert!(off.abs() < 0.02, "{off}");
+    assert_eq!(document["bench"]["measurements"], 1);
+    let said = refused(&["study", "nose", &config, "--contamination"], 2);
+    assert!(said.contains("--worn"), "{said}");
+}
+
+/// Whether Python has what the peers of the nose need.
+fn peers_installed() -> bool {
+    let call = ["-c", "import cv2, numpy"];
+    std::process::Command::new("python3").args(call).output().is_ok_and(|o| o.status.success())
+}
+
+#[test]
+fn the_peers_of_the_nose_make_their_table() {
+    if !peers_installed() {
+        eprintln!("SKIPPED: python3 with cv2 and numpy is needed for benches/peers/nose_peers.py");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/peers/nose_peers.py");
+    let mut call = std::process::Command::new("python3");
+    call.arg(script).args(["--binary", env!("CARGO_BIN_EXE_shadowgauge"), "--noses", "5", "--repeats", "1"]);
+    let done = call.args(["--config", &small(folder.path())]).output().unwrap();
+    let (table, said) = (String::from_utf8_lossy(&done.stdout), String::from_utf8_lossy(&done.stderr));
+    assert!(done.status.success(), "{said}");
+    for method in ["this crate, ml", "this crate, the paper's way", "LSD + TLS"] {
+        let row = table.lines().find(|line| line.contains(method));
+        assert!(row.is_some_and(|row| !row.contains("measured none")), "{method}: {table} {said}");
+    }
+}

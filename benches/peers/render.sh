@@ -5,7 +5,7 @@
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 root="$here/../.."
-venv="$root/target/render-peers-venv"
+venv="${VENVS:-$root/target}/render-peers-venv"
 if [ ! -x "$venv/bin/python" ]; then
     python3 -m venv "$venv"
     "$venv/bin/pip" install -q -r "$here/requirements_render.txt"

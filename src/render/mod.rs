@@ -41,6 +41,7 @@ pub(crate) use kernel::reference;
 pub(crate) use kernel::shadowgraph;
 #[cfg(test)]
 pub(crate) use kernel::{column_edges as columns, noise, params};
+pub(crate) use optics::edge_spread as esf_families;
 #[cfg(test)]
-pub(crate) use optics::{edge_spread as esf_families, esf_table as esf};
+pub(crate) use optics::esf_table as esf;
 pub(crate) use scene::geometric_edges;

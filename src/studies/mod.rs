@@ -32,4 +32,5 @@ pub(crate) mod reproduction;
 pub(crate) mod stability;
 pub(crate) mod uncertainty;
 pub(crate) mod washers;
+pub(crate) mod worn_noses;
 pub(crate) mod worn_tool;

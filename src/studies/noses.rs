@@ -3,9 +3,10 @@
 use rand::{RngExt as _, SeedableRng as _};
 use serde::Serialize;
 
-use crate::gauge::nose::{NoseMeasurement, NoseSettings, measure_nose};
+use crate::frame::Frame;
+use crate::gauge::nose::{NoseMeasurement, NoseSettings, SupportValue, measure_nose};
 use crate::render::RenderError;
-use crate::render::insert::{InsertSettings, Truth, Wear, render_insert};
+use crate::render::insert::{InsertBlur, InsertSettings, Truth, Wear, render_insert_through};
 
 /// 97.5 % of the normal distribution, for intervals of 95 %.
 const K95: f64 = 1.96;
@@ -123,7 +124,7 @@ impl Sums {
 }
 
 /// Renders and measures `count` noses in any direction and place of the field, of every kind of
-/// wear in turn, and compares them with the truth. `step` is called after each.
+/// wear in turn, and compares them with the truth. `step` is given the frame and the truth of each.
 ///
 /// # Errors
 /// Settings that the renderer refuses.
@@ -131,13 +132,14 @@ pub(crate) fn run(
     settings: &InsertSettings,
     count: usize,
     seed: u64,
-    step: &dyn Fn(),
+    step: &mut dyn FnMut(&Frame, &Truth),
 ) -> Result<Vec<NoseRow>, RenderError> {
+    let blur = InsertBlur::new(settings)?;
     let mut random = rand_pcg::Pcg64::seed_from_u64(seed);
     let mut sums = [Sums::default(); KINDS.len()];
     for k in 0..count {
         let posed = posed(settings, k % KINDS.len(), &mut || random.random());
-        let (frame, truth) = render_insert(&posed, (seed, k as u64), true)?;
+        let (frame, truth) = render_insert_through(&posed, &blur, (seed, k as u64), true)?;
         let known = NoseSettings {
             nominal_radius_px: Some(truth.nominal_radius_px),
             um_per_px: posed.camera.um_per_px,
@@ -148,7 +150,7 @@ pub(crate) fn run(
             Ok(measured) => compare(sums, &measured, &truth, posed.camera.um_per_px),
             Err(_) => sums.refused += 1,
         }
-        step();
+        step(&frame, &truth);
     }
     let all = sums.iter().fold(Sums::default(), Sums::and);
     let rows = KINDS.iter().zip(&sums).map(|(kind, s)| s.row(kind));
@@ -156,8 +158,9 @@ pub(crate) fn run(
 }
 
 /// An insert in a drawn direction whose nose lies about a fifth of the field's height from its
-/// middle, worn by one kind; `draw` gives numbers of 0 to 1.
-fn posed(of: &InsertSettings, kind: usize, draw: &mut dyn FnMut() -> f64) -> InsertSettings {
+/// middle, worn by one kind (0 to 4 as [`KINDS`], 5 a built-up edge); `draw` gives numbers of 0 to
+/// 1.
+pub(super) fn posed(of: &InsertSettings, kind: usize, draw: &mut dyn FnMut() -> f64) -> InsertSettings {
     let mut s = of.clone();
     s.nose.direction_deg = 360.0 * draw();
     let towards = s.nose.direction_deg.to_radians();
@@ -173,14 +176,15 @@ fn posed(of: &InsertSettings, kind: usize, draw: &mut dyn FnMut() -> f64) -> Ins
         1 => Some(Wear::Round { depth_um: 5.0 + 25.0 * a }),
         2 => Some(Wear::Flat { direction_deg, depth_um: 3.0 + 12.0 * a }),
         3 => Some(Wear::Dent { direction_deg, width_deg: 15.0 + 30.0 * a, depth_um: 5.0 + 10.0 * b }),
-        _ => Some(Wear::Chip { direction_deg, width_deg: 8.0 + 10.0 * a, depth_um: 5.0 + 10.0 * b }),
+        4 => Some(Wear::Chip { direction_deg, width_deg: 8.0 + 10.0 * a, depth_um: 5.0 + 10.0 * b }),
+        _ => Some(Wear::BuiltUpEdge { direction_deg, width_deg: 8.0 + 22.0 * a, height_um: 3.0 + 12.0 * b }),
     };
     s.wear.extend(wear);
     s
 }
 
 /// A value of a table of (degrees, value) in even steps, straight between them.
-fn at(table: &[[f64; 2]], deg: f64) -> f64 {
+pub(super) fn at(table: &[[f64; 2]], deg: f64) -> f64 {
     let (from, last) = (table[0][0], table.len() - 1);
     let place = (deg - from).rem_euclid(360.0) / (table[last][0] - from) * last as f64;
     let k = (place as usize).min(last - 1);
@@ -199,24 +203,34 @@ fn compare(sums: &mut Sums, m: &NoseMeasurement, truth: &Truth, um_per_px: f64) 
     for s in &m.sectors {
         sums.covered(0, s.radius_px - at(&truth.radii, s.direction_deg), s.u_px);
     }
-    // away from the ends, where e(a) has its touches
-    let inner = m.support.len() / 8..m.support.len() - m.support.len() / 8;
-    let off: Vec<(f64, f64, f64)> = m.support[inner]
-        .iter()
-        .map(|v| (v.direction_deg.to_radians(), v.h_px - at(&truth.support, v.direction_deg), v.u_px))
-        .collect();
+    let off = support_errors(m, truth);
     for (a, error, u) in &off {
         // h counts from the measured centre
         sums.covered(1, error + centre[0] * a.cos() + centre[1] * a.sin(), *u);
     }
+    e_errors(&off).for_each(|(error_px, _)| sums.e(um_per_px * error_px));
+}
+
+/// Directions (rad), errors of the support and their u (px), away from the ends of the nose, where
+/// e(a) has its touches.
+pub(super) fn support_errors(m: &NoseMeasurement, truth: &Truth) -> Vec<(f64, f64, f64)> {
+    let inner = m.support.len() / 8..m.support.len() - m.support.len() / 8;
+    let error = |v: &SupportValue| {
+        (v.direction_deg.to_radians(), v.h_px - at(&truth.support, v.direction_deg), v.u_px)
+    };
+    m.support[inner].iter().map(error).collect()
+}
+
+/// Errors of e(a) between the first and the last direction, px, and what an error that all edges
+/// share adds to each, a share of it. e(a) does not depend on the tool's point: its error is that of
+/// h less those of both touches.
+pub(super) fn e_errors(off: &[(f64, f64, f64)]) -> impl Iterator<Item = (f64, f64)> + '_ {
     let (first, last) = (off[0], off[off.len() - 1]);
     let whole = last.0 - first.0;
-    for (a, error, _) in &off {
-        // e(a) does not depend on the tool's point: its error is that of h less those of both
-        // touches
+    off.iter().map(move |(a, error, _)| {
         let by = [(last.0 - a).sin() / whole.sin(), (a - first.0).sin() / whole.sin()];
-        sums.e(um_per_px * (error - by[0] * first.1 - by[1] * last.1));
-    }
+        (error - by[0] * first.1 - by[1] * last.1, 1.0 - by[0] - by[1])
+    })
 }
 
 #[cfg(test)]
@@ -228,12 +242,12 @@ mod tests {
         let mut s = InsertSettings::default();
         (s.camera.columns, s.camera.rows) = (640, 512);
         s.nose.radius_mm = 0.2;
-        let rows = run(&s, 5, 3, &|| ()).unwrap();
+        let rows = run(&s, 5, 3, &mut |_, _| ()).unwrap();
         let (all, kinds) = rows.split_last().unwrap();
         assert_eq!((kinds.iter().map(|r| r.noses).sum::<usize>(), all.refused), (5, 0));
         let largest = kinds.iter().map(|r| r.centre.largest).fold(0.0, f64::max);
         assert!((all.centre.largest - largest).abs() < 1e-15);
         assert!(all.sectors.within > 0.9 && all.sectors.rms_px < 0.03, "{all:?}");
-        assert_eq!(run(&s, 5, 3, &|| ()).unwrap(), rows);
+        assert_eq!(run(&s, 5, 3, &mut |_, _| ()).unwrap(), rows);
     }
 }

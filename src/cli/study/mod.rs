@@ -14,6 +14,7 @@ mod limits;
 mod line_camera;
 mod machine;
 mod nose;
+mod nose_frames;
 mod parts;
 mod stability;
 mod tool;

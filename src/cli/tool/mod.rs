@@ -1,6 +1,7 @@
 //! `shadowgauge tool`: the nose of a turning tool, and what it does to a part.
 
 mod axes;
+mod bench;
 mod compensate;
 mod nose;
 pub(super) mod overlay;

@@ -1,7 +1,9 @@
 //! `shadowgauge tool nose`: back-lit images of an insert to its edges, nose and support.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
+use super::bench::Bench;
 use super::overlay::overlay;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, json_text};
@@ -44,6 +46,9 @@ pub(crate) struct NoseArgs {
     /// Channel of colour images; green has half of a Bayer sensor's pixels.
     #[arg(long, default_value = "g")]
     channel: Channel,
+    /// Measure each image so many times more, and report the time of one, decoding left out.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000))]
+    bench: u32,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -69,6 +74,8 @@ enum Mode {
 #[derive(Debug, Default, serde::Serialize)]
 struct Document {
     images: Vec<AnyNose>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bench: Option<Bench>,
 }
 
 /// A scale of the command line, µm per px.
@@ -108,8 +115,10 @@ pub(crate) fn run(args: &NoseArgs) -> CommandResult {
     let um_per_px = 1e3 * calibration.scale_mm_per_px;
     let instrument = Instrument::new(args, um_per_px)?;
     let (mut document, mut refused, mut picture) = (Document::default(), Vec::new(), None);
+    let mut times = Vec::new();
     for read in frames(paths, args.channel) {
         let (name, frame) = read?;
+        times.extend((0..args.bench).map(|_| time_ms(&instrument, (&name, &frame), &calibration)));
         match found(&instrument, (&name, &frame), &calibration) {
             Ok((image, measured)) => {
                 if !args.json {
@@ -122,6 +131,10 @@ pub(crate) fn run(args: &NoseArgs) -> CommandResult {
             }
             Err(error) => refused.push(format!("{name}: {error}")),
         }
+    }
+    document.bench = Bench::of(times);
+    if let Some(bench) = document.bench.as_ref().filter(|_| !args.json) {
+        say_line!("{} measurements, {:.1} ms in the median", bench.measurements, bench.ms_per_image_median);
     }
     let Some(error) = end(&refused, document.images.len()) else {
         return write(args, &document, out, (drawn, picture));
@@ -148,6 +161,15 @@ fn found(
     let (measured, wear) = instrument.measure(frame)?;
     let image = NoseImage::new(name.to_owned(), &measured, wear.as_ref(), calibration);
     Ok((AnyNose::Own(Box::new(image)), Some(measured)))
+}
+
+/// Time that a measurement takes, ms.
+fn time_ms(instrument: &Instrument, image: (&str, &Frame), calibration: &Calibration) -> f64 {
+    let from = Instant::now();
+    let done = found(instrument, image, calibration);
+    let ms = 1e3 * from.elapsed().as_secs_f64();
+    drop(done);
+    ms
 }
 
 /// The failure for images that were refused.

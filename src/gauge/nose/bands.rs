@@ -133,13 +133,16 @@ fn around_nose(
                 continue;
             }
             let (radius, slope) = path.radius(turn);
-            let lean = (slope / radius).atan();
-            let distance = (r - radius) * lean.cos();
+            // by how much the contour leans against the circle: its normal is the arm turned back
+            let tan = slope / radius;
+            let cos = (1.0 + tan * tan).sqrt().recip();
+            let distance = (r - radius) * cos;
             if distance < -dark || distance > light {
                 continue;
             }
             if let Some(value) = value_at(view, column, row) {
-                push(sector as usize, distance, DVec2::from_angle(arm.to_angle() - lean), at, value);
+                let normal = DVec2::new(cos, -tan * cos).rotate(arm / r);
+                push(sector as usize, distance, normal, at, value);
             }
         }
     }

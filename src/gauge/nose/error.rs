@@ -99,10 +99,26 @@ pub(crate) enum NoseImageError {
         /// Its place.
         column: f64,
     },
+    /// An edge whose calipers show no edge as the model has it.
+    #[error(
+        "no blurred edge fits in {refused} of {calipers} calipers of the cutting edge about row {row:.0}, column {column:.0}: \
+         the light there does not pass from shadow to light as a lens blurs it; give the image as the camera took it, not made \
+         smaller, sharpened or compressed, and keep reflections off the edge"
+    )]
+    NoEdgeModel {
+        /// Middle of the edge.
+        row: f64,
+        /// Middle of the edge.
+        column: f64,
+        /// Calipers that no edge fits.
+        refused: usize,
+        /// All.
+        calipers: usize,
+    },
     /// An edge that is no line.
     #[error(
-        "the cutting edge about row {row:.0}, column {column:.0} is not straight: {on_line} of {calipers} calipers lie on a \
-         line; clean it, or show more of the edge beyond the worn length"
+        "the cutting edge about row {row:.0}, column {column:.0} is not straight: of {fitted} calipers in which an edge fits \
+         {on_line} lie on a line; clean it, or show more of the edge beyond the worn length"
     )]
     NotStraight {
         /// Middle of the edge.
@@ -111,8 +127,8 @@ pub(crate) enum NoseImageError {
         column: f64,
         /// Calipers on the line.
         on_line: usize,
-        /// All.
-        calipers: usize,
+        /// Calipers in which an edge fits.
+        fitted: usize,
     },
     /// An angle that is not the tool's.
     #[error(

@@ -11,6 +11,14 @@ limits! {
     /// contamination: chips and specks of tenths of a millimetre beside an insert of some
     /// millimetres cover a hundredth.
     second_part: f64 = 0.1;
+    /// Cells over the shorter side of a frame that is searched by cells: the least insert, of
+    /// `least_area`, still covers hundreds of them where a cell is 4 px wide.
+    cells_across: usize = 400;
+    /// Largest side of a cell, px: an insert's edge of `least_edge_px` is ten cells.
+    most_side: usize = 4;
+    /// Least area within a contour over that of the cells found: less is a hole's contour, or one of
+    /// two parts that touch in cells alone.
+    enclosed: f64 = 0.9;
     /// Distance from a line of the coarse contour, px, within which a place lies on it: the contour
     /// of whole pixels, smoothed, scatters by a third of a pixel.
     coarse_px: f64 = 0.8;
@@ -81,6 +89,21 @@ limits! {
     /// variance (the variance of a smooth of second differences falls with the fourth root of the
     /// penalty).
     penalty_share: f64 = 0.03;
+    /// What the hull of sectors hides of a corner, over the change of its slope per sector, of sharp
+    /// edges: by trial over all places of the corner in its sector (`hidden_corner`).
+    corner_sharp: f64 = 0.115;
+    /// The same by the blur over the width of a sector.
+    corner_blur: f64 = 0.085;
+    /// Scatter of what is hidden, of sharp edges: 0.045 by that trial, of straight pieces; those of
+    /// flats and chips are bent, which is given as much again.
+    corner_u_sharp: f64 = 0.08;
+    /// The same by the blur.
+    corner_u_blur: f64 = 0.035;
+    /// Uncertainty of the support by a hidden corner, px, from which it is flagged: two of it are half
+    /// a micrometre at 2.4 µm a px, the most that e(a) may be off.
+    most_u_corner_px: f64 = 0.1;
+    /// Standard uncertainties of a change of slope below which it is noise.
+    corner_u: f64 = 3.0;
     /// Draws of the Monte Carlo of the support: u is known to 5 %.
     draws: usize = 200;
     /// Largest distance of the support's directions, degrees; a nose profile takes 5.

@@ -1,5 +1,7 @@
 //! The measurement: coarse corner, pooled fits along the contour, lines, centre, sectors, support.
 
+use std::borrow::Cow;
+
 use glam::DVec2;
 use nalgebra::Matrix2;
 
@@ -17,7 +19,7 @@ use super::support::{SectorNoise, below_hull, support};
 use crate::frame::{FrameView, PixelFormat};
 use crate::gauge::edge::estimation::light_field::{LightField, Lit};
 use crate::gauge::ring::edge_pixels::Band;
-use crate::gauge::ring::fit::{Caliper, EdgeFit, fit_edge};
+use crate::gauge::ring::fit::{Caliper, EdgeFit, fit_edge, fit_edge_from};
 use crate::gauge::ring::measurement::RingLightLimits;
 use crate::numerics::robust::median_of;
 
@@ -165,14 +167,18 @@ impl<'a> Work<'a> {
         let least_variance = if whole { 1.0 / 12.0 } else { 1e-6 };
         let half = (self.half_px, self.half_px);
         let raw = collect(self.view, &BandPlan { path: &self.path, calipers: *calipers, half });
-        let mut band = raw.clone();
         if self.field.is_none() {
             self.field = Some(self.light(calipers));
         }
+        let mut band = Cow::Borrowed(&raw);
         if let Some(Some((field, dark))) = &self.field {
-            band.level(field, *dark);
+            band.to_mut().level(field, *dark);
         }
-        let fitted = fit_edge(&band, least_variance, f64::MAX.sqrt(), None);
+        // the plane of the levels counts from the path's centre, which moves by fractions of a pixel
+        let fitted = match self.last.as_ref().and_then(|last| last.fit.begun) {
+            Some(begun) => fit_edge_from(&band, least_variance, f64::MAX.sqrt(), begun),
+            None => fit_edge(&band, least_variance, f64::MAX.sqrt(), None),
+        };
         let flank = fitted.as_ref().map_or(f64::INFINITY, |fit| fit.noise);
         let fitted = match raw.ends(flank, whole) {
             None => fitted,
@@ -205,16 +211,21 @@ impl<'a> Work<'a> {
             .map(|(along, c)| EdgePoint { along, shift: c.shift, u: c.u_own, shared: c.shared })
             .collect();
         let from = &self.path.lines[k];
+        let least = NoseLimits::get().least_on_line * own.count as f64;
+        let at = from.at + from.along() * own.middle(own.count / 2);
+        let (row, column, fitted) = (-at.y, at.x, points.len());
+        if (fitted as f64) < least {
+            let (refused, calipers) = (own.count - fitted, own.count);
+            return Err(NoseImageError::NoEdgeModel { row, column, refused, calipers });
+        }
         let found = line::fit(from, &points);
         let on_line = found.as_ref().map_or(0, |f| f.on_line);
-        match found {
-            Some(found) if on_line as f64 >= NoseLimits::get().least_on_line * own.count as f64 => Ok(found),
-            _ => {
-                let at = from.at + from.along() * own.middle(own.count / 2);
-                let (row, column) = (-at.y, at.x);
-                Err(NoseImageError::NotStraight { row, column, on_line, calipers: own.count })
-            }
-        }
+        found.filter(|_| on_line as f64 >= least).ok_or(NoseImageError::NotStraight {
+            row,
+            column,
+            on_line,
+            fitted,
+        })
     }
 
     /// Radii of the sectors about the path's centre.
@@ -288,7 +299,8 @@ impl<'a> Work<'a> {
         let by_radius = self.found.u_px / (0.5 * path.sweep_rad).cos();
         let b = nalgebra::Vector2::new(towards.x, towards.y);
         covariance += b * b.transpose() * (by_radius * by_radius);
-        let Some(support) = support(path, &last.sectors, &last.noise()) else {
+        let blur_px = last.fit.sigma.hypot(12f64.sqrt().recip());
+        let Some(support) = support(path, &last.sectors, &last.noise(), blur_px) else {
             return Err(NoseImageError::Fit("its sectors have no smooth contour".to_owned()));
         };
         let m = last.sectors.len() as f64;
@@ -299,6 +311,10 @@ impl<'a> Work<'a> {
         let turn = std::array::from_fn(|k| a.shared_angle[k] - b.shared_angle[k]);
         let u_angle = (a.u_angle_rad.powi(2) + b.u_angle_rad.powi(2) + product(&turn, &turn)).sqrt();
         let u_normals = path.lines.map(|l| l.u_direction_rad().to_degrees());
+        let mut flags = flags(path, last, &self.found);
+        if support.u_corner_px > NoseLimits::get().most_u_corner_px {
+            flags.push("corner_hidden");
+        }
         Ok(NoseMeasurement {
             angle_deg: 180.0 - path.sweep_rad.to_degrees(),
             u_angle_deg: u_angle.to_degrees(),
@@ -316,7 +332,7 @@ impl<'a> Work<'a> {
             support_covariance: support.covariance,
             sigma_px: last.fit.sigma,
             levels: [last.fit.levels.0, last.fit.levels.1],
-            flags: flags(path, last, &self.found),
+            flags,
         })
     }
 }

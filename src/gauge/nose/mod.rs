@@ -16,10 +16,12 @@
 
 pub(crate) mod axes;
 mod bands;
+mod cells;
 mod centre;
 mod contour;
 mod corner;
 mod error;
+mod hidden_corner;
 pub(crate) mod limits;
 mod line;
 mod measurement;
@@ -33,6 +35,6 @@ mod wear;
 #[cfg(test)]
 pub(crate) use error::NoseImageError;
 pub(crate) use measurement::measure_nose;
-pub(crate) use result::{NoseMeasurement, NoseSector, Reference};
+pub(crate) use result::{NoseMeasurement, NoseSector, Reference, SupportValue};
 pub(crate) use settings::{ExpectedNose, NoseSettings};
 pub(crate) use wear::{BaselineNose, Wear, wear};

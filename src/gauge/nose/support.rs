@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 
+use super::hidden_corner::{Corners, Hidden};
 use super::limits::NoseLimits;
 use super::line::product;
 use super::path::Path;
@@ -32,10 +33,17 @@ pub(super) struct Support {
     pub(super) values: Vec<SupportValue>,
     /// Their covariance.
     pub(super) covariance: DMatrix<f64>,
+    /// Largest uncertainty by a corner that sectors hide, px.
+    pub(super) u_corner_px: f64,
 }
 
-/// The support about the path's centre.
-pub(super) fn support(path: &Path, sectors: &[NoseSector], noise: &[SectorNoise]) -> Option<Support> {
+/// The support about the path's centre, of edges blurred by `blur_px` (lens and pixel).
+pub(super) fn support(
+    path: &Path,
+    sectors: &[NoseSector],
+    noise: &[SectorNoise],
+    blur_px: f64,
+) -> Option<Support> {
     let limits = NoseLimits::get();
     let departures =
         DVector::from_iterator(sectors.len(), sectors.iter().map(|s| s.radius_px - path.nominal_px));
@@ -60,15 +68,20 @@ pub(super) fn support(path: &Path, sectors: &[NoseSector], noise: &[SectorNoise]
     // of what is taken off for bias half stays uncertain: it is that of the smooth contour
     let mut covariance = products / draws as f64 - &bias * bias.transpose() * 0.75;
     add_edges(path, &hull, &mut covariance);
-    add_corners(&hull, &departures, noise, &mut covariance);
+    let step_px = path.nominal_px * path.step_rad();
+    let own: Vec<f64> = noise.iter().map(|n| n.own).collect();
+    let corners = Corners::new(&departures, &own, blur_px / step_px);
+    let hidden: Vec<Hidden> = hull.touching(&departures).into_iter().map(|k| corners.at(k)).collect();
+    hidden.iter().enumerate().for_each(|(i, hidden)| covariance[(i, i)] += hidden.u_px.powi(2));
     let values = (0..m).map(|i| SupportValue {
         direction_deg: hull.direction_rad(i).to_degrees(),
-        h_px: plain[i] - bias[i],
+        h_px: plain[i] - bias[i] + hidden[i].by_px,
         u_px: covariance[(i, i)].max(0.0).sqrt(),
     });
     let values: Vec<SupportValue> = values.collect();
     let symmetric = (&covariance + covariance.transpose()) * 0.5;
-    Some(Support { values, covariance: symmetric })
+    let u_corner_px = hidden.iter().map(|hidden| hidden.u_px).fold(0.0, f64::max);
+    Some(Support { values, covariance: symmetric, u_corner_px })
 }
 
 /// How far each sector stands below the hull of all, px: the least distance to a tangent of it.
@@ -88,31 +101,6 @@ fn add_edges(path: &Path, hull: &Hull<'_>, covariance: &mut DMatrix<f64>) {
     let last = hull.count - 1;
     for (i, line) in [(0, &path.lines[0]), (last, &path.lines[1])] {
         covariance[(i, i)] += line.u_at(path.centre + line.normal * path.nominal_px).0.powi(2);
-    }
-}
-
-/// What a sector hides of a corner within it (the end of a flat, the rim of a chip). Its radius is
-/// a mean over the sector: of two straight pieces whose slopes differ by s it lies s·step/8 below
-/// the corner in its middle, and s·step is the second difference of the radii there, but for noise,
-/// of variance 6u².
-fn add_corners(
-    hull: &Hull<'_>,
-    departures: &DVector<f64>,
-    noise: &[SectorNoise],
-    covariance: &mut DMatrix<f64>,
-) {
-    let n = departures.len();
-    let hidden: Vec<f64> = (0..n)
-        .map(|k| {
-            let (before, after) = (departures[k.max(1) - 1], departures[(k + 1).min(n - 1)]);
-            let second = before - 2.0 * departures[k] + after;
-            (second * second - 6.0 * noise[k].own.powi(2)).max(0.0).sqrt() / 8.0
-        })
-        .collect();
-    for (i, k) in hull.touching(departures).into_iter().enumerate() {
-        let beside = &hidden[k.max(1) - 1..=(k + 1).min(n - 1)];
-        let most = beside.iter().fold(0.0_f64, |a, b| a.max(*b));
-        covariance[(i, i)] += most * most;
     }
 }
 

@@ -83,6 +83,13 @@ pub(in crate::gauge) struct Caliper {
     pub(in crate::gauge) crossing: Option<f64>,
 }
 
+/// Where a fit begins that follows one of the same edge.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::gauge) struct Begun {
+    pooled: [f64; POOLED],
+    variance: Variance,
+}
+
 /// A fitted edge.
 #[derive(Clone, Debug)]
 pub(in crate::gauge) struct EdgeFit {
@@ -97,6 +104,8 @@ pub(in crate::gauge) struct EdgeFit {
     pub(in crate::gauge) u_mean: f64,
     /// Standard deviation of the residuals at mid-edge, counts.
     pub(in crate::gauge) noise: f64,
+    /// Where a further fit of the same edge may begin; `None` where light or shadow is clipped.
+    pub(in crate::gauge) begun: Option<Begun>,
 }
 
 impl EdgeFit {
@@ -132,6 +141,23 @@ struct Sums<const P: usize> {
     stray: usize,
     /// Change of `right` and of `own_right` by a relative change of the noise.
     by_noise: (Vector<P>, f64),
+}
+
+impl<const P: usize> Sums<P> {
+    /// Adds a pixel's part of the upper triangle of the normal equations, and of the rest.
+    #[inline]
+    fn add(&mut self, by_pooled: &Vector<P>, by_shift: f64, (informed, weighted): (f64, f64)) {
+        for j in 0..P {
+            let by = informed * by_pooled[j];
+            for i in 0..=j {
+                self.normal[(i, j)] += by * by_pooled[i];
+            }
+            self.right[j] += weighted * by_pooled[j];
+            self.cross[j] += by * by_shift;
+        }
+        self.own += informed * by_shift * by_shift;
+        self.own_right += weighted * by_shift;
+    }
 }
 
 struct State<const P: usize> {
@@ -265,32 +291,29 @@ impl<const P: usize> State<P> {
             let separated = self.clipped.as_ref().map(|c| &c.separated);
             let (value, by_pooled, by_shift, light) = model(pixel, &self.pooled, shift, separated);
             let variance = self.variance.at(light);
+            let deviation = variance.sqrt();
             let (mut residual, mut information, mut between, mut expected) =
                 (pixel.value - value, 1.0, true, 1.0);
             if let Some(clipped) = self.clipped.as_ref().filter(|_| P == SHAPED) {
-                let censored = Censored::new(pixel.value, value, variance.sqrt(), clipped.ends);
-                residual = censored.residual * variance.sqrt();
+                let censored = Censored::new(pixel.value, value, deviation, clipped.ends);
+                residual = censored.residual * deviation;
                 (information, between, expected) =
                     (censored.information, censored.between, censored.expected);
-                let by_noise = censored.by_noise / variance.sqrt();
+                let by_noise = censored.by_noise / deviation;
                 s.by_noise.0 += by_pooled * by_noise;
                 s.by_noise.1 += by_shift * by_noise;
             }
-            if residual.abs() > limits.stray * variance.sqrt() {
+            if residual.abs() > limits.stray * deviation {
                 s.stray += 1;
             } else {
                 s.chi2 += if between { residual * residual / variance } else { 0.0 };
                 s.pixels += expected;
             }
-            let weight =
-                (limits.huber * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0) / variance;
-            let informed = weight * information;
-            s.normal += by_pooled * by_pooled.transpose() * informed;
-            s.right += by_pooled * (weight * residual);
-            s.cross += by_pooled * (informed * by_shift);
-            s.own += informed * by_shift * by_shift;
-            s.own_right += weight * by_shift * residual;
+            let beyond = residual.abs() > limits.huber * deviation;
+            let weight = if beyond { limits.huber * deviation / residual.abs() } else { 1.0 } / variance;
+            s.add(&by_pooled, by_shift, (weight * information, weight * residual));
         }
+        s.normal.fill_lower_triangle_with_upper_triangle();
         s
     }
 
@@ -340,27 +363,27 @@ impl<const P: usize> State<P> {
         let mut zones = [Vec::new(), Vec::new(), Vec::new()];
         let ends = self.clipped.map_or(Ends::NONE, |c| c.ends);
         let separated = self.clipped.as_ref().map(|c| &c.separated);
+        let mut evaluated = Vec::new();
         for (pixels, at) in band.sectors.iter().zip(&self.sectors).filter(|(_, at)| at.good) {
             let shift = at.shift;
-            let inside = || pixels.iter().filter(|p| p.value > ends.low && p.value < ends.high);
             let informed = |light: f64, by_shift: f64| by_shift * by_shift / self.variance.at(light);
-            let own: f64 = inside()
-                .map(|pixel| {
-                    let (_, _, by_shift, light) = model(pixel, &self.pooled, shift, separated);
-                    informed(light, by_shift)
-                })
-                .sum();
-            for pixel in inside() {
+            let inside = pixels.iter().filter(|p| p.value > ends.low && p.value < ends.high);
+            evaluated.clear();
+            evaluated.extend(inside.map(|pixel| {
                 let (value, _, by_shift, light) = model(pixel, &self.pooled, shift, separated);
+                (pixel.value - value, informed(light, by_shift), light)
+            }));
+            let own: f64 = evaluated.iter().map(|(_, informed, _)| informed).sum();
+            for &(residual, informed, light) in &evaluated {
                 let zone = match light {
                     l if l < 0.1 => 0,
                     l if l > 0.9 => 2,
                     l if (0.25..0.75).contains(&l) => 1,
                     _ => continue,
                 };
-                let left = 1.0 - informed(light, by_shift) / own;
+                let left = 1.0 - informed / own;
                 if left > limits.least_left {
-                    zones[zone].push(((pixel.value - value).powi(2) / left) as f32);
+                    zones[zone].push((residual.powi(2) / left) as f32);
                 }
             }
         }
@@ -450,6 +473,22 @@ fn departures(sectors: &[SectorFit]) -> Vec<f64> {
     let shift = |k: usize| sectors[k % n].shift;
     let half = (n / 80).max(2);
     (0..n).map(|k| shift(k) - median((0..=2 * half).map(|j| shift(k + n + j - half)).collect())).collect()
+}
+
+/// [`fit_edge`] of an edge without clipped light, from where a fit of the same pixels ended, along a
+/// contour that follows it: it settles in a third of the steps, at the same place.
+pub(in crate::gauge) fn fit_edge_from(
+    band: &Band,
+    least_variance: f64,
+    outlier_sigmas: f64,
+    begun: Begun,
+) -> Result<EdgeFit, String> {
+    let mut start = State::<POOLED>::start(band, least_variance, None);
+    if let Some(state) = &mut start {
+        state.pooled = Vector::from(begun.pooled);
+        state.variance = begun.variance;
+    }
+    settle(start, band, outlier_sigmas)
 }
 
 /// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0; `ends`
@@ -564,5 +603,7 @@ fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
         ((own + all + shape + noise * noise).sqrt() / count).hypot(state.u_rounding(&(lever / count)));
     let levels = (state.pooled[0], state.pooled[0] + state.pooled[3]);
     let noise = state.variance.0[1].sqrt();
-    Some(EdgeFit { calipers, sigma: state.pooled[SIGMA], levels, u_mean, noise })
+    let pooled = std::array::from_fn(|k| state.pooled[k]);
+    let begun = state.clipped.is_none().then_some(Begun { pooled, variance: state.variance });
+    Some(EdgeFit { calipers, sigma: state.pooled[SIGMA], levels, u_mean, noise, begun })
 }

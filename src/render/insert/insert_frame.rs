@@ -36,8 +36,38 @@ pub(crate) fn render_insert(
     noise: bool,
 ) -> Result<(Frame, Truth), RenderError> {
     settings.check()?;
-    let spread = knife_edge(&settings.esf, settings.camera.um_per_px)?;
-    let scene = Scene::new(settings, AreaBlur::new(spread, settings.camera.um_per_px));
+    let blur = InsertBlur::new(settings)?;
+    render_insert_through(settings, &blur, (seed, number), noise)
+}
+
+/// The edge-spread function of an insert as it blurs areas: computed once for frames that differ by
+/// pose, wear, contamination and noise alone.
+pub(crate) struct InsertBlur(AreaBlur);
+
+impl InsertBlur {
+    /// That of the settings' family and scale.
+    ///
+    /// # Errors
+    /// Families whose values are out of range.
+    pub(crate) fn new(settings: &InsertSettings) -> Result<Self, RenderError> {
+        settings.esf.check()?;
+        let spread = knife_edge(&settings.esf, settings.camera.um_per_px)?;
+        Ok(Self(AreaBlur::new(spread, settings.camera.um_per_px)))
+    }
+}
+
+/// [`render_insert`] through a blur that was computed from the same family and scale.
+///
+/// # Errors
+/// A setting out of range.
+pub(crate) fn render_insert_through(
+    settings: &InsertSettings,
+    InsertBlur(blur): &InsertBlur,
+    (seed, number): (u64, u64),
+    noise: bool,
+) -> Result<(Frame, Truth), RenderError> {
+    settings.check()?;
+    let scene = Scene::new(settings, blur);
     let (rows, columns) = (settings.camera.rows, settings.camera.columns);
     let window = Window { row: 0, column: 0, rows, columns };
     let keys = FrameKeys { seed, frame_id: number, pattern_seed: seed };
@@ -80,7 +110,7 @@ fn levels(s: &InsertSettings) -> GreyLevels {
 struct Scene<'a> {
     settings: &'a InsertSettings,
     shape: Shape,
-    blur: AreaBlur,
+    blur: &'a AreaBlur,
     contours: Contours,
     specks: Vec<(DVec2, f64)>,
     /// Distance from the nose's centre beyond which an edge is straight for a pixel, px.
@@ -88,7 +118,7 @@ struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    fn new(settings: &'a InsertSettings, blur: AreaBlur) -> Self {
+    fn new(settings: &'a InsertSettings, blur: &'a AreaBlur) -> Self {
         let shape = Shape::new(settings);
         let beyond = 3.0 * blur.reach_px() + 4.0;
         let specks: Vec<(DVec2, f64)> = settings
@@ -141,7 +171,7 @@ impl<'a> Scene<'a> {
         for (x, wx) in nodes {
             for (y, wy) in nodes {
                 let at = p + DVec2::new(*x, *y);
-                light += wx * wy * self.contours.light(&self.blur, at, self.covers(at));
+                light += wx * wy * self.contours.light(self.blur, at, self.covers(at));
             }
         }
         light.max(0.0)
@@ -168,7 +198,8 @@ mod tests {
         s.wear = vec![super::super::settings::Wear::Chip { direction_deg, width_deg, depth_um }];
         s.esf = Esf::Gaussian(GaussianEsf { sigma_px: 1.2 });
         let spread = knife_edge(&s.esf, s.camera.um_per_px).unwrap();
-        let scene = Scene::new(&s, AreaBlur::new(spread, s.camera.um_per_px));
+        let blur = AreaBlur::new(spread, s.camera.um_per_px);
+        let scene = Scene::new(&s, &blur);
         // A border across rows of h px: each is off by h/√12, 2σ√π/h of them: 2e-4 in the mean.
         let (sigma2, h) = (1.44, 0.025);
         for turn in [40.0_f64, 55.0, 60.0, 66.0, 100.0] {

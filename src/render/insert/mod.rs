@@ -12,8 +12,7 @@ mod insert_frame;
 pub(crate) mod settings;
 mod shape;
 
-pub(crate) use insert_frame::render_insert;
-#[cfg(test)]
+pub(crate) use insert_frame::{InsertBlur, render_insert, render_insert_through};
 pub(crate) use settings::Dirt;
 pub(crate) use settings::InsertSettings;
 pub(crate) use settings::Wear;

@@ -39,7 +39,8 @@ fn centre_and_radius_come_out_to_some_pixels_and_the_angle_as_forced() {
         ];
         println!("pose {pose}: {errors:?}, {:.3}° as found", found.found_angle_deg);
         worst.iter_mut().zip(errors).for_each(|(w, e)| *w = w.max(e));
-        assert!((found.found_angle_deg - truth.angle_deg).abs() < 0.5, "{}", found.found_angle_deg);
+        // of 180 poses of this insert, new and worn, the largest was .19°
+        assert!((found.found_angle_deg - truth.angle_deg).abs() < 0.25, "{}", found.found_angle_deg);
         for (found, wanted) in found.normals_deg.into_iter().zip(truth.edge_normals_deg) {
             let turned = (found - wanted + 180.0).rem_euclid(360.0) - 180.0;
             assert!(turned.abs() < 0.5, "normal at {found}° instead of {wanted}°");

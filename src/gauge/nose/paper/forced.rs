@@ -7,7 +7,7 @@
 use glam::DVec2;
 
 use super::limits::PaperNoseLimits;
-use super::segments::Segment;
+use super::segment::Segment;
 
 /// An edge as the paper has it.
 #[derive(Clone, Debug)]

@@ -25,6 +25,10 @@ limits! {
     grey_error: f64 = 2.0;
     /// Tolerance τ of the angles of a region, degrees (LSD and the paper).
     tolerance_deg: f64 = 22.5;
+    /// Least share of its rectangle that a region fills (LSD).
+    density: f64 = 0.7;
+    /// Factor by which a region that is less dense is made smaller, step by step (LSD).
+    radius_step: f64 = 0.75;
     /// Factor γ of the number of tests (the paper).
     gamma: f64 = 2.0;
     /// Exponent of the number of tests: LSD's 5/2, for which the paper prints 2/5 (c09 of

@@ -14,8 +14,12 @@ mod centres;
 mod edges;
 mod false_alarms;
 mod forced;
+mod gradients;
 pub(crate) mod limits;
 mod measurement;
+mod rectangle;
+mod region;
+mod segment;
 mod segments;
 
 pub(crate) use centres::{Line, centres};
