@@ -93,7 +93,7 @@ pub(crate) const CONFIGS: [FileKind; 13] = [
 ];
 
 /// Tables in CSV: the schema is that of a row, by the names of the columns.
-pub(crate) const TABLES: [FileKind; 6] = [
+pub(crate) const TABLES: [FileKind; 7] = [
     FileKind { name: "frames", title: "frames.csv beside frames (`measure`)", schema: frames },
     FileKind { name: "contour", title: "A contour (`[shaft] contour_file`)", schema: contour },
     FileKind {
@@ -106,6 +106,11 @@ pub(crate) const TABLES: [FileKind; 6] = [
         name: "error_table",
         title: "An error of a machine's axis (`[machine.errors.exz.table] file`)",
         schema: error_table,
+    },
+    FileKind {
+        name: "correlation",
+        title: "Readings of two gauges (`study correlation`)",
+        schema: correlation,
     },
     FileKind { name: "rings", title: "cmm.csv: sizes of rings (`study washers`)", schema: rings },
 ];
@@ -166,6 +171,19 @@ fn edge() -> Schema {
         &[
             ("distance_um", "number", true, "Distance from the geometric edge into the light, µm, rising."),
             ("light", "number", true, "Light there: 0 in the shadow, 1 in the bright field."),
+        ],
+    )
+}
+
+fn correlation() -> Schema {
+    row(
+        "A row of readings of two gauges",
+        &[
+            ("part", "string", true, "Name of the part."),
+            ("d_mm", "number", true, "Diameter by this gauge, mm."),
+            ("expanded_u_mm", "number", false, "Its U (k = 2), mm."),
+            ("reference_mm", "number", true, "Diameter by the other gauge, mm."),
+            ("reference_expanded_u_mm", "number", false, "Its U (k = 2), mm."),
         ],
     )
 }

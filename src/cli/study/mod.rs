@@ -5,6 +5,7 @@
 
 mod contamination;
 mod controllers;
+mod correlation;
 mod coverage;
 mod deflection;
 mod factor;
@@ -14,6 +15,7 @@ mod limits;
 mod line_camera;
 mod machine;
 mod nose;
+mod optics;
 mod parts;
 mod stability;
 mod tool;
@@ -24,6 +26,7 @@ use clap::Subcommand;
 
 use self::contamination::StudyContaminationArgs;
 use self::controllers::StudyControllersArgs;
+use self::correlation::StudyCorrelationArgs;
 use self::coverage::StudyCoverageArgs;
 use self::deflection::StudyDeflectionArgs;
 use self::factor::StudyFactorArgs;
@@ -33,6 +36,7 @@ use self::limits::StudyLimitsArgs;
 use self::line_camera::StudyLineCameraArgs;
 use self::machine::StudyMachineArgs;
 use self::nose::StudyNoseArgs;
+use self::optics::StudyOpticsArgs;
 use self::parts::StudyPartsArgs;
 use self::stability::StudyStabilityArgs;
 use self::tool::StudyToolArgs;
@@ -63,6 +67,9 @@ pub(crate) enum Study {
     /// Noses of rendered inserts, measured: errors beside their stated uncertainties, by kind of
     /// wear.
     Nose(StudyNoseArgs),
+    /// What moves the edge of a round part before one head, and by how much: focus, apertures,
+    /// wavelength, diameter, material, film, finish, temperature.
+    Optics(StudyOpticsArgs),
     /// Four workpieces cut by a worn nose that is measured in an image, before and after every way
     /// to compensate, beside paper 004.
     Tool(StudyToolArgs),
@@ -70,6 +77,8 @@ pub(crate) enum Study {
     Factor(StudyFactorArgs),
     /// What heads will measure a part to, and how fast, from their configs alone: side by side.
     Head(StudyHeadArgs),
+    /// This gauge's readings of parts beside another's: E_n of each, and the line with both uncertain.
+    Correlation(StudyCorrelationArgs),
     /// Whether stated intervals cover the true diameters, in rendered and measured scenes.
     Coverage(StudyCoverageArgs),
     /// Monte Carlo (JCGM 101) beside the law of propagation, through calibration and measurement.
@@ -91,6 +100,7 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::Controllers(args) => controllers::run(args),
         Study::Parts(args) => parts::run(args),
         Study::Stability(args) => stability::run(args),
+        Study::Correlation(args) => correlation::run(args),
         Study::Coverage(args) => coverage::run(args),
         Study::Uncertainty(args) => uncertainty::run(args),
         Study::Washers(args) => washers::run(args),
@@ -98,6 +108,7 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::LineCamera(args) => line_camera::run(args),
         Study::Machine(args) => machine::run(args),
         Study::Nose(args) => nose::run(args),
+        Study::Optics(args) => optics::run(args),
         Study::Tool(args) => tool::run(args),
         Study::Factor(args) => factor::run(args),
         Study::Head(args) => head::run(args),
