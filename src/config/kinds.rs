@@ -13,6 +13,7 @@ use crate::job::Job;
 use crate::nc::NcSettings;
 use crate::part_offsets::OffsetState;
 use crate::render::insert::InsertSettings;
+use crate::render::optics::lens_file::LensFile;
 use crate::studies::calibration::CalibrationPlan;
 use crate::studies::deflection::DeflectionConfig;
 use crate::studies::factor::FactorConfig;
@@ -32,7 +33,7 @@ pub(crate) struct FileKind {
 }
 
 /// Config files, jobs first.
-pub(crate) const CONFIGS: [FileKind; 13] = [
+pub(crate) const CONFIGS: [FileKind; 14] = [
     FileKind { name: "job", title: "A job (`run`, `render`, most studies)", schema: || schema_for!(Job) },
     FileKind {
         name: "calibration",
@@ -43,6 +44,11 @@ pub(crate) const CONFIGS: [FileKind; 13] = [
         name: "conditions",
         title: "Conditions of a part (`measure --conditions`)",
         schema: || schema_for!(Conditions),
+    },
+    FileKind {
+        name: "lens",
+        title: "A lens (`[optics] lens_file`, `calibrate --lens`)",
+        schema: || schema_for!(LensFile),
     },
     FileKind { name: "machine", title: "A machine (`nc --machine`)", schema: || schema_for!(NcSettings) },
     FileKind {

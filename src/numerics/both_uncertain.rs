@@ -80,6 +80,7 @@ impl UncertainLine {
     }
 
     /// The line at x and its standard uncertainty.
+    #[cfg(test)]
     pub(crate) fn at(&self, x: f64) -> (f64, f64) {
         let from_middle = x - self.middle_x;
         (self.middle_y + self.slope * from_middle, self.u_middle_y.hypot(from_middle * self.u_slope))

