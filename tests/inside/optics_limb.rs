@@ -126,7 +126,7 @@ fn parts_unlike_the_masters_are_corrected_or_covered() {
     let limb = LimbDifference { by_texture_um: 0.0, ..found.limb };
     let like_masters = LimbDifference { material: KnownMaterial::LikeMasters, ..limb };
     let corrected = Conditions { limb: Some(like_masters), ..Conditions::default() };
-    // By the design's least squares -0.29, -0.12, 0.01 and -0.11; the gauge weights pixels otherwise.
+    // By the design's least squares -0.29, -0.12, 0.01 and -0.11: its window differs.
     for (mm, uncorrected_um) in [(6.0, -0.27), (10.0, -0.11), (22.0, 0.01), (40.0, -0.10)] {
         let seen = edges(&gauge, &lens, mm, 0.0);
         let before = error_um(&seen, &calibration, &Conditions::default(), mm);

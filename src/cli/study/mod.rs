@@ -77,7 +77,8 @@ pub(crate) enum Study {
     Factor(StudyFactorArgs),
     /// What heads will measure a part to, and how fast, from their configs alone: side by side.
     Head(StudyHeadArgs),
-    /// This gauge's readings of parts beside another's: E_n of each, and the line with both uncertain.
+    /// This gauge's readings of parts beside another's: E_n of each, and the line with both
+    /// uncertain.
     Correlation(StudyCorrelationArgs),
     /// Whether stated intervals cover the true diameters, in rendered and measured scenes.
     Coverage(StudyCoverageArgs),

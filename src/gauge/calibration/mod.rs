@@ -7,8 +7,8 @@
 //!
 //! `observation` → `masters` → `adjustment` over the parameters of `imaging_model`; `conditions`,
 //! `thermometer`, `finish` and `limb_difference` state what is known of a part and of masters,
-//! `unstated` what is taken where nothing is; `verification` is a check pin, `file_checks` refuses damaged files. One
-//! more parameter of the lens goes into `imaging_model` (its derivative with it); one more source
+//! `unstated` what is taken where nothing is; `verification` is a check pin, `file_checks` refuses
+//! damaged files. One more parameter of the lens goes into `imaging_model` (its derivative with it); one more source
 //! of uncertainty is a part of `adjustment`'s covariance and a row of the budget.
 
 pub(crate) mod adjusted;

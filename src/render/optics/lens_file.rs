@@ -119,8 +119,8 @@ mod tests {
         telecentricity_per_mm: 1e-5,
     };
 
-    /// Widths of ideal edges, distorted by the file's coefficients, are corrected to what they were:
-    /// 4e-8 of a width is of second order.
+    /// Widths of ideal edges, distorted by the file's coefficients, are corrected to what they
+    /// were: some 1e-7 of a width is of second order.
     #[test]
     fn what_is_drawn_by_the_file_is_corrected_by_the_gauge() {
         let (rows, columns) = (1200_u32, 1600_u32);

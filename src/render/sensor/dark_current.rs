@@ -16,8 +16,8 @@ use crate::render::error::{RenderError, within};
 pub struct DarkCurrent {
     /// Dark current μ_I at `measured_at_c`, electrons a second.
     pub electrons_per_s: f64,
-    /// Standard deviation of the pixels' dark currents there (DCNU), electrons a second, the same in
-    /// every frame.
+    /// Standard deviation of the pixels' dark currents there (DCNU), electrons a second, the same
+    /// in every frame.
     pub nonuniformity_e_per_s: f64,
     /// Temperature of the sensor at which both were measured, °C.
     pub measured_at_c: f64,
