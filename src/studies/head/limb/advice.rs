@@ -20,7 +20,8 @@ const SPREAD: [f64; 2] = [0.5, 1.5];
 /// A gain below this share is none that a buyer notices.
 const WORTH: f64 = 0.8;
 
-/// What focus and diameter do at one ratio of apertures.
+/// What focus and diameter do at one ratio of apertures, to a gauge that fits the edge of
+/// that light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct FocusOfRatio {
     /// NA of the light over NA of the lens.
@@ -44,8 +45,8 @@ impl FocusOfRatio {
     }
 
     fn at(head: &LimbHead, coherence_ratio: f64) -> Option<Self> {
-        let limb = CylinderEdge { coherence_ratio, ..head.lens.clone() };
-        let shift = |mm: f64, y_mm: f64| head.shift_um(&limb, mm, y_mm).ok();
+        let head = head.with_ratio(coherence_ratio).ok()?;
+        let shift = |mm: f64, y_mm: f64| head.shift_um(&head.lens, mm, y_mm).ok();
         let d = head.diameter_mm;
         let by_depth_um_per_mm =
             (shift(d, DEPTH_STEP_MM)? - shift(d, -DEPTH_STEP_MM)?) / (2.0 * DEPTH_STEP_MM);

@@ -31,6 +31,7 @@ pub(crate) struct LimbHead {
     /// Diameter of the part, mm.
     pub(crate) diameter_mm: f64,
     optics: Optics,
+    fitted: FittedEdge,
     pixel_mm: f64,
     half_px: usize,
     levels: GreyLevels,
@@ -43,23 +44,28 @@ impl LimbHead {
     /// # Errors
     /// Optics without a lens and light of known aperture; a diameter whose limb cannot be computed.
     pub(crate) fn new(head: &HeadSetup, fitted: FittedEdge) -> Result<Self, HeadError> {
-        let lens = lens_of(&head.job.optics)?;
-        // The mirrored light is part of the limb.
-        let optics = Optics { reflection: None, ..head.job.optics.clone() };
-        let pixel_mm = head.optics.pixel_mm;
+        let (pixel_mm, diameter_mm) = (head.optics.pixel_mm, head.diameter_mm);
+        let optics = head.job.optics.clone();
         let half_px = head.half_px();
-        let template = match fitted {
-            FittedEdge::Optics => head.optics.at(0.0)?,
-            FittedEdge::Gaussian => {
-                let edge = Esf::Cylinder(lens.clone());
-                let own = at(&optics, edge, pixel_mm, head.diameter_mm, 0.0)?;
-                let width_px = own.width_10_90_px(half_px).unwrap_or(WIDTH_10_90);
-                let esf = Esf::Gaussian(GaussianEsf { sigma_px: width_px / WIDTH_10_90 });
-                at(&Optics { defocus_na: 0.0, ..optics.clone() }, esf, pixel_mm, head.diameter_mm, 0.0)?
-            }
-        };
-        let (diameter_mm, levels) = (head.diameter_mm, head.levels);
-        Ok(Self { lens, diameter_mm, optics, pixel_mm, half_px, levels, template })
+        let template = fitted.template(&optics, pixel_mm, diameter_mm, half_px)?;
+        let lens = lens_of(&optics)?;
+        Ok(Self { lens, diameter_mm, optics, fitted, pixel_mm, half_px, levels: head.levels, template })
+    }
+
+    /// The same head with light of another aperture, and the edge that its gauge would fit then.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(super) fn with_ratio(&self, coherence_ratio: f64) -> Result<Self, HeadError> {
+        let mut optics = self.optics.clone();
+        match &mut optics.esf {
+            Esf::Cylinder(c) => c.coherence_ratio = coherence_ratio,
+            Esf::PartiallyCoherent(p) => p.coherence_ratio = coherence_ratio,
+            _ => {}
+        }
+        let template = self.fitted.template(&optics, self.pixel_mm, self.diameter_mm, self.half_px)?;
+        let lens = CylinderEdge { coherence_ratio, ..self.lens.clone() };
+        Ok(Self { lens, optics, template, ..*self })
     }
 
     /// Shift of the limb of a part of `diameter_mm`, its axis `axis_y_mm` before the plane of
@@ -81,7 +87,27 @@ impl LimbHead {
     }
 }
 
-/// The edge of optics with another family in them.
+impl FittedEdge {
+    /// The edge in focus.
+    fn template(
+        self,
+        optics: &Optics,
+        pixel_mm: f64,
+        diameter_mm: f64,
+        half_px: usize,
+    ) -> Result<OpticalEdge, HeadError> {
+        if self == Self::Optics {
+            let own = EdgeOptics { optics: optics.clone(), pixel_mm, radius_mm: 0.5 * diameter_mm };
+            return Ok(own.at(0.0)?);
+        }
+        let own = at(optics, Esf::Cylinder(lens_of(optics)?), pixel_mm, diameter_mm, 0.0)?;
+        let width_px = own.width_10_90_px(half_px).unwrap_or(WIDTH_10_90);
+        let esf = Esf::Gaussian(GaussianEsf { sigma_px: width_px / WIDTH_10_90 });
+        at(&Optics { defocus_na: 0.0, ..optics.clone() }, esf, pixel_mm, diameter_mm, 0.0)
+    }
+}
+
+/// The edge of optics with another family in them; mirrored light is part of the limb.
 fn at(
     optics: &Optics,
     esf: Esf,
@@ -89,7 +115,7 @@ fn at(
     diameter_mm: f64,
     axis_y_mm: f64,
 ) -> Result<OpticalEdge, HeadError> {
-    let optics = Optics { esf, ..optics.clone() };
+    let optics = Optics { esf, reflection: None, ..optics.clone() };
     Ok(EdgeOptics { optics, pixel_mm, radius_mm: 0.5 * diameter_mm }.at(axis_y_mm)?)
 }
 
