@@ -30,6 +30,7 @@ use crate::identification::{IdentifiedMachine, MachineIdentity};
 use crate::job::{Job, RunMachine};
 use crate::machine::{Conditions, MachineSettings};
 use crate::render::form::read_contour;
+use crate::render::optics::lens_file::LensFile;
 use crate::render::settings::Esf;
 use crate::setting::SettingError;
 use crate::studies::machine::MachineStudyConfig;
@@ -169,6 +170,7 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
             .map_err(|e| SettingError::at(key, format!("{}: cannot be read: {e}", path.display())))
     };
     read_measured_edge(&mut job.optics.esf, folder)?;
+    read_lens(job, folder)?;
     read_tool(job, folder)?;
     read_machine(job, folder)?;
     if let Some(name) = job.shaft.contour_file.take() {
@@ -182,6 +184,20 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
         job.shaft.contour = read_contour(file).map_err(crate::job::from_render)?;
     }
     Ok(())
+}
+
+/// Reads the lens that a config names, beside it; distortion and telecentricity replace the name.
+fn read_lens(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
+    const KEY: &str = "optics.lens_file";
+    let Some(name) = job.optics.lens_file.take() else { return Ok(()) };
+    let path = folder.join(&name);
+    let named = |e: &dyn std::fmt::Display| SettingError::at(KEY, format!("{}: {e}", path.display()));
+    let text = std::fs::read_to_string(&path).map_err(|e| named(&format_args!("cannot be read: {e}")))?;
+    let lens: LensFile =
+        parse_as(&text, &path.display().to_string()).map_err(|e| SettingError::at(KEY, e.to_string()))?;
+    let um_per_px = 1e3 * job.setup_settings().nominal_pixel_mm();
+    let size = (job.camera.rows, job.camera.columns);
+    lens.put_into(&mut job.optics, size, um_per_px)
 }
 
 /// Reads the files of `[tool]`, beside the config that names them; their contents replace the

@@ -14,6 +14,7 @@ use crate::job::Job;
 use crate::nc::NcSettings;
 use crate::part_offsets::OffsetState;
 use crate::render::insert::InsertSettings;
+use crate::render::optics::lens_file::LensFile;
 use crate::studies::calibration::CalibrationPlan;
 use crate::studies::deflection::DeflectionConfig;
 use crate::studies::factor::FactorConfig;
@@ -44,6 +45,11 @@ pub(crate) const CONFIGS: [FileKind; 14] = [
         name: "conditions",
         title: "Conditions of a part (`measure --conditions`)",
         schema: || schema_for!(Conditions),
+    },
+    FileKind {
+        name: "lens",
+        title: "A lens (`[optics] lens_file`, `calibrate --lens`)",
+        schema: || schema_for!(LensFile),
     },
     FileKind { name: "machine", title: "A machine (`nc --machine`)", schema: || schema_for!(NcSettings) },
     FileKind {
@@ -99,7 +105,7 @@ pub(crate) const CONFIGS: [FileKind; 14] = [
 ];
 
 /// Tables in CSV: the schema is that of a row, by the names of the columns.
-pub(crate) const TABLES: [FileKind; 7] = [
+pub(crate) const TABLES: [FileKind; 8] = [
     FileKind { name: "frames", title: "frames.csv beside frames (`measure`)", schema: frames },
     FileKind { name: "contour", title: "A contour (`[shaft] contour_file`)", schema: contour },
     FileKind {
@@ -117,6 +123,11 @@ pub(crate) const TABLES: [FileKind; 7] = [
         name: "machine_readings",
         title: "Readings of a machine (`[[readings]] file` of `calibrate machine`)",
         schema: machine_readings,
+    },
+    FileKind {
+        name: "correlation",
+        title: "Readings of two gauges (`study correlation`)",
+        schema: correlation,
     },
     FileKind { name: "rings", title: "cmm.csv: sizes of rings (`study washers`)", schema: rings },
 ];
@@ -177,6 +188,19 @@ fn edge() -> Schema {
         &[
             ("distance_um", "number", true, "Distance from the geometric edge into the light, µm, rising."),
             ("light", "number", true, "Light there: 0 in the shadow, 1 in the bright field."),
+        ],
+    )
+}
+
+fn correlation() -> Schema {
+    row(
+        "A row of readings of two gauges",
+        &[
+            ("part", "string", true, "Name of the part."),
+            ("d_mm", "number", true, "Diameter by this gauge, mm."),
+            ("expanded_u_mm", "number", false, "Its U (k = 2), mm."),
+            ("reference_mm", "number", true, "Diameter by the other gauge, mm."),
+            ("reference_expanded_u_mm", "number", false, "Its U (k = 2), mm."),
         ],
     )
 }

@@ -7,6 +7,7 @@ use super::calibration::adjustment::AdjustmentLimits;
 use super::calibration::error::CalibrationLimits;
 use super::calibration::file_checks::FileLimits;
 use super::calibration::finish::FinishLimits;
+use super::calibration::limb_difference::LimbLimits;
 use super::calibration::observation::ObservationLimits;
 use super::calibration::optical_setup::SetupLimits;
 use super::calibration::unstated::UnstatedLimits;
@@ -223,6 +224,7 @@ fn of_calibration() -> Vec<Vec<Limit>> {
         CalibrationLimits::list(),
         FileLimits::list(),
         FinishLimits::list(),
+        LimbLimits::list(),
         ObservationLimits::list(),
         SetupLimits::list(),
         UnstatedLimits::list(),

@@ -1,4 +1,5 @@
-//! Mathematics without state, for every module: distributions, lines, neighbours in a list, normal
+//! Mathematics without state, for every module: distributions, lines (also through points that are
+//! uncertain both ways), neighbours in a list, normal
 //! equations, a smoothing spline, robust statistics, a median network.
 //!
 //! In: numbers and slices of them. Out: numbers, or a fit that can be evaluated. No type here has a
@@ -10,6 +11,7 @@
 //! needs a module's own units stays there. The f64 reference of the renderer has its own functions,
 //! so that a fault here cannot be in both.
 
+pub(crate) mod both_uncertain;
 pub(crate) mod distributions;
 pub(crate) mod line;
 pub(crate) mod median_network;

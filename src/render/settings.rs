@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::contamination::Contamination;
 use super::error::{RenderError, within};
 use super::motion::Motion;
+#[cfg(test)]
+pub(crate) use super::sensor::DarkCurrent;
 pub(crate) use super::sensor::Sensor;
 use crate::frame::Roi;
 use crate::render::optics::lens::FieldLight;

@@ -98,13 +98,20 @@ fn condition_facts(conditions: &Conditions) -> Vec<[String; 2]> {
     );
     let edges =
         format!("± {} µm an edge{}", plain(conditions.limit_edge_um), presumed(conditions.unstated.edge));
-    [
-        ("Temperature of the part", temperature),
-        ("Expansion of the part", expansion),
-        ("Edges of the part against the masters'", edges),
-    ]
-    .map(|(what, text)| [what.to_owned(), text])
-    .into()
+    let limb = conditions.limb.map(|limb| {
+        format!(
+            "corrected for Ø{} to Ø{} mm; what is not known of each cause is a row of the budget",
+            plain(limb.from_mm),
+            plain(limb.to_mm)
+        )
+    });
+    let stated = [
+        ("Temperature of the part", Some(temperature)),
+        ("Expansion of the part", Some(expansion)),
+        ("Edges of the part against the masters'", Some(edges)),
+        ("Limbs of the part against the masters'", limb),
+    ];
+    stated.into_iter().filter_map(|(what, text)| Some([what.to_owned(), text?])).collect()
 }
 
 fn judging_facts(settings: &MeasureSettings) -> Vec<[String; 2]> {

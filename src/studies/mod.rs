@@ -10,6 +10,7 @@
 pub(crate) mod calibration;
 pub(crate) mod contamination;
 pub(crate) mod controllers;
+pub(crate) mod correlation;
 pub(crate) mod coverage;
 pub(crate) mod deflection;
 pub(crate) mod deflection_line;

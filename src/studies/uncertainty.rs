@@ -114,6 +114,7 @@ struct Model<'a> {
     solver: Solver<'a>,
     perfect: LensModel,
     reading: WidthReading,
+    conditions: Conditions,
     deviations: usize,
 }
 
@@ -141,7 +142,7 @@ impl Model<'_> {
         let width = lens.ideal_mean(along, bottom) - lens.ideal_mean(along, top);
         let added: f64 = x[self.deviations + OF_PART..].iter().sum();
         let at_t = s * (1.0 + 1e-6 * p[4]) * (1.0 + t * p[2]) * width + o + 2e-3 * p[3] + added;
-        at_t / (1.0 + 1e-6 * p[1] * (p[0] - 20.0))
+        self.conditions.part_mm(at_t) / (1.0 + 1e-6 * p[1] * (p[0] - 20.0))
     }
 }
 
@@ -210,6 +211,7 @@ pub(crate) fn uncertainty(
         solver: adjustment.solver()?,
         perfect: LensModel::perfect(setup.rows, setup.columns),
         reading: part.reading.clone(),
+        conditions: *conditions,
         deviations: adjustment.inputs(),
     };
     let inputs = inputs(adjustment, calibration, part, conditions);

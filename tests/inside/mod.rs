@@ -37,6 +37,7 @@ mod nose;
 mod optics_cylinder;
 mod optics_esf;
 mod optics_lens;
+mod optics_limb;
 mod probe_run;
 mod process;
 mod process_studies;

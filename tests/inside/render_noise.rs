@@ -3,8 +3,8 @@
 
 use crate::inside::support::render as support;
 
-use shadowgauge::frame::PixelFormat;
-use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
+use shadowgauge::frame::{PixelFormat, Roi};
+use shadowgauge::render::settings::{DarkCurrent, SetupDeviations, SetupSettings};
 use shadowgauge::render::shadowgraph::standard_normal;
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::Shaft;
@@ -176,4 +176,42 @@ fn device_noise_has_the_moments_of_poisson_and_gaussian() {
         let (rows, expected) = sample(&device, bright, PixelFormat::Mono12);
         judge(name, &rows, &expected);
     }
+}
+
+/// Dark current over 50 ms at 16 K above its data sheet: 4 · 40 e⁻/s · 0.05 s = 8 e⁻ in every
+/// pixel, lit or not, with Poisson noise of their own; frames without the table keep their bytes.
+#[test]
+fn dark_current_raises_levels_and_noise_by_its_electrons() {
+    let mut settings = SetupSettings { departures: SetupDeviations::none(), ..Default::default() };
+    settings.camera.rows = 2048;
+    settings.camera.exposure_us = 50_000.0;
+    settings.camera.frame_period_ms = 100.0;
+    settings.light.shadow_counts = settings.sensor.black_level_counts;
+    settings.sensor.read_noise_e = 3.0;
+    settings.sensor.electrons_per_count = 0.5;
+    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
+    let shadow = |settings: &SetupSettings| {
+        let setup = OpticalSetup::resolve(settings, 0).unwrap();
+        let scene = Scene::new(&setup, Shaft::cylinder(30.0)).unwrap();
+        let columns = setup.columns();
+        let roi = Some(Roi { row: 960, column: 0, rows: 64, columns: columns as u32 });
+        let format = Some(PixelFormat::F32);
+        let request = FrameRequest { noise: true, seed: 77, roi, format, ..Default::default() };
+        let frame = renderer.render(&scene, &request, None).unwrap();
+        moments(&counts(&frame).chunks_exact(columns).map(<[f64]>::to_vec).collect::<Vec<_>>())
+    };
+    let without = shadow(&settings);
+    settings.sensor.dark_current = Some(DarkCurrent {
+        electrons_per_s: 40.0,
+        measured_at_c: 25.0,
+        doubling_k: 8.0,
+        temperature_c: 41.0,
+        ..DarkCurrent::default()
+    });
+    let with = shadow(&settings);
+    // 64 rows of some thousand pixels: the mean of σ = 8.2 counts is known to 0.03, the variance to
+    // 0.5 %, 0.1 e⁻².
+    assert!((with.mean - without.mean - 16.0).abs() < 0.15, "{} {}", with.mean, without.mean);
+    let gained_e2 = 0.25 * (with.variance - without.variance);
+    assert!((gained_e2 - 8.0).abs() < 0.4, "{gained_e2}");
 }

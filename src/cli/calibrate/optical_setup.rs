@@ -21,6 +21,7 @@ use crate::cli::measure::esf_argument::{esf_model, needs_scale};
 use crate::files::OutputFile;
 use crate::gauge::Calibration;
 use crate::gauge::calibration::Date;
+use crate::render::optics::lens_file::{CorrectedLens, LensFile};
 use crate::render::{BackendChoice, Renderer};
 use crate::report;
 use crate::setting::SettingError;
@@ -42,6 +43,9 @@ pub(crate) struct OpticalSetupArgs {
     /// (.toml). The calibration keeps it.
     #[arg(long, value_name = "NAME|FILE")]
     esf: Option<String>,
+    /// Write the lens that was found as `lens.toml`, which a config names by `optics.lens_file`.
+    #[arg(long, value_name = "FILE.toml")]
+    lens: Option<PathBuf>,
     /// Day of the calibration that is made of a job's config, YYYY-MM-DD; today without it. A
     /// calibration's own file has its date.
     #[arg(long, value_name = "DATE")]
@@ -77,6 +81,7 @@ pub(crate) fn run(args: &OpticalSetupArgs) -> CommandResult {
     }
     let claim = |path: &Path| OutputFile::claim(path, [args.config.clone()]);
     let (page_file, file) = (claim(&args.out.with_extension("html"))?, claim(&args.out)?);
+    let lens_file = args.lens.as_deref().map(claim).transpose()?;
     let calibrated = made(&mut loaded, args.esf.as_deref(), args.backend, &args.camera)?;
     let page = report::calibration_report(&loaded.plan, &calibrated).map_err(Failure::fail)?;
     page_file.write(page.as_bytes())?;
@@ -84,6 +89,7 @@ pub(crate) fn run(args: &OpticalSetupArgs) -> CommandResult {
     if accepted {
         let json = json_text(&calibrated.calibration)? + "\n";
         file.write(json.as_bytes())?;
+        write_lens(lens_file, &calibrated.calibration)?;
     } else {
         tracing::error!(
             "the check pin refuses this calibration; {} is not written, the report says why",
@@ -92,6 +98,20 @@ pub(crate) fn run(args: &OpticalSetupArgs) -> CommandResult {
     }
     say(args.json, &calibrated);
     Ok(if accepted { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+/// Writes the lens of a calibration, where it is asked for.
+fn write_lens(file: Option<OutputFile>, calibration: &Calibration) -> Result<(), Failure> {
+    let (Some(file), Some(setup)) = (file, &calibration.setup) else { return Ok(()) };
+    let lens = CorrectedLens {
+        radial: setup.lens.radial,
+        keystone_across: setup.lens.keystone_across,
+        keystone_along: setup.lens.keystone_along,
+        telecentricity_per_mm: setup.lens.telecentricity_per_mm,
+    };
+    let size = (setup.rows as u32, setup.columns as u32);
+    let lens = LensFile::of(&lens, size, 1e3 * calibration.scale_mm_per_px);
+    Ok(file.write(toml::to_string(&lens).map_err(Failure::fail)?.as_bytes())?)
 }
 
 /// Makes a plan's calibration from its folders or from rendered frames, with the edge-spread

@@ -69,6 +69,13 @@ const EXAMPLES: &[Examples] = &[
         ],
     ),
     (
+        "optics limb",
+        &[
+            "shadowgauge optics limb my.toml --part-material steel --part-finish ground > conditions.toml",
+            "shadowgauge optics limb my.toml --masters-mm 18,27 --diameters-mm 6,40 --film-um 0.5 --limit-film-um 0.5",
+        ],
+    ),
+    (
         "measure",
         &[
             "shadowgauge measure frame.png --um-per-px 17.4",
@@ -190,10 +197,24 @@ const EXAMPLES: &[Examples] = &[
     ("study nose", &["shadowgauge study nose --noses 10", "shadowgauge study nose insert.toml --json"]),
     ("study factor", &["shadowgauge study factor", "shadowgauge study factor my.toml --forces forces.csv"]),
     (
+        "study optics",
+        &[
+            "shadowgauge study optics my.toml --report optics.html",
+            "shadowgauge study optics my.toml --diameter-mm 18 --csv optics.csv --json",
+        ],
+    ),
+    (
         "study head",
         &[
             "shadowgauge study head my.toml other.toml --diameter-mm 10",
             "shadowgauge study head my.toml --rpm 1200 --eccentricity-mm 0.02 --report head.html",
+        ],
+    ),
+    (
+        "study correlation",
+        &[
+            "shadowgauge study correlation parts.csv",
+            "shadowgauge study correlation parts.csv --expanded-u-um 0.8 --reference-expanded-u-um 1.2 --json",
         ],
     ),
     ("study coverage", &["shadowgauge study coverage --scenes 40 --json"]),

@@ -3,19 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use crate::cli::calibration_plan::is_plan;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
+use crate::cli::optics::{head_failure, load_head};
 use crate::cli::terminal::progress;
-use crate::config;
 use crate::files::OutputFile;
 use crate::gauge::calibration::{Date, GivenConditions};
 use crate::render::{BackendChoice, Renderer};
 use crate::report::head_page;
 use crate::report::head_rows::{EXPOSURE_HEADER, exposure_rows, head_sections};
 use crate::studies::head::{
-    ExposureLimits, HeadConfig, HeadError, HeadFigures, HeadSettings, HeadSetup, HeadStudy, frames_in_all,
-    study,
+    ExposureLimits, HeadConfig, HeadFigures, HeadSettings, HeadSetup, HeadStudy, frames_in_all, study,
 };
 
 /// Arguments of `study head`.
@@ -100,7 +98,7 @@ fn share(text: &str) -> Result<f64, String> {
 pub(crate) fn run(args: &StudyHeadArgs) -> CommandResult {
     let configs = load(&args.configs)?;
     let settings = settings(args, &configs)?;
-    let setups = configs.iter().map(|c| HeadSetup::new(c, &settings).map_err(|e| failure(&c.file, &e)));
+    let setups = configs.iter().map(|c| HeadSetup::new(c, &settings).map_err(|e| head_failure(&c.file, &e)));
     let setups = setups.collect::<Result<Vec<_>, _>>()?;
     let claim = |path: &Option<PathBuf>| {
         path.as_deref().map(|path| OutputFile::claim(path, args.configs.clone())).transpose()
@@ -111,7 +109,7 @@ pub(crate) fn run(args: &StudyHeadArgs) -> CommandResult {
     let bar = progress::bar(frames_in_all(&setups, &settings), "drawing and measuring", "frames");
     let found = study(&setups, &settings, &renderer, &|frames| bar.inc(frames));
     bar.finish_and_clear();
-    let found = found.map_err(|(file, error)| failure(&file, &error))?;
+    let found = found.map_err(|(file, error)| head_failure(&file, &error))?;
     let csv = csv_text(&found.heads.iter().map(HeadRow::of).collect::<Vec<_>>())?;
     let page = head_page(&found).map_err(Failure::fail)?;
     csv_file.map_or(Ok(()), |file| file.write(&csv))?;
@@ -129,20 +127,11 @@ pub(crate) fn run(args: &StudyHeadArgs) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// A head's error with its file; settings and scenes are refused, frames and masters fail.
-fn failure(file: &str, error: &HeadError) -> Failure {
-    let text = format!("{file}: {error}");
-    match error {
-        HeadError::Calibrate(_) => Failure::fail(text),
-        _ => Failure::refuse(text),
-    }
-}
-
 /// The heads' configs, each once and under a name of its own.
 fn load(paths: &[PathBuf]) -> Result<Vec<HeadConfig>, Failure> {
     let mut all: Vec<HeadConfig> = Vec::new();
     for path in paths {
-        let head = load_one(path)?;
+        let head = load_head(path)?;
         if let Some(before) = all.iter().find(|known| known.job == head.job) {
             return Err(Failure::refuse(format!(
                 "{}: is the same head as {}: name each head once",
@@ -158,23 +147,6 @@ fn load(paths: &[PathBuf]) -> Result<Vec<HeadConfig>, Failure> {
         }
     }
     Ok(all)
-}
-
-fn load_one(path: &Path) -> Result<HeadConfig, Failure> {
-    let text = ConfigText::read(path)?;
-    if is_plan(&text.text) {
-        return Err(text.refuse("is a calibration's file: give the job's config whose head it calibrates"));
-    }
-    let tables = text.tables()?;
-    let job = config::load_scene(path).map_err(Failure::refused)?;
-    for table in ["camera", "optics"] {
-        if !tables.contains_key(table) {
-            return Err(text.refuse(format!(
-                "has no [{table}]: a head is its camera and its optics; `shadowgauge new pin` prints both with every key"
-            )));
-        }
-    }
-    Ok(HeadConfig { name: job.name.clone(), file: text.name, job })
 }
 
 fn settings(args: &StudyHeadArgs, configs: &[HeadConfig]) -> Result<HeadSettings, Failure> {

@@ -5,6 +5,7 @@
 
 mod contamination;
 mod controllers;
+mod correlation;
 mod coverage;
 mod deflection;
 mod factor;
@@ -15,6 +16,7 @@ mod line_camera;
 mod machine;
 mod nose;
 mod nose_frames;
+mod optics;
 mod parts;
 mod stability;
 mod tool;
@@ -25,6 +27,7 @@ use clap::Subcommand;
 
 use self::contamination::StudyContaminationArgs;
 use self::controllers::StudyControllersArgs;
+use self::correlation::StudyCorrelationArgs;
 use self::coverage::StudyCoverageArgs;
 use self::deflection::StudyDeflectionArgs;
 use self::factor::StudyFactorArgs;
@@ -34,6 +37,7 @@ use self::limits::StudyLimitsArgs;
 use self::line_camera::StudyLineCameraArgs;
 use self::machine::StudyMachineArgs;
 use self::nose::StudyNoseArgs;
+use self::optics::StudyOpticsArgs;
 use self::parts::StudyPartsArgs;
 use self::stability::StudyStabilityArgs;
 use self::tool::StudyToolArgs;
@@ -64,6 +68,9 @@ pub(crate) enum Study {
     /// Noses of rendered inserts, measured: errors beside their stated uncertainties, by kind of
     /// wear.
     Nose(StudyNoseArgs),
+    /// What moves the edge of a round part before one head, and by how much: focus, apertures,
+    /// wavelength, diameter, material, film, finish, temperature.
+    Optics(StudyOpticsArgs),
     /// Four workpieces cut by a worn nose that is measured in an image, before and after every way
     /// to compensate, beside paper 004.
     Tool(StudyToolArgs),
@@ -71,6 +78,9 @@ pub(crate) enum Study {
     Factor(StudyFactorArgs),
     /// What heads will measure a part to, and how fast, from their configs alone: side by side.
     Head(StudyHeadArgs),
+    /// This gauge's readings of parts beside another's: E_n of each, and the line with both
+    /// uncertain.
+    Correlation(StudyCorrelationArgs),
     /// Whether stated intervals cover the true diameters, in rendered and measured scenes.
     Coverage(StudyCoverageArgs),
     /// Monte Carlo (JCGM 101) beside the law of propagation, through calibration and measurement.
@@ -92,6 +102,7 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::Controllers(args) => controllers::run(args),
         Study::Parts(args) => parts::run(args),
         Study::Stability(args) => stability::run(args),
+        Study::Correlation(args) => correlation::run(args),
         Study::Coverage(args) => coverage::run(args),
         Study::Uncertainty(args) => uncertainty::run(args),
         Study::Washers(args) => washers::run(args),
@@ -99,6 +110,7 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::LineCamera(args) => line_camera::run(args),
         Study::Machine(args) => machine::run(args),
         Study::Nose(args) => nose::run(args),
+        Study::Optics(args) => optics::run(args),
         Study::Tool(args) => tool::run(args),
         Study::Factor(args) => factor::run(args),
         Study::Head(args) => head::run(args),

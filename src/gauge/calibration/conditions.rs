@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::finish::Finish;
+use super::limb_difference::{LimbDifference, LimbRow};
 use super::unstated::{Unstated, UnstatedLimits};
 use crate::setting::{SettingError, within};
 
@@ -41,6 +42,10 @@ pub struct Conditions {
     /// Finish of the part.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub finish_of_part: Option<Finish>,
+    /// How far the part's limbs stand from the masters' line, in place of `limit_edge_um`, which is
+    /// then 0 unless it is stated beside it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limb: Option<LimbDifference>,
     /// What of these nobody stated.
     #[serde(skip_serializing_if = "Unstated::is_empty")]
     pub unstated: Unstated,
@@ -60,6 +65,7 @@ impl Default for Conditions {
             limit_drift_ppm: 0.0,
             finish_of_masters: None,
             finish_of_part: None,
+            limb: None,
             unstated: Unstated::default(),
         }
     }
@@ -89,6 +95,8 @@ pub(crate) struct GivenConditions {
     pub finish_of_masters: Option<Finish>,
     /// Finish of the part.
     pub finish_of_part: Option<Finish>,
+    /// How far the part's limbs stand from the masters' line, as `optics limb` prints it.
+    pub limb: Option<LimbDifference>,
     /// What a file written by `calibrate` says that nobody stated.
     pub unstated: Unstated,
 }
@@ -120,6 +128,7 @@ impl GivenConditions {
             limit_drift_ppm: self.limit_drift_ppm.unwrap_or(known.limit_drift_ppm),
             finish_of_masters: self.finish_of_masters.or(known.finish_of_masters),
             finish_of_part: self.finish_of_part.or(known.finish_of_part),
+            limb: self.limb.or(known.limb),
             unstated: known.unstated,
         };
         if self.temperature_c.is_some() && known.unstated.temperature {
@@ -136,6 +145,11 @@ impl GivenConditions {
             (self.limit_edge_um, names_finish || c.unstated.edge, c.finish_of_masters, c.finish_of_part)
         {
             c.limit_edge_um = masters.limit_um(part);
+            c.unstated.edge = false;
+        }
+        if self.limb.is_some() {
+            // Its rows take the place of one limit for all.
+            c.limit_edge_um = self.limit_edge_um.unwrap_or(0.0);
             c.unstated.edge = false;
         }
         c
@@ -193,12 +207,31 @@ impl Conditions {
         at("axis_y_mm", self.axis_y_mm, -1e3, 1e3, "a distance in mm")?;
         at("limit_axis_y_mm", self.limit_axis_y_mm, 0.0, 100.0, "0 to 100 mm")?;
         at("limit_edge_um", self.limit_edge_um, 0.0, 100.0, "0 to 100 µm")?;
-        at("limit_drift_ppm", self.limit_drift_ppm, 0.0, 1e5, "0 to 100 000 ppm")
+        at("limit_drift_ppm", self.limit_drift_ppm, 0.0, 1e5, "0 to 100 000 ppm")?;
+        self.limb.map_or(Ok(()), |limb| limb.validate())
     }
 
     /// D₂₀/D_T.
     pub fn to_reference(&self) -> f64 {
         1.0 / (1.0 + 1e-6 * self.expansion_um_per_m_k * (self.temperature_c - REFERENCE_C))
+    }
+
+    /// The part's diameter at its temperature, mm, from what the masters' calibration gives for its
+    /// shadow: without the shifts of its limbs.
+    pub(crate) fn part_mm(&self, calibrated_mm: f64) -> f64 {
+        let shift_um: f64 = self.limb_rows(calibrated_mm).iter().flatten().map(|row| row.shift_um).sum();
+        calibrated_mm - 2e-3 * shift_um
+    }
+
+    /// Rows of the part's limbs, where they are stated.
+    pub(crate) fn limb_rows(&self, diameter_mm: f64) -> Option<[LimbRow; 6]> {
+        self.limb.map(|limb| limb.rows(diameter_mm, self.axis_y_mm, self.limit_axis_y_mm))
+    }
+
+    /// Standard uncertainty by what is not known of the part's limbs, mm.
+    pub(crate) fn u_limb_mm(&self, diameter_mm: f64) -> f64 {
+        let rows = self.limb_rows(diameter_mm);
+        rows.iter().flatten().map(|row| row.u_mm().powi(2)).sum::<f64>().sqrt()
     }
 
     /// Standard uncertainty of D₂₀ by the part's temperature, mm. Both factors of α(T − 20) are

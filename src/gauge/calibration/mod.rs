@@ -6,11 +6,11 @@
 //! uncertainty kept apart, as a file of its own version.
 //!
 //! `observation` → `masters` → `adjustment` over the parameters of `imaging_model`; `conditions`,
-//! `thermometer` and `finish` state what is known of a part and of masters, `unstated` what is
-//! taken where nothing is; `bound` compares with the camera that it was made with; `verification`
-//! is a check pin, `file_checks` refuses damaged files. One more parameter of the lens goes into
-//! `imaging_model` (its derivative with it); one more source of uncertainty is a part of
-//! `adjustment`'s covariance and a row of the budget.
+//! `thermometer`, `finish` and `limb_difference` state what is known of a part and of masters,
+//! `unstated` what is taken where nothing is; `bound` compares with the camera that it was made
+//! with; `verification` is a check pin, `file_checks` refuses damaged files. One more parameter of
+//! the lens goes into `imaging_model` (its derivative with it); one more source of uncertainty is a
+//! part of `adjustment`'s covariance and a row of the budget.
 
 pub(crate) mod adjusted;
 pub(crate) mod adjustment;
@@ -23,6 +23,7 @@ pub(crate) mod file_checks;
 pub(crate) mod finish;
 pub(crate) mod gauge_calibration;
 mod imaging_model;
+pub(crate) mod limb_difference;
 pub(crate) mod masters;
 pub(crate) mod observation;
 pub(crate) mod optical_setup;
@@ -35,8 +36,10 @@ pub use self::{
     conditions::Conditions,
     date::Date,
     error::CalibrationError,
+    finish::Finish,
     gauge_calibration::Calibration,
     imaging_model::LensModel,
+    limb_difference::{KnownMaterial, LimbDifference},
     masters::{MasterCertificate, MasterFigure, MasterMeasurement},
     optical_setup::{BenchError, SetupCalibration, Validity},
     unstated::Unstated,
@@ -46,6 +49,7 @@ pub use self::{
 pub(crate) use adjusted::Adjusted;
 pub(crate) use adjustment::{Adjustment, Solver};
 pub(crate) use conditions::GivenConditions;
+pub(crate) use finish::texture_shift_um;
 pub(crate) use imaging_model::{ColumnSpread, LensLimits, PARAMETERS};
 pub(crate) use masters::{CertificateShare, MasterPrior, shared_source};
 pub(crate) use observation::{Observation, observe};

@@ -192,7 +192,7 @@ impl<'a> Reader<'a> {
 
     /// Diameter at 20 °C, mm.
     fn diameter_mm(&self, width_px: f64) -> f64 {
-        self.calibration.diameter_mm(width_px) * self.conditions.to_reference()
+        self.conditions.part_mm(self.calibration.diameter_mm(width_px)) * self.conditions.to_reference()
     }
 
     /// Common standard uncertainty of the diameter at 20 °C, mm.
@@ -225,6 +225,7 @@ fn conditions_variance(calibration: &Calibration, conditions: &Conditions, d_mm:
         conditions.u_expansion_mm(d_mm),
         conditions.u_focus_mm(d_mm, t, u_t),
         conditions.u_edges_mm(),
+        conditions.u_limb_mm(d_mm),
         conditions.u_drift_mm(d_mm),
     ]
     .iter()

@@ -20,6 +20,7 @@ use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::calibration::{Conditions, LensModel, PARAMETERS};
 use crate::gauge::limit::limits;
 use crate::gauge::uncertainty::budget::{Budget, Texts, add_conditions, common};
+use crate::setting::SettingError;
 
 limits! {
     /// How a ring's diameter is derived by the lens.
@@ -71,6 +72,11 @@ impl RingMeasurement {
         conditions: &Conditions,
         cutoff_upr: f64,
     ) -> Result<(), RingError> {
+        if conditions.limb.is_some() {
+            let right =
+                "is the limb of a shaft seen from the side; an edge of a ring or disc is thin: leave it out";
+            return Err(SettingError::at("conditions.limb", right).into());
+        }
         let mapping = Mapping { calibration, conditions, cutoff_upr };
         let centre = |edge: &mut EdgeCircle, name| {
             let (mm, centre) =

@@ -275,7 +275,7 @@ impl WidthReading {
             None => ((self.rows_px.1 - self.rows_px.0) * self.chord, None),
         };
         let at_t = calibration.diameter_mm(width_px);
-        budget.diameter_mm = at_t * conditions.to_reference();
+        budget.diameter_mm = conditions.part_mm(at_t) * conditions.to_reference();
         self.add_edges(budget, scale * self.chord, calibration.setup.as_ref().map(|b| &b.lens), texts);
         budget.push(self.place(calibration, texts));
         match (&calibration.setup, by) {
@@ -424,6 +424,16 @@ pub(crate) fn add_conditions(
         let source = texts.of(format_args!("{source}"));
         let shape = factor.map_or(Shape::Rectangular, |known| Shape::Product { known });
         budget.push(Contribution { source, input, shape, share: Share::Common, freedom: None, u_mm });
+    }
+    for row in conditions.limb_rows(at_t).iter().flatten() {
+        budget.push(Contribution {
+            source: texts.of(format_args!("{}", row.source)),
+            input: texts.of(format_args!("{:.3} ± {:.3} um an edge", row.shift_um, row.limit_um)),
+            shape: Shape::Rectangular,
+            share: Share::Common,
+            freedom: None,
+            u_mm: row.u_mm(),
+        });
     }
 }
 

@@ -95,6 +95,10 @@ pub struct Optics {
     pub entocentric: Option<Entocentric>,
     /// Radial and tangential distortion.
     pub distortion: Distortion,
+    /// A file `lens.toml` beside the config, as `calibrate --lens` writes it, in place of
+    /// `distortion` and `telecentricity_mrad`; its values take its place in the resolved config.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lens_file: Option<String>,
     /// Glancing reflection of a polished shaft in diffuse light; absent for a dull one.
     pub reflection: Option<GrazingReflection>,
 }
@@ -109,6 +113,7 @@ impl Default for Optics {
             telecentricity_mrad: 0.0,
             entocentric: None,
             distortion: Distortion::default(),
+            lens_file: None,
             reflection: None,
         }
     }
@@ -133,6 +138,10 @@ impl Optics {
                     right,
                 ));
             }
+        }
+        if let Some(name) = &self.lens_file {
+            let right = "was not read: a config is loaded from a file to find the ones it names";
+            return Err(RenderError::setting("optics.lens_file", name, right));
         }
         if let Esf::Cylinder(_) = self.esf {
             self.check_beside_limb()?;

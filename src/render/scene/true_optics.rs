@@ -148,15 +148,18 @@ impl OpticalSetup {
     /// Levels in counts of the requested format.
     pub(crate) fn levels(&self, format: PixelFormat) -> GreyLevels {
         let nominal = &self.nominal;
+        let dark = nominal.sensor.dark_signal(nominal.camera.exposure_us);
+        // In every pixel, lit or not: the black level of the exposure, and less room in the well.
+        let counts = dark.mean_e / self.electrons_per_count;
         GreyLevels {
-            shadow: nominal.light.shadow_counts,
-            bright: nominal.light.bright_in(&nominal.sensor, self.electrons_per_count),
-            black: nominal.sensor.black_level_counts,
+            shadow: nominal.light.shadow_counts + counts,
+            bright: nominal.light.bright_in(&nominal.sensor, self.electrons_per_count) + counts,
+            black: nominal.sensor.black_level_counts + counts,
             electrons_per_count: self.electrons_per_count,
-            read_noise_e: nominal.sensor.read_noise_e,
-            full_well_e: nominal.sensor.full_well_e,
+            read_noise_e: dark.noise_e(nominal.sensor.read_noise_e),
+            full_well_e: (nominal.sensor.full_well_e - dark.mean_e).max(0.0),
             prnu: nominal.sensor.prnu_rel,
-            dsnu_e: nominal.sensor.dsnu_e,
+            dsnu_e: dark.dsnu_e(nominal.sensor.dsnu_e),
             hot_ppm: nominal.sensor.hot_pixels_ppm,
             hot_pixel_e: nominal.sensor.hot_pixel_e,
         }

@@ -55,14 +55,16 @@ impl GreyLevels {
     /// Of nominal settings.
     pub(super) fn of(setup: &SetupSettings) -> Self {
         let sensor = &setup.sensor;
+        let gathered = sensor.dark_signal(setup.camera.exposure_us);
+        let counts = gathered.mean_e / sensor.electrons_per_count;
         Self {
-            dark: setup.light.shadow_counts,
-            light: setup.light.bright_in(sensor, sensor.electrons_per_count),
-            black: sensor.black_level_counts,
+            dark: setup.light.shadow_counts + counts,
+            light: setup.light.bright_in(sensor, sensor.electrons_per_count) + counts,
+            black: sensor.black_level_counts + counts,
             electrons_per_count: sensor.electrons_per_count,
-            read_noise_e: sensor.read_noise_e,
+            read_noise_e: gathered.noise_e(sensor.read_noise_e),
             rounding: if sensor.format == PixelFormat::F32 { 0.0 } else { 1.0 / 12.0 },
-            pattern: [sensor.prnu_rel, sensor.dsnu_e],
+            pattern: [sensor.prnu_rel, gathered.dsnu_e(sensor.dsnu_e)],
         }
     }
 

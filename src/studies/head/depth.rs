@@ -122,8 +122,9 @@ fn look(
 ) -> Result<Look, RenderError> {
     let by_lens_um = 1e3 * head.diameter_mm * telecentricity_per_mm * y_mm;
     let mut worst = Look { change_um: by_lens_um, accepted: true };
-    // Only light that nears its sensor depends on the sign.
-    let sides: &[f64] = if matches!(head.job.optics.esf, Esf::Fresnel(_)) { &[-1.0, 1.0] } else { &[1.0] };
+    // The sign counts for light that nears its sensor, and for light that grazed a limb.
+    let has_sign = matches!(head.job.optics.esf, Esf::Fresnel(_) | Esf::Cylinder(_));
+    let sides: &[f64] = if has_sign { &[-1.0, 1.0] } else { &[1.0] };
     for side in sides {
         let half_px = head.most_half_px();
         let seen = head.optics.at(side * y_mm)?.over_pixels(half_px, 1.0, 0.0);
@@ -166,6 +167,7 @@ fn unit_mm(head: &HeadSetup) -> f64 {
     let blur_mm = head.room.blur_px * head.optics.pixel_mm;
     match &optics.esf {
         Esf::PartiallyCoherent(p) => 1e-3 * p.unit_um() / p.na,
+        Esf::Cylinder(c) => 1e-3 * c.unit_um() / c.na,
         Esf::Fresnel(f) => 0.05 * f.distance_mm,
         _ if optics.defocus_na > 0.0 => blur_mm / optics.defocus_na,
         // Focus is left out: only the telecentricity is left.

@@ -39,6 +39,9 @@ impl EdgeOptics {
             // One table at this distance in place of a stack up to it.
             (p.defocus_mm, depth_mm) = (p.defocus_mm + y_mm, 0.0);
         }
+        if let Esf::Cylinder(c) = &mut optics.esf {
+            (c.defocus_mm, depth_mm) = (c.defocus_mm + y_mm, 0.0);
+        }
         let edge = NominalEdge::new(&optics, self.pixel_mm, self.radius_mm, depth_mm)?;
         Ok(OpticalEdge { edge, um_per_px: 1e3 * self.pixel_mm })
     }

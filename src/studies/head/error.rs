@@ -18,6 +18,24 @@ pub(crate) enum HeadError {
     /// Its masters.
     #[error("masters: {0}")]
     Calibrate(#[from] CalibrateError),
+    /// Optics whose limbs cannot be computed.
+    #[error("[optics.esf.{family}]: {why}")]
+    NoLimb {
+        /// The family, as in `[optics.esf]`.
+        family: &'static str,
+        /// What is missing, and what would be right.
+        why: &'static str,
+    },
+    /// A limb that the gauge's edge cannot be fitted to.
+    #[error(
+        "the limb of Ø{diameter_mm:.4} mm, {axis_y_mm} mm before the plane of focus, cannot be fitted by the gauge's edge"
+    )]
+    NotFitted {
+        /// Its diameter, mm.
+        diameter_mm: f64,
+        /// Distance of its axis from the plane of focus, mm.
+        axis_y_mm: f64,
+    },
     /// Masters that do not determine a budget.
     #[error(
         "its masters give no budget of a diameter of {0} mm: --diameter-mm must lie in the calibrated field"

@@ -8,8 +8,9 @@
 //! changed edge under a fixed model) → `range` (diameters), `setup` (a head before a part) →
 //! `optics`, `repeatability`, `exposure`, `depth`, `frames` (rendered and measured beside the
 //! prediction), `motion` (in use) → `budget` (by its masters) → `figures`
-//! (all of one head) → `verdict`, `study`. A new figure is a file with a function of
-//! a [`HeadSetup`], a field of [`HeadFigures`] and a row in `report/head_rows.rs`.
+//! (all of one head) → `verdict`, `study`. `limb` is the edge of a round part before one
+//! head: what moves it, and by how much it differs from the masters'. A new figure is a
+//! file with a function of a [`HeadSetup`], a field of [`HeadFigures`] and a row in `report/head_rows.rs`.
 
 mod bound;
 mod budget;
@@ -20,6 +21,7 @@ mod error;
 mod exposure;
 mod figures;
 mod frames;
+pub(crate) mod limb;
 mod motion;
 mod optics;
 mod range;

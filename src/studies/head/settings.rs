@@ -35,3 +35,21 @@ pub(crate) struct HeadSettings {
     /// Day of the calibrations.
     pub(crate) date: Date,
 }
+
+impl HeadSettings {
+    /// A head before a part at rest, of a diameter or the config's; nothing is rendered.
+    pub(crate) fn plain(diameter_mm: Option<f64>, date: Date) -> Self {
+        Self {
+            diameter_mm,
+            rpm: Some(0.0),
+            eccentricity_mm: Some(0.0),
+            conditions: None,
+            depth_limit_um: None,
+            // As the arguments of `study head` have them.
+            exposure: ExposureLimits { undulations_upr: 15.0, amplitude_loss: 0.01, share_of_u: 0.3 },
+            frames: 0,
+            seed: 1,
+            date,
+        }
+    }
+}

@@ -117,6 +117,16 @@ impl HeadSetup {
         Ok(Self { config, job, diameter_mm, gauge, room, levels, optics, turning, range, conditions, notes })
     }
 
+    /// Diameter of the part, mm.
+    pub(crate) fn diameter_mm(&self) -> f64 {
+        self.diameter_mm
+    }
+
+    /// Diameters of the masters, mm.
+    pub(crate) fn masters_mm(&self) -> Vec<f64> {
+        self.job.masters.pins.iter().map(|pin| pin.diameter_mm).collect()
+    }
+
     /// Nominal size of a pixel on the part, µm.
     pub(super) fn um_per_px(&self) -> f64 {
         1e3 * self.optics.pixel_mm

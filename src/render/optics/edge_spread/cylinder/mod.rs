@@ -28,5 +28,4 @@ pub(crate) mod surface;
 pub use self::edge::CylinderEdge;
 #[cfg(test)]
 pub(crate) use self::edge::Polarisation;
-#[cfg(test)]
 pub(crate) use self::material::Material;

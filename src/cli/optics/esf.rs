@@ -6,20 +6,13 @@ use std::time::SystemTime;
 
 use serde_json::json;
 
-use super::calibration_plan::{self, is_plan};
-use super::failure::{CommandResult, Failure, Outcome};
+use crate::cli::calibration_plan::{self, is_plan};
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
 use crate::config;
 use crate::gauge::calibration::Date;
 use crate::job::NominalEdge;
 use crate::render::settings::{Esf, Optics, SetupSettings};
-
-/// What `optics` shows.
-#[derive(Debug, clap::Subcommand)]
-pub(crate) enum OpticsCommand {
-    /// Light over the distance from the geometric edge, as `--esf FILE` reads it.
-    Esf(EsfArgs),
-}
 
 /// Arguments of `optics esf`.
 #[derive(Debug, clap::Args)]
@@ -103,8 +96,7 @@ impl NominalOptics {
 ///
 /// # Errors
 /// Exit 2 for a config or optics that are refused.
-pub(crate) fn run(command: &OpticsCommand) -> CommandResult {
-    let OpticsCommand::Esf(args) = command;
+pub(super) fn run(args: &EsfArgs) -> CommandResult {
     if !args.axis_y_mm.is_finite() {
         return Err(Failure::refuse("--axis-y-mm: a finite distance in mm is needed"));
     }

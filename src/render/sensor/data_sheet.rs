@@ -18,8 +18,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::error::{RenderError, within};
+use super::dark_current::{DarkCurrent, DarkSignal};
 use crate::frame::PixelFormat;
+use crate::render::error::{RenderError, within};
 
 /// From photons to counts (EMVA 1288 4.0: K is the system gain, its inverse is set here).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -50,6 +51,9 @@ pub struct Sensor {
     pub hot_pixels_ppm: f64,
     /// Extra signal of a hot pixel, electrons.
     pub hot_pixel_e: f64,
+    /// Electrons that gather in the dark; absent for short exposures, where they do not count.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dark_current: Option<DarkCurrent>,
 }
 
 impl Default for Sensor {
@@ -67,6 +71,7 @@ impl Default for Sensor {
             dsnu_e: 0.0,
             hot_pixels_ppm: 0.0,
             hot_pixel_e: 2000.0,
+            dark_current: None,
         }
     }
 }
@@ -85,7 +90,13 @@ impl Sensor {
         within("sensor.prnu_rel", self.prnu_rel, 0.0, 0.5)?;
         within("sensor.dsnu_e", self.dsnu_e, 0.0, 1e5)?;
         within("sensor.hot_pixels_ppm", self.hot_pixels_ppm, 0.0, 1e6)?;
-        within("sensor.hot_pixel_e", self.hot_pixel_e, 0.0, 1e7)
+        within("sensor.hot_pixel_e", self.hot_pixel_e, 0.0, 1e7)?;
+        self.dark_current.map_or(Ok(()), |dark| dark.check())
+    }
+
+    /// What gathers in the dark over an exposure.
+    pub(crate) fn dark_signal(&self, exposure_us: f64) -> DarkSignal {
+        self.dark_current.map_or(DarkSignal::default(), |dark| dark.over(exposure_us))
     }
 }
 
@@ -184,6 +195,8 @@ pub(super) struct SensorFile {
     hot_pixels_ppm: Option<f64>,
     /// Extra signal of a hot pixel, electrons.
     hot_pixel_e: Option<f64>,
+    /// Electrons that gather in the dark.
+    dark_current: Option<DarkCurrent>,
 }
 
 impl From<SensorFile> for Sensor {
@@ -201,6 +214,7 @@ impl From<SensorFile> for Sensor {
             dsnu_e: file.dsnu_e.unwrap_or(base.dsnu_e),
             hot_pixels_ppm: file.hot_pixels_ppm.unwrap_or(base.hot_pixels_ppm),
             hot_pixel_e: file.hot_pixel_e.unwrap_or(base.hot_pixel_e),
+            dark_current: file.dark_current.or(base.dark_current),
         }
     }
 }
