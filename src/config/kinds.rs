@@ -34,7 +34,7 @@ pub(crate) struct FileKind {
 }
 
 /// Config files, jobs first.
-pub(crate) const CONFIGS: [FileKind; 14] = [
+pub(crate) const CONFIGS: [FileKind; 15] = [
     FileKind { name: "job", title: "A job (`run`, `render`, most studies)", schema: || schema_for!(Job) },
     FileKind {
         name: "calibration",

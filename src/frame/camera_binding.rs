@@ -245,10 +245,13 @@ mod tests {
         }
     }
 
+    /// What is set otherwise.
+    type Change = fn(&mut CameraBinding);
+
     #[test]
     fn every_setting_that_differs_is_refused_by_its_name_with_both_values() {
         let of = BoundSource::Camera;
-        let cases: [(fn(&mut CameraBinding), &str); 8] = [
+        let cases: [(Change, &str); 8] = [
             (
                 |c| c.serial_number = "40002".to_owned(),
                 "calibrated with the camera of serial number 40001, camera has 40002: take the calibration of this \

@@ -166,7 +166,8 @@ impl Solution {
     pub(crate) fn range_mm(&self, is_x: bool) -> Option<[f64; 2]> {
         let axis = if is_x { crate::machine::Axis::X } else { crate::machine::Axis::Z };
         let own = self.unknowns.errors.iter().filter(|sought| sought.error.axis() == axis);
-        let ranges = own.filter_map(|sought| sought.basis.as_ref().map(|basis| basis.range()));
+        let ranges =
+            own.filter_map(|sought| sought.basis.as_ref().map(super::spline_basis::SplineBasis::range));
         ranges.reduce(|[a, b], [c, d]| [a.max(c), b.min(d)])
     }
 }

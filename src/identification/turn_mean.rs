@@ -47,11 +47,11 @@ fn check_opposites(rows: &[&Row]) -> Result<(), String> {
     for row in rows {
         let at = |text: &str| format!("line {}: {text}", row.reading.line);
         let angle = row.angle_deg.unwrap_or(0.0);
-        let is_opposite = |other: &&Row| {
+        let is_opposite = |other: &Row| {
             let apart = (other.angle_deg.unwrap_or(angle) - angle).rem_euclid(360.0);
             (apart - 180.0).abs() <= OPPOSITE_DEG
         };
-        if !rows.iter().any(|other| is_opposite(other)) {
+        if !rows.iter().copied().any(is_opposite) {
             let why = format!(
                 "angle {angle}° at position {} mm without {}°: φ and φ + 180° together are free of what turns with the part",
                 row.reading.position_mm,

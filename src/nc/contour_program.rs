@@ -89,7 +89,7 @@ impl ContourProgram<'_> {
         lines.extend(self.approach(&skeleton));
         lines.extend(self.blocks(&skeleton, &cut));
         lines.extend(self.leave(last, &skeleton));
-        lines.extend(self.to_change(&skeleton));
+        lines.extend(self.retracted(&skeleton));
         lines.extend(dialect.end());
         Ok((lines.join("\n") + "\n", skeleton))
     }
@@ -180,7 +180,7 @@ impl ContourProgram<'_> {
 
     fn approach(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
         let (d, s, route) = (skeleton.dialect, self.settings, &skeleton.route);
-        let mut lines = self.to_change(skeleton);
+        let mut lines = self.retracted(skeleton);
         lines.extend(self.register.iter().flat_map(|r| nose_words::writing(d, s.tool, *r)));
         lines.extend(d.tool(s.tool, s.tool));
         let sense = s.spindle.unwrap_or(Spindle::M03);
@@ -192,7 +192,7 @@ impl ContourProgram<'_> {
         lines
     }
 
-    fn to_change(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
+    fn retracted(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
         let (d, change) = (skeleton.dialect, skeleton.route.change);
         if self.bore.is_some() { d.to_change_out_of_bore(change) } else { d.to_change(change) }
     }

@@ -81,12 +81,15 @@ fn a_drift_of_magnification_and_of_blur_is_taken_off_and_u_is_true() {
     assert!((off_um - 0.52).abs() < 0.1, "{off_um}");
 }
 
+/// Edges of the reference pin at a column, of those of a clean one.
+type Pin<'a> = &'a dyn Fn(usize, f64, f64) -> (f64, f64);
+
 #[test]
 fn a_pin_that_is_contaminated_gone_or_another_one_refuses_the_frame() {
     let mut stream = stream(true);
     measured(&mut stream, &frame(0.0, 1.2, 1, clean)).unwrap();
     let half_px = 0.5 * 3.0 / UM_PER_PX;
-    let cases: [(&str, &dyn Fn(usize, f64, f64) -> (f64, f64)); 4] = [
+    let cases: [(&str, Pin<'_>); 4] = [
         ("reference pin", &|_, _, _| (300.0, 300.0)),
         // a film of 3 µm all over: 310 ppm from one frame to the next
         ("apart from its last readings", &|_, top, bottom| (top - half_px, bottom + half_px)),

@@ -224,7 +224,7 @@ mod tests {
         (AskedCamera::new(Box::new(camera), "gige:x", operator), log)
     }
 
-    fn values(frames: Vec<Frame>) -> Vec<Option<f32>> {
+    fn values(frames: &[Frame]) -> Vec<Option<f32>> {
         frames.iter().map(|frame| frame.view().get(0, 0)).collect()
     }
 
@@ -234,7 +234,7 @@ mod tests {
         let queue = vec![frame(1), part(), Arrived::Nothing, frame(2), part(), frame(3)];
         let (mut camera, log) = camera(queue, false, false);
         let frames = camera.frames(Some("pin 10: lay it"), 2).unwrap();
-        assert_eq!(values(frames), [Some(2.0), Some(3.0)]);
+        assert_eq!(values(&frames), [Some(2.0), Some(3.0)]);
         assert_eq!(*log.lock().unwrap(), ["pin 10: lay it", "start", "stop"]);
     }
 

@@ -91,7 +91,7 @@ pub enum CalibrationError {
     },
     /// Frames of another camera, or of one that is set otherwise.
     #[error(transparent)]
-    OtherCamera(#[from] BindingError),
+    OtherCamera(Box<BindingError>),
     /// A condition that cannot be.
     #[error("calibration key bench.{0}")]
     Setting(String),
@@ -105,4 +105,10 @@ pub enum CalibrationError {
         /// What would be right.
         right: &'static str,
     },
+}
+
+impl From<BindingError> for CalibrationError {
+    fn from(error: BindingError) -> Self {
+        Self::OtherCamera(Box::new(error))
+    }
 }

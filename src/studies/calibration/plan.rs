@@ -406,7 +406,7 @@ impl CalibrationPlan {
                 None => Ok(()),
             };
         };
-        if !source.strip_prefix("gige:").is_some_and(|name| !name.trim().is_empty()) {
+        if source.strip_prefix("gige:").is_none_or(|name| name.trim().is_empty()) {
             let right = "\"gige:IP\" or \"gige:NAME\"; folders are named at the positions (frames)";
             return Err(SettingError::of("source", source, right));
         }
