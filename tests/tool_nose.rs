@@ -145,9 +145,11 @@ fn of_a_colour_image_the_channel_is_measured_that_is_named() {
     let path = folder.path().join("colour.png");
     colour.save(&path).unwrap();
     let path = path.to_str().unwrap();
-    let text = good(&["tool", "nose", path, "--um-per-px", "2.415", "--json"]);
+    let output = run(&["tool", "nose", path, "--um-per-px", "2.415", "--json"]);
+    let (text, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     let found: Value = serde_json::from_str(&text).unwrap();
     assert!((found["images"][0]["angle_deg"].as_f64().unwrap() - 60.0).abs() < 0.02, "{text}");
+    assert!(said.contains("of red, green and blue green is measured"), "{said}");
     let said = refused(&["tool", "nose", path, "--um-per-px", "2.415", "--channel", "r"], 3);
     assert!(said.contains("no insert"), "{said}");
 }

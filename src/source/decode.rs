@@ -103,11 +103,14 @@ pub(super) fn decode_into(
     let format = format(bytes).ok_or(DecodeError::NotAnImage)?;
     let raster = read(bytes, format, wanted.place, spare)?;
     let (columns, rows, sample_bytes) = (raster.columns, raster.rows, raster.sample_bytes());
+    let channel = wanted.channel.filter(|_| raster.channels >= 3);
     let (values, stated) = raster.grey(wanted.channel)?;
     let sample_bytes = sample_bytes.max(stated.wider_bytes);
     let settled = depth::settle(values, wanted.bit_depth, &stated)?;
     let depth::Depth { mut buffer, format: mut pixel_format, mut full_scale } = settled;
-    let (mut meta, mut changed) = (meta, Vec::new());
+    let mut meta = meta;
+    let mut changed: Vec<String> =
+        channel.map(|c| format!("of red, green and blue {} is measured", c.name())).into_iter().collect();
     match &stated.transfer {
         Some(transfer) if !transfer.encoding().is_linear() => {
             let full = full_scale.or_else(|| pixel_format.full_scale().map(f32::from));

@@ -21,6 +21,17 @@ pub enum Channel {
     B,
 }
 
+impl Channel {
+    /// Its colour.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::R => "red",
+            Self::G => "green",
+            Self::B => "blue",
+        }
+    }
+}
+
 /// Samples of all channels.
 pub(super) struct Raster {
     pub(super) samples: Buffer,

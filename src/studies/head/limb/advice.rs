@@ -1,8 +1,9 @@
 //! What of a limb's shift can be bought: the ratio of the apertures of light and lens.
 //!
 //! Wide light (S = NA of the light over NA of the lens near 1) averages over the half shadows of
-//! many directions: the edge then hardly moves with depth, and less with the diameter. Beyond S = 1
-//! the lens no longer sees what is added, and mirrored light comes in.
+//! many directions: the edge then hardly moves with depth. What the diameter does depends on the
+//! window that the gauge fits. Beyond S = 1 the lens no longer sees what is added, and mirrored
+//! light comes in.
 
 use serde::Serialize;
 
