@@ -189,6 +189,12 @@ impl PinReader {
     /// # Errors
     /// A pin by which nothing can be corrected, and why.
     pub(super) fn read(&mut self, view: &FrameView<'_>) -> Result<PinCorrection, String> {
+        let read = self.correction(view);
+        // what a covered pin leaves behind is no place to look for the next frame's
+        read.inspect_err(|_| self.edge_stream.restart())
+    }
+
+    fn correction(&mut self, view: &FrameView<'_>) -> Result<PinCorrection, String> {
         let [from, to] = self.pin.columns;
         let own = view.columns_between(from, to).ok_or("it is not in the field")?;
         self.edge_stream.measure(&own, &mut self.edges).map_err(|refused| refused.to_string())?;

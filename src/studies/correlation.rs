@@ -191,7 +191,7 @@ fn words(found: &Correlation) -> Vec<String> {
         ));
     }
     if words.is_empty() {
-        words.push("no difference that both uncertainties do not cover".to_owned());
+        words.push("the line shows neither an offset nor a slope beyond its uncertainty".to_owned());
     }
     words
 }

@@ -114,7 +114,7 @@ fn a_program_that_is_changed_is_refused_with_its_block() {
     refused("G96 S80 LIMS=2000 M4", "G96 S80 M4", "without a speed");
     refused("T1 D1", "T1 D2", "D1");
     refused("T1 D1", "T2 D1", "T2 is not tool 1");
-    refused("T1 D1", "T1 D1 G41", "G41 is not understood");
+    refused("T1 D1", "T1 D1 G41", "before NORM");
     refused("STOPRE", "-", "without STOPRE");
     refused("M30", "-", "ends without");
 }

@@ -23,7 +23,7 @@ pub(crate) use optical_setup::make;
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(crate) struct CalibrateArgs {
     #[command(flatten)]
-    optical_setup: Option<optical_setup::OpticalSetupArgs>,
+    optical_setup: optical_setup::OpticalSetupArgs,
     #[command(subcommand)]
     other: Option<CalibrateCommand>,
 }
@@ -40,12 +40,8 @@ enum CalibrateCommand {
 /// # Errors
 /// As the commands.
 pub(crate) fn run(args: &CalibrateArgs) -> CommandResult {
-    match (&args.other, &args.optical_setup) {
-        (Some(CalibrateCommand::Machine(args)), _) => machine::run(args),
-        (None, Some(args)) => optical_setup::run(args),
-        // clap requires the config where no command stands
-        (None, None) => {
-            Err(super::failure::Failure::refuse("calibrate needs a config, or: calibrate machine"))
-        }
+    match &args.other {
+        Some(CalibrateCommand::Machine(args)) => machine::run(args),
+        None => optical_setup::run(&args.optical_setup),
     }
 }

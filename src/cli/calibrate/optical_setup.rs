@@ -34,10 +34,12 @@ use crate::studies::calibration::{
 pub(crate) struct OpticalSetupArgs {
     /// The calibration, as configs/calibrate.toml; or a job's config, whose bench is calibrated on
     /// its master pins, rendered.
-    config: PathBuf,
+    // An option, since a subcommand stands in its place; required where none does. So is `out`.
+    #[arg(required = true)]
+    config: Option<PathBuf>,
     /// Where the calibration goes; its report goes beside it as .html.
-    #[arg(long, value_name = "FILE.json")]
-    out: PathBuf,
+    #[arg(long, value_name = "FILE.json", required = true)]
+    out: Option<PathBuf>,
     /// Edge-spread function that is fitted, in place of the file's [gauge.esf]: gaussian, learnt
     /// (each frame's own), a table `distance_um,light` (.csv or .json) or the optics of a config
     /// (.toml). The calibration keeps it.
@@ -67,20 +69,23 @@ pub(crate) struct OpticalSetupArgs {
 /// Exit 2 for a config that is refused; 3 for frames that cannot be read or measured and for
 /// failures of the disk.
 pub(crate) fn run(args: &OpticalSetupArgs) -> CommandResult {
-    if args.out.extension().is_none_or(|e| e != "json") {
-        let name = args.out.display();
+    let (Some(config), Some(out)) = (&args.config, &args.out) else {
+        return Err(Failure::refuse("calibrate needs a config and --out FILE.json, or: calibrate machine"));
+    };
+    if out.extension().is_none_or(|e| e != "json") {
+        let name = out.display();
         return Err(Failure::refuse(format!(
             "--out {name}: must end in .json; the report goes beside it as .html"
         )));
     }
     let today = args.date.unwrap_or_else(|| Date::of(SystemTime::now()));
-    let mut loaded = calibration_plan::load(&args.config, today)?;
+    let mut loaded = calibration_plan::load(config, today)?;
     if let (None, Some(option)) = (&loaded.plan.source, args.camera.given()) {
-        let name = args.config.display();
+        let name = config.display();
         return Err(Failure::refuse(format!("{option} is of a camera, and {name} names none (source)")));
     }
-    let claim = |path: &Path| OutputFile::claim(path, [args.config.clone()]);
-    let (page_file, file) = (claim(&args.out.with_extension("html"))?, claim(&args.out)?);
+    let claim = |path: &Path| OutputFile::claim(path, [config.clone()]);
+    let (page_file, file) = (claim(&out.with_extension("html"))?, claim(out)?);
     let lens_file = args.lens.as_deref().map(claim).transpose()?;
     let calibrated = made(&mut loaded, args.esf.as_deref(), args.backend, &args.camera)?;
     let page = report::calibration_report(&loaded.plan, &calibrated).map_err(Failure::fail)?;
@@ -93,7 +98,7 @@ pub(crate) fn run(args: &OpticalSetupArgs) -> CommandResult {
     } else {
         tracing::error!(
             "the check pin refuses this calibration; {} is not written, the report says why",
-            args.out.display()
+            out.display()
         );
     }
     say(args.json, &calibrated);
