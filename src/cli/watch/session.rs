@@ -13,7 +13,7 @@ use crate::cli::terminal::output;
 use crate::frame::Frame;
 use crate::gauge::stated::stated;
 use crate::measurement::watch::{
-    Alarm, FrameValue, Invalid, Pace, PartValue, Presence, Profile, Seen, Trend, Validity, profile,
+    Alarm, FrameValue, Invalid, Pace, PartValue, Presence, Profile, Seen, Trend, TurnCover, Validity, profile,
 };
 use crate::measurement::{Measurement, Settled, Stream};
 use crate::profile::Reason;
@@ -81,6 +81,7 @@ pub(super) struct Session<'a> {
     begun: Instant,
     pace: Pace,
     trend: Trend,
+    turns: TurnCover,
     presence: Presence,
     validity: Validity,
     alarm: Alarm,
@@ -113,6 +114,7 @@ impl<'a> Session<'a> {
             begun: Instant::now(),
             pace: Pace::default(),
             trend: Trend::default(),
+            turns: TurnCover::default(),
             presence: Presence::default(),
             validity,
             alarm: Alarm::default(),
@@ -314,6 +316,8 @@ impl<'a> Session<'a> {
         let (slope, is_alarmed) = (self.trend.slope(), self.alarm.cause().is_some());
         let measurement = self.stream.measurement();
         let (conditions, is_settled) = (self.taken, is_settled(measurement));
+        let is_measured = measurement.refusal.is_none();
+        let turn = meta.angle_deg.and_then(|angle| self.turns.push(angle.value, is_measured));
         self.shown.frame(&ShownFrame {
             measurement,
             meta,
@@ -323,6 +327,7 @@ impl<'a> Session<'a> {
             is_alarmed,
             conditions,
             is_settled,
+            turn,
             saved,
         });
     }
