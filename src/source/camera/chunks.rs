@@ -2,8 +2,8 @@
 //!
 //! Angle and z come under the names of our published head, in degrees and mm. An encoder by the
 //! SFNC alone (`ChunkEncoderValue`) gives counts, whose angle no camera states: not taken here.
-//! `ChunkDeviceTemperature` is no feature of the SFNC 2.7; cameras that have it name it by the
-//! register that it is of.
+//! `ChunkDeviceTemperature` is a feature of some vendors; without it the temperature is read from
+//! the register.
 
 use viva_genicam::Frame as Block;
 
