@@ -61,6 +61,7 @@ impl SimulatedHead {
             exposure_us: Some(Known::simulated(of.exposure_us)),
             gain_db: None,
             angle_deg: Some(Known::simulated(of.angle_deg)),
+            u_angle_deg: None,
             z_mm: Some(Known::simulated(of.z_mm)),
             head_c: None,
         }

@@ -29,8 +29,8 @@ pub struct Moved {
     /// known, and the angle is that at the start of exposure.
     pub sweep_deg: Option<f64>,
     /// Standard uncertainty of the angle by the change of speed from the last pair of frames,
-    /// degrees; of a speed that is stated alone none.
-    pub u_deg: f64,
+    /// degrees; `None` where that is not known: of a first speed, and of one that is stated alone.
+    pub u_deg: Option<f64>,
 }
 
 impl MidExposure {
@@ -50,15 +50,15 @@ impl MidExposure {
         self.last = t_ns.map(|t_ns| (angle_deg, t_ns));
         self.speed = measured;
         let Some((speed, exposure_us)) = measured.or(stated).zip(exposure_us) else {
-            return Moved { angle_deg, sweep_deg: None, u_deg: 0.0 };
+            return Moved { angle_deg, sweep_deg: None, u_deg: None };
         };
         let exposure_ns = 1e3 * exposure_us;
         // the speed is that half a period earlier: its change since is the limit of its error
-        let change = measured.zip(before).map_or(0.0, |(now, before)| (now - before).abs());
+        let change = measured.zip(before).map(|(now, before)| (now - before).abs());
         Moved {
             angle_deg: (angle_deg + 0.5 * exposure_ns * speed).rem_euclid(360.0),
             sweep_deg: Some(speed * exposure_ns),
-            u_deg: 0.5 * exposure_ns * change / 3.0_f64.sqrt(),
+            u_deg: change.map(|change| 0.5 * exposure_ns * change / 3.0_f64.sqrt()),
         }
     }
 
@@ -103,7 +103,11 @@ mod tests {
                     assert!(k == 0, "{k}");
                     continue;
                 };
-                assert!((sweep_deg - rpm.signum() * 7.2).abs() < 1e-6 && moved.u_deg < 1e-6, "{moved:?}");
+                assert!((sweep_deg - rpm.signum() * 7.2).abs() < 1e-6, "{moved:?}");
+                assert!(
+                    if k == 1 { moved.u_deg.is_none() } else { moved.u_deg.unwrap() < 1e-6 },
+                    "{moved:?}"
+                );
                 let shown = |i: u32| {
                     let t = t_ns as f64 + 2e6 * (f64::from(i) + 0.5) / 500.0;
                     0.005 * (3.0 * (at_deg(rpm, t) - 17.0)).to_radians().cos()
@@ -146,7 +150,10 @@ mod tests {
         assert_eq!(of(&mut spindle, 20.0, 10, None).sweep_deg, None);
         // 1°/ms then 2°/ms: half a ms of a change by 1°/ms as a limit
         let faster = of(&mut spindle, 40.0, 20, Some(1000.0));
-        assert!((faster.u_deg - 0.5 / 3.0_f64.sqrt()).abs() < 1e-9 && (faster.angle_deg - 41.0).abs() < 1e-9);
+        assert!(
+            (faster.u_deg.unwrap() - 0.5 / 3.0_f64.sqrt()).abs() < 1e-9
+                && (faster.angle_deg - 41.0).abs() < 1e-9
+        );
         // a pause of more than a second, and a clock that is set back
         assert_eq!(of(&mut spindle, 50.0, 2000, Some(1000.0)).sweep_deg, None);
         assert_eq!(of(&mut spindle, 60.0, 1500, Some(1000.0)).sweep_deg, None);

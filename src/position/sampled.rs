@@ -53,6 +53,9 @@ pub struct Exposure {
 pub struct SampledPlace {
     /// Spindle angle.
     pub place: Place,
+    /// Standard uncertainty of the angle, degrees, by acceleration between the samples and the
+    /// resolution of the count and of its index; `None` of a void place.
+    pub u_deg: Option<f64>,
     /// Carriage position at mid-exposure, mm; `None` where the samples have none.
     pub z_mm: Option<f64>,
 }
@@ -157,31 +160,36 @@ impl SampledEncoder {
     pub fn place(&self, exposure: &Exposure) -> SampledPlace {
         let [_, middle_ns, _] = self.instants(exposure);
         let z_mm = interpolated(&self.z_mm, middle_ns, LONGEST_NS).ok().map(|(z_mm, _)| z_mm);
-        let place = self.angle(exposure).unwrap_or_else(Place::Void);
-        SampledPlace { place, z_mm }
+        match self.angle(exposure) {
+            Ok((place, u_deg)) => SampledPlace { place, u_deg: Some(u_deg), z_mm },
+            Err(why) => SampledPlace { place: Place::Void(why), u_deg: None, z_mm },
+        }
     }
 
-    fn angle(&self, exposure: &Exposure) -> Result<Place, String> {
+    /// The angle, and its standard uncertainty, degrees.
+    fn angle(&self, exposure: &Exposure) -> Result<(Place, f64), String> {
         let [start_ns, middle_ns, end_ns] = self.instants(exposure);
         if let Some((.., why)) = self.void.iter().find(|(from, to, _)| start_ns <= *to && end_ns >= *from) {
             return Err(format!("its turn is void: {why}"));
         }
-        let count = self.count(middle_ns)?;
+        let (count, limit_deg) = self.count(middle_ns)?;
         let zero = match self.pulses.iter().rev().find(|(t_ns, _)| *t_ns <= middle_ns) {
             Some((_, index)) => *index,
             None if self.has_index => return Err("no index pulse came before".to_owned()),
             None => 0,
         };
         let turn = f64::from(self.settings.counts_per_turn);
-        let sweep_deg = 360.0 * (self.count(end_ns)? - self.count(start_ns)?) / turn;
+        let sweep_deg = 360.0 * (self.count(end_ns)?.0 - self.count(start_ns)?.0) / turn;
         if exposure.exposure_us.is_none() && !self.stands(middle_ns) {
             return Err("the spindle turns, and the exposure time of the frame is not stated".to_owned());
         }
-        Ok(Place::At { angle_deg: self.settings.angle_deg(count - zero as f64), sweep_deg })
+        // rectangular: the limit by acceleration, and a whole count of the sample and of the index
+        let u_deg = (limit_deg.powi(2) / 3.0 + 2.0 * (360.0 / turn).powi(2) / 12.0).sqrt();
+        Ok((Place::At { angle_deg: self.settings.angle_deg(count - zero as f64), sweep_deg }, u_deg))
     }
 
-    /// The count at a time.
-    fn count(&self, t_ns: u64) -> Result<f64, String> {
+    /// The count at a time, and the limit of its error by acceleration, degrees.
+    fn count(&self, t_ns: u64) -> Result<(f64, f64), String> {
         let (count, limit) = interpolated(&self.counts, t_ns, LONGEST_NS)?;
         let turn = f64::from(self.settings.counts_per_turn);
         let turned = self.about(t_ns).map_or(0.0, |(a, b)| (b.value - a.value) / turn);
@@ -199,7 +207,7 @@ impl SampledEncoder {
                  the encoder faster"
             ));
         }
-        Ok(count)
+        Ok((count, limit_deg))
     }
 
     /// The samples before and after a time.

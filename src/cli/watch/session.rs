@@ -13,7 +13,8 @@ use crate::cli::terminal::output;
 use crate::frame::Frame;
 use crate::gauge::stated::stated;
 use crate::measurement::watch::{
-    Alarm, FrameValue, Invalid, Pace, PartValue, Presence, Profile, Seen, Trend, Validity, profile,
+    Alarm, FrameValue, Invalid, Pace, PartValue, Presence, Profile, Seen, Trend, Turn, TurnCover, Validity,
+    profile,
 };
 use crate::measurement::{Measurement, Settled, Stream};
 use crate::profile::Reason;
@@ -81,6 +82,7 @@ pub(super) struct Session<'a> {
     begun: Instant,
     pace: Pace,
     trend: Trend,
+    turns: TurnCover,
     presence: Presence,
     validity: Validity,
     alarm: Alarm,
@@ -113,6 +115,7 @@ impl<'a> Session<'a> {
             begun: Instant::now(),
             pace: Pace::default(),
             trend: Trend::default(),
+            turns: TurnCover::default(),
             presence: Presence::default(),
             validity,
             alarm: Alarm::default(),
@@ -186,6 +189,7 @@ impl<'a> Session<'a> {
 
     fn frame(&mut self, frame: LiveFrame) {
         let LiveFrame { lease: Lease { frame, slot }, meta, remarks } = frame;
+        let sweep_deg = frame.meta.sweep_deg;
         remarks.notices.iter().for_each(|notice| tracing::warn!("{notice}"));
         if !self.presence.is_there() {
             // Until a part is there it may be another one.
@@ -203,7 +207,9 @@ impl<'a> Session<'a> {
         self.pace.push(t_s, latency_ms);
         let (value, seen) = seen(self.stream.measurement(), meta.sequence);
         self.take_value(t_s, value);
-        self.print(&meta, latency_ms, saved);
+        let is_measured = self.stream.measurement().refusal.is_none();
+        let turn = meta.angle_deg.and_then(|angle| self.turns.push(angle.value, sweep_deg, is_measured));
+        self.print(&meta, latency_ms, saved, turn);
         if let Some(part) = self.presence.push(seen) {
             self.part(part);
         }
@@ -309,7 +315,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn print(&mut self, meta: &LiveMeta, latency_ms: Option<f64>, saved: Option<String>) {
+    fn print(&mut self, meta: &LiveMeta, latency_ms: Option<f64>, saved: Option<String>, turn: Option<Turn>) {
         let missed = std::mem::take(&mut self.missed);
         let (slope, is_alarmed) = (self.trend.slope(), self.alarm.cause().is_some());
         let measurement = self.stream.measurement();
@@ -323,6 +329,7 @@ impl<'a> Session<'a> {
             is_alarmed,
             conditions,
             is_settled,
+            turn,
             saved,
         });
     }

@@ -11,7 +11,7 @@ use crate::cli::terminal::progress;
 use crate::frame::Frame;
 use crate::gauge::stated::stated;
 use crate::measurement::Measurement;
-use crate::measurement::watch::{Invalid, Pace, PartValue, Profile, Slope};
+use crate::measurement::watch::{Invalid, Pace, PartValue, Profile, Slope, Turn};
 use crate::source::Arrival;
 use crate::source::live::{Counters, Gap, Known, LiveMeta};
 
@@ -35,6 +35,8 @@ pub(super) struct ShownFrame<'a> {
     pub(super) conditions: TakenConditions,
     /// Whether the diameter is good by its course in time.
     pub(super) is_settled: bool,
+    /// The turn that ended with the frame.
+    pub(super) turn: Option<Turn>,
     /// The file that the frame is saved in.
     pub(super) saved: Option<String>,
 }
@@ -297,6 +299,8 @@ fn watched_keys(frame: &ShownFrame<'_>) -> Map<String, Value> {
         ("latency_ms", frame.latency_ms.map(Value::from)),
         ("trend", slope),
         ("angle_deg", known(&meta.angle_deg)),
+        ("u_angle_deg", meta.u_angle_deg.map(Value::from)),
+        ("coverage", frame.turn.as_ref().map(|turn| json!(turn))),
         ("z_mm", known(&meta.z_mm)),
         ("exposure_us", known(&meta.exposure_us)),
         ("gain_db", known(&meta.gain_db)),

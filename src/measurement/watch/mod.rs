@@ -4,7 +4,7 @@
 //! value a part that enters and leaves (`presence`), a trend with its uncertainty (`trend`),
 //! quantiles of the latency and the rate (`pace`), whether a reading is valid (`validity`), the
 //! drift since the last zero (`zero`), the diameters along the frame as text (`profile`) and the
-//! latched alarm (`alarm`); `setup` is what focus, light and alignment are set by, of pixels and
+//! latched alarm (`alarm`), the angles that a turn leaves out (`turn_cover`); `setup` is what focus, light and alignment are set by, of pixels and
 //! edges. None imports another; one more figure is a file here and a key of `cli/watch`.
 
 mod alarm;
@@ -13,6 +13,7 @@ mod presence;
 mod profile;
 mod setup;
 mod trend;
+mod turn_cover;
 mod validity;
 mod zero;
 
@@ -22,5 +23,6 @@ pub(crate) use self::presence::{FrameValue, PartValue, Presence, Seen};
 pub(crate) use self::profile::{Profile, profile};
 pub(crate) use self::setup::SetupReading;
 pub(crate) use self::trend::{Slope, Trend};
+pub(crate) use self::turn_cover::{Turn, TurnCover};
 pub(crate) use self::validity::{Invalid, Validity};
 pub(crate) use self::zero::{Drift, Zero, Zeros};

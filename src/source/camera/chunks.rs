@@ -2,6 +2,8 @@
 //!
 //! Angle and z come under the names of our published head, in degrees and mm. An encoder by the
 //! SFNC alone (`ChunkEncoderValue`) gives counts, whose angle no camera states: not taken here.
+//! `ChunkDeviceTemperature` is a feature of some vendors; without it the temperature is read from
+//! the register.
 
 use viva_genicam::Frame as Block;
 
@@ -11,15 +13,17 @@ use super::guard::Restore;
 use crate::source::live::{Known, Provenance};
 
 /// Entries of `ChunkSelector` that are taken, where the camera has them.
-const ENTRIES: [&str; 5] = ["ExposureTime", "Gain", "EncoderValue", "SpindleAngle", "CarriageZ"];
+const ENTRIES: [&str; 6] =
+    ["ExposureTime", "Gain", "EncoderValue", "SpindleAngle", "CarriageZ", "DeviceTemperature"];
 
-/// Exposure time, gain, spindle angle and carriage z by their features.
-const FEATURES: [&str; 4] = ["ChunkExposureTime", "ChunkGain", "ChunkSpindleAngle", "ChunkCarriageZ"];
+/// Exposure time, gain, spindle angle, carriage z and temperature by their features.
+const FEATURES: [&str; 5] =
+    ["ChunkExposureTime", "ChunkGain", "ChunkSpindleAngle", "ChunkCarriageZ", "ChunkDeviceTemperature"];
 
 /// Chunk features of a camera that are read from every frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chunks {
-    has: [bool; 4],
+    has: [bool; 5],
 }
 
 /// The values of a frame.
@@ -33,6 +37,8 @@ pub(super) struct ChunkValues {
     pub angle_deg: Option<Known<f64>>,
     /// Carriage z, mm.
     pub z_mm: Option<Known<f64>>,
+    /// Temperature of the head, °C.
+    pub head_c: Option<Known<f64>>,
 }
 
 impl Chunks {
@@ -61,14 +67,26 @@ impl Chunks {
         if block.chunks.is_none() || !self.has.contains(&true) {
             return ChunkValues::default();
         }
-        let [exposure_us, gain_db, angle_deg, z_mm] = camera.with_chunks(block, |camera| {
-            let value = |k: usize| {
-                let value = self.has[k].then(|| camera.get_float(FEATURES[k]).ok())??;
-                value.is_finite().then_some(Known { value, provenance: Provenance::Chunk })
-            };
-            [0, 1, 2, 3].map(value)
-        });
-        ChunkValues { exposure_us, gain_db, angle_deg, z_mm }
+        camera.with_chunks(block, |camera| {
+            ChunkValues::read(|k| self.has[k].then(|| camera.get_float(FEATURES[k]).ok())?)
+        })
+    }
+}
+
+impl ChunkValues {
+    /// The values of [`FEATURES`] by their places; what is not finite is not known.
+    fn read(value: impl Fn(usize) -> Option<f64>) -> Self {
+        let known = |k: usize| {
+            let value = value(k).filter(|value| value.is_finite())?;
+            Some(Known { value, provenance: Provenance::Chunk })
+        };
+        let [exposure_us, gain_db, angle_deg, z_mm, head_c] = [0, 1, 2, 3, 4].map(known);
+        Self { exposure_us, gain_db, angle_deg, z_mm, head_c }
+    }
+
+    /// Temperature of the head: the frame's own, else as `register` reads it.
+    pub(super) fn head_c_or(&self, register: impl FnOnce() -> Option<Known<f64>>) -> Option<Known<f64>> {
+        self.head_c.or_else(register)
     }
 }
 
@@ -80,7 +98,8 @@ mod received;
 mod tests {
     use proptest::prelude::*;
 
-    use super::received;
+    use super::{ChunkValues, FEATURES, received};
+    use crate::source::live::{Known, Provenance};
 
     /// The seeds of the fuzz target `receiver`.
     fn seed(name: &str) -> Vec<u8> {
@@ -99,6 +118,24 @@ mod tests {
         // tag, or behind an f64 that reads as the tag of an empty chunk, it is whole
         let refused = (1..whole.len()).filter(|cut| !received::chunks(&whole[..*cut])).count();
         assert!(refused > 100, "{refused} of {} cuts are refused", whole.len() - 1);
+    }
+
+    #[test]
+    fn the_temperature_of_a_frame_comes_before_that_of_the_register() {
+        let register = Some(Known { value: 31.0, provenance: Provenance::Register });
+        let of = |head_c: f64| {
+            ChunkValues::read(|k| match FEATURES[k] {
+                "ChunkDeviceTemperature" => Some(head_c),
+                "ChunkCarriageZ" => Some(-2.5),
+                _ => None,
+            })
+        };
+        let values = of(33.5);
+        assert_eq!(values.z_mm.map(|z| z.value), Some(-2.5));
+        assert_eq!((values.angle_deg, values.gain_db, values.exposure_us), (None, None, None));
+        let head_c = values.head_c_or(|| unreachable!("the register is read for nothing")).unwrap();
+        assert_eq!((head_c.value, head_c.provenance), (33.5, Provenance::Chunk));
+        assert_eq!(of(f64::NAN).head_c_or(|| register), register);
     }
 
     proptest! {

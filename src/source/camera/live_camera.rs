@@ -10,11 +10,11 @@ use super::find;
 use super::guard::Restore;
 use super::ids::Ids;
 use super::image::ImageLayout;
+use super::latched_angle::{Latched, LatchedAngles};
 use super::session::Session;
 use super::settings::{CameraSettings, WhenGone};
 use super::watchdog::{ANSWER, Watch, Watchdog};
 use crate::frame::{CameraBinding, Frame, FrameMeta};
-use crate::position::MidExposure;
 use crate::source::host_clock::host_t_ns;
 use crate::source::live::{Clock, Known, LiveMeta, NewFrame, Produced, Producer, Remarks, Timestamp};
 use crate::source::spare::Spare;
@@ -37,7 +37,7 @@ pub(crate) struct Camera {
     binding: CameraBinding,
     ids: Ids,
     /// Angles of the last frames, by which the next ones are moved to mid-exposure.
-    spindle: MidExposure,
+    spindle: LatchedAngles,
     watchdog: Watchdog,
     /// Why it ended, where it is not looked for again.
     ended: Option<String>,
@@ -66,7 +66,7 @@ impl Camera {
             session: Some(session),
             restore,
             ids: Ids::new(),
-            spindle: MidExposure::default(),
+            spindle: LatchedAngles::default(),
             ended: None,
             next_look: now,
             spare: Spare::of(SPARE),
@@ -83,14 +83,19 @@ impl Camera {
         let clock = session.setup.clock;
         let device_ns = block.ts_dev.and_then(|ticks| clock.map(|clock| clock.ns(ticks)));
         let values = session.values(block);
-        let at = values.angle_deg.map(|latched| {
+        let at = values.angle_deg.map(|angle_deg| {
             let exposure_us = values.exposure_us.map(|known| known.value);
-            let stated = session.spindle_deg_per_s();
-            let moved = self.spindle.push(latched.value, device_ns, exposure_us, stated);
-            (moved, Known { value: moved.angle_deg, ..latched })
+            let stated_deg_per_s = session.spindle_deg_per_s();
+            let latched = Latched { angle_deg, device_ns, exposure_us, stated_deg_per_s };
+            let (moved, why) = self.spindle.moved(&latched);
+            if let Some(why) = why {
+                tracing::warn!("frame {number}: angles are those at the start of exposure: {why}");
+            }
+            (moved, Known { value: moved.angle_deg, ..angle_deg })
         });
-        let (sweep_deg, angle_deg) = (at.and_then(|(moved, _)| moved.sweep_deg), at.map(|(_, angle)| angle));
-        let head_c = session.head_c();
+        let (moved, angle_deg) = at.unzip();
+        let sweep_deg = moved.and_then(|moved| moved.sweep_deg);
+        let head_c = values.head_c_or(|| session.head_c());
         let value = |known: Option<Known<f64>>| known.map_or(0.0, |known| known.value);
         let meta = FrameMeta {
             frame_id: number,
@@ -115,6 +120,7 @@ impl Camera {
             exposure_us: values.exposure_us,
             gain_db: values.gain_db,
             angle_deg,
+            u_angle_deg: moved.and_then(|moved| moved.u_deg),
             z_mm: values.z_mm,
             head_c,
         };

@@ -122,7 +122,8 @@ impl Bound {
         let is_full = self.bytes > MOST_BYTES || self.is_live && since.elapsed() > LONGEST;
         match &mut self.binding {
             Binding::Samples(encoder, samples) => {
-                let void = |why: &str| SampledPlace { place: Place::Void(why.to_owned()), z_mm: None };
+                let void =
+                    |why: &str| SampledPlace { place: Place::Void(why.to_owned()), u_deg: None, z_mm: None };
                 let Some(clock) = samples.clock() else {
                     return (is_end || is_full).then(|| void("no sample of the encoder came"));
                 };
@@ -134,12 +135,17 @@ impl Bound {
             Binding::Triggers(count) => {
                 if self.places.is_empty() {
                     let decided = count.decided(is_end || is_full);
-                    self.places.extend(decided.into_iter().map(|place| SampledPlace { place, z_mm: None }));
+                    self.places.extend(decided.into_iter().map(unstated));
                 }
                 self.places.pop_front()
             }
         }
     }
+}
+
+/// The place of a trigger, whose number alone has no uncertainty that is stated.
+fn unstated(place: Place) -> SampledPlace {
+    SampledPlace { place, u_deg: None, z_mm: None }
 }
 
 /// A frame with its place, or a gap.
@@ -149,6 +155,7 @@ fn placed(mut new: Box<NewFrame>, at: SampledPlace, provenance: Provenance) -> P
         Place::At { angle_deg, sweep_deg } => {
             (new.frame.meta.angle_deg, new.frame.meta.sweep_deg) = (angle_deg, sweep_deg);
             new.meta.angle_deg = Some(Known { value: angle_deg, provenance });
+            new.meta.u_angle_deg = at.u_deg;
             if let Some(z_mm) = at.z_mm {
                 new.frame.meta.z_mm = z_mm;
                 new.meta.z_mm = Some(Known { value: z_mm, provenance });

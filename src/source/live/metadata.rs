@@ -119,6 +119,9 @@ pub(crate) struct LiveMeta {
     pub gain_db: Option<Known<f64>>,
     /// Spindle angle, degrees.
     pub angle_deg: Option<Known<f64>>,
+    /// Standard uncertainty of an angle that was moved or interpolated, degrees, by the change of
+    /// speed and, of an encoder beside the frames, its resolution; `None` where it is not known.
+    pub u_angle_deg: Option<f64>,
     /// Machine z of the image's central column, mm.
     pub z_mm: Option<Known<f64>>,
     /// Temperature of the head, °C, by its own sensor.

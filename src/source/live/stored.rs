@@ -40,6 +40,7 @@ impl StoredProducer {
             exposure_us: known(of.exposure_us).filter(|exposure| exposure.value > 0.0),
             gain_db: None,
             angle_deg: known(of.angle_deg),
+            u_angle_deg: None,
             z_mm: known(of.z_mm),
             head_c: None,
         }

@@ -62,7 +62,8 @@ impl Facts {
             .message(11, &gauge(of_frame))
             .optional(12, remarks.scale.as_ref().map(scale).as_ref())
             .optional(14, meta.exposed_t.map(time).as_ref())
-            .optional(15, meta.head_c.map(known).as_ref());
+            .optional(15, meta.head_c.map(known).as_ref())
+            .optional(16, meta.u_angle_deg.map(|u| Message::default().double(1, u)).as_ref());
         // A member of a repeated field is there even if it is empty.
         remarks.changed.iter().fold(message, |message, text| match text.as_str() {
             "" => message.message(13, &Message::default()),
@@ -104,6 +105,7 @@ impl Facts {
             13 => self.remarks.changed.push(value.text()),
             14 => meta.exposed_t = Some(read_time(value)?),
             15 => meta.head_c = Some(read_known(value)?),
+            16 => meta.u_angle_deg = Some(read_known(value)?.value),
             _ => {}
         }
         Ok(())
@@ -243,6 +245,7 @@ mod tests {
                 exposure_us: from(1.0 / 3.0, Provenance::Chunk),
                 gain_db: from(-0.0, Provenance::TriggerCount),
                 angle_deg: from(359.999_999_999_9, Provenance::Interpolated),
+                u_angle_deg: Some(0.0),
                 z_mm: from(-12.345, Provenance::Simulated),
                 head_c: from(31.25, Provenance::Register),
             },

@@ -141,6 +141,7 @@ fn of_frame() -> Message {
             ("changed", 13, Type::String, ""),
             ("exposed_t", 14, Type::Message, TIME),
             ("head_c", 15, Type::Message, KNOWN),
+            ("u_angle_deg", 16, Type::Message, KNOWN),
         ],
         &["changed"],
     )

@@ -151,6 +151,9 @@ fn samples_give_angle_and_carriage_within_a_fifth_of_a_degree_whatever_the_latch
                     (Provenance::Interpolated, frame.frame.meta.angle_deg)
                 );
                 assert!(off_deg(angle.value, 360.0 * middle_ns / TURN_NS) < 0.2, "{latched_at:?} {number}");
+                // a count of 4096 is 0.088°: u of the sample and the index together 0.036° or more
+                let u_deg = frame.meta.u_angle_deg.unwrap();
+                assert!((0.035..0.06).contains(&u_deg), "{u_deg}");
                 assert!((frame.frame.meta.sweep_deg - 7.2).abs() < 0.2);
                 assert!((frame.frame.meta.z_mm - 1e-9 * middle_ns).abs() < 1e-6, "{number}");
             }
@@ -178,6 +181,7 @@ fn triggers_give_angles_and_an_ignored_or_doubled_one_voids_its_turn() {
                     let sign = if direction == EncoderDirection::Rising { 1.0 } else { -1.0 };
                     let angle = frame.meta.angle_deg.unwrap();
                     assert_eq!(angle.provenance, Provenance::TriggerCount);
+                    assert_eq!(frame.meta.u_angle_deg, None);
                     assert!(off_deg(angle.value, sign * 360.0 * since_ns / TURN_NS) < 0.2, "{latched_at:?}");
                 }
             }
