@@ -73,13 +73,6 @@ impl ContourProgram<'_> {
 
     /// The text alone, and what it moves among.
     fn text(&self, dialect: Dialect) -> Result<(String, Skeleton<'_>), NcError> {
-        if self.register.is_some() && dialect == Dialect::Gsk {
-            return Err(NcError::Plan(
-                "gsk: how a program writes the register R and the tip direction of this control is not verified; drive \
-                 the nose's own path (--way path), which needs neither"
-                    .into(),
-            ));
-        }
         let cut = self.in_order();
         let (Some(first), Some(last)) = (cut.first(), cut.last()) else {
             return Err(NcError::Plan("a path without a piece".into()));
@@ -166,6 +159,9 @@ impl ContourProgram<'_> {
             "X is a diameter, Z 0 the face that clamps the part".to_owned(),
             format!("tool {}, set in X and Z at its tip direction", s.tool),
         ]);
+        let on_page = nose_words::on_tool_page(skeleton.dialect, self.register);
+        let words = |r| nose_words::tool_page_words(skeleton.dialect, s.tool, r);
+        texts.extend(on_page.into_iter().flat_map(words));
         texts.extend(skeleton.change_position(self.bore.is_some()));
         let smallest = self.end_diameter_mm();
         texts.extend(skeleton.assumed(smallest, true));
@@ -276,10 +272,12 @@ impl ContourProgram<'_> {
     }
 
     fn working_space<'s>(&self, skeleton: &Skeleton<'s>) -> Result<WorkingSpace<'s>, NcError> {
-        match &self.bore {
-            Some(bore) => bore.working_space(skeleton, self.nose),
-            None => Ok(self.around_a_shaft(skeleton)),
-        }
+        let mut space = match &self.bore {
+            Some(bore) => bore.working_space(skeleton, self.nose)?,
+            None => self.around_a_shaft(skeleton),
+        };
+        space.tool_page = nose_words::on_tool_page(skeleton.dialect, self.register);
+        Ok(space)
     }
 
     /// The text without its replay.

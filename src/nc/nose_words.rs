@@ -5,6 +5,9 @@
 //!   radius, which adds to it, is set to zero.
 //! - LinuxCNC: G41.1 and G42.1 take the diameter and the tip direction with them and leave the tool
 //!   table alone.
+//! - GSK 980TDi: no word for it is known that holds on every version, so the program states what must
+//!   stand on the tool's page: R, the tip direction (T), no wear. Its compensation starts and ends
+//!   in G00 or G01, never on an arc. After the maker's manual, not checked on a control.
 //! - SINUMERIK: position, radius and wear of the radius of the cutting edge stand in `$TC_DP2`,
 //!   `$TC_DP6` and `$TC_DP15` of tool and edge; they act from the next call of the tool on. `NORM`
 //!   begins and ends at right angles, `G451` extends the offset lines at outer corners to where
@@ -45,6 +48,24 @@ pub(super) fn writing(d: Dialect, tool: u32, register: NoseRegister) -> Vec<Stri
         ],
         Dialect::Linuxcnc | Dialect::Gsk => Vec::new(),
     }
+}
+
+/// What must stand on the tool's page before a program starts; none where the program itself gives
+/// the control radius and tip.
+pub(super) fn on_tool_page(d: Dialect, register: Option<NoseRegister>) -> Option<NoseRegister> {
+    let scale = 10f64.powi(d.x_decimals() as i32);
+    let rounded = |r: NoseRegister| NoseRegister { radius_mm: (r.radius_mm * scale).round() / scale, ..r };
+    register.filter(|_| d == Dialect::Gsk).map(rounded)
+}
+
+/// The same in words, for the head of the program.
+pub(super) fn tool_page_words(d: Dialect, tool: u32, register: NoseRegister) -> [String; 2] {
+    let radius = number(register.radius_mm, d.x_decimals());
+    let tip = register.tip.number(Numbering::Fanuc);
+    [
+        format!("tool page, set by hand: offset {tool:02}, R {radius}, T {tip}, no wear of R"),
+        "no block writes or checks them: with another R or T the part is wrong".to_owned(),
+    ]
 }
 
 /// Words that start the compensation, the tool on the right or on the left of the contour.

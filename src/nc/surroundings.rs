@@ -112,6 +112,7 @@ impl<'a> Skeleton<'a> {
             travel: s.travel,
             head: Vec::new(),
             scan: None,
+            tool_page: None,
             variables,
         }
     }

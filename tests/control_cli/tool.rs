@@ -69,7 +69,14 @@ fn every_way_is_listed_and_the_program_leaves_what_it_states() {
     for word in ["G10 P10001 R0.41", "Q3", "G10 P1 R0.", "G42 ", "G40 G01"] {
         assert!(text.contains(word), "{word}: {text}");
     }
-    refused(&[("--machine", fanuc)], &["--way", "register", "--dialect", "gsk"], 2, &["gsk", "--way path"]);
+    // the same machine with the paper's control, which is given radius and tip by hand
+    let output = shadowgauge(arguments(&[("--machine", fanuc)], &["--way", "register", "--dialect", "gsk"]));
+    assert!(output.status.success(), "{}", said(&output));
+    let text = self::text(&output.stdout);
+    for word in ["SET BY HAND: OFFSET 01, R 0.4, T 3", "NOT VERIFIED ON A CONTROL", "G42 ", "G40 G01"] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    assert!(!text.contains("G10"), "{text}");
 }
 
 #[test]

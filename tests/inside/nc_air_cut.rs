@@ -37,6 +37,7 @@ fn feeds(text: &str, dialect: Dialect, settings: &NcSettings, change: Point) -> 
         variables: vec![(820, 0.0)],
         with_probe: false,
         surface: None,
+        tool_page: None,
     };
     let events = replay::run(text, &control).unwrap_or_else(|e| panic!("{dialect:?} {e:?}\n{text}"));
     let feed = |deed: Deed| match deed {

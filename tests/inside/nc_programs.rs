@@ -223,6 +223,7 @@ fn replayed(text: &str, settings: &NcSettings) -> Vec<Move> {
         variables,
         with_probe: false,
         surface: None,
+        tool_page: None,
     };
     let events = replay::run(text, &control).expect("understood");
     let moved = |deed: &Deed| match deed {

@@ -121,6 +121,7 @@ fn run(text: &str, case: &Case, dialect: Dialect, start: Point) -> Vec<Event> {
         variables: vec![(820, 0.0)],
         with_probe: false,
         surface: None,
+        tool_page: None,
     };
     replay::run(text, &control).unwrap_or_else(|e| panic!("{e:?}\n{text}"))
 }

@@ -69,6 +69,7 @@ fn moves(dialect: Dialect, settings: &NcSettings) -> Vec<Deed> {
             variables: vec![(820, 0.0)],
             with_probe: false,
             surface: None,
+            tool_page: None,
         };
         let events = replay::run(&text, &control).unwrap_or_else(|e| panic!("{e:?}\n{text}"));
         events.into_iter().map(|e| e.deed).filter(|d| matches!(d, Deed::Move { .. })).collect()
@@ -133,6 +134,7 @@ fn a_pass_that_was_cut_and_a_part_out_of_its_limits_end_in_an_alarm() {
             variables,
             with_probe: false,
             surface: None,
+            tool_page: None,
         };
         let events = replay::run(&text, &control).unwrap_or_else(|e| panic!("{e:?}\n{text}"));
         events.into_iter().rev().find_map(|e| match e.deed {

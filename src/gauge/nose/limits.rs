@@ -59,6 +59,9 @@ limits! {
     bump_px: f64 = 0.5;
     /// The same in standard uncertainties of the sector.
     bump_u: f64 = 8.0;
+    /// Sectors at an end of the nose that show whether wear reaches it: a blur of 1.2 px rounds a step
+    /// over three of 1.5 px, the smallest noses'.
+    end_sectors: usize = 3;
     /// Standard uncertainty of a sector that no edge fits and whose grey values cross the middle
     /// between the levels, px: that of a crossing of whole pixels, √(1/12), with the disturbance.
     u_crossing_px: f64 = 0.5;

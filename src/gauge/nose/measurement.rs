@@ -414,6 +414,12 @@ fn flags(path: &Path, last: &Round, found: &FoundRadius) -> Vec<&'static str> {
     if off(-1.0) {
         flags.push("edge_worn");
     }
+    // no caliper stands on the edge beside the nose: wear that has not ended here may go on there
+    let worn = |k: usize| -departures[k] > limits.bump_px.max(limits.bump_u * last.sectors[k].u_px);
+    let ends = limits.end_sectors.min(departures.len());
+    if (0..ends).any(|k| worn(k) || worn(departures.len() - 1 - k)) {
+        flags.push("nose_end_worn");
+    }
     let fitted = last.fit.calipers.iter().filter(|c| c.good).count();
     if last.sectors.iter().any(|s| !s.fitted) {
         flags.push("sectors_refused");

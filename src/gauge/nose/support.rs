@@ -148,7 +148,8 @@ impl<'a> Hull<'a> {
         self.path.from_rad + self.path.sweep_rad * i as f64 / (self.count - 1) as f64
     }
 
-    /// Places of the contour about the centre.
+    /// Places of the contour about the centre; at both ends the edges begin, at the nominal radius,
+    /// whatever wear has taken of the nose beside them.
     fn places(&self, departures: &DVector<f64>) -> Vec<DVec2> {
         let path = self.path;
         let radii = departures.iter().map(|d| path.nominal_px + d).collect();
@@ -156,22 +157,21 @@ impl<'a> Hull<'a> {
         let count = NoseLimits::get().fine * path.radii.len();
         let place = |k: usize| {
             let turn = path.sweep_rad * k as f64 / count as f64;
-            DVec2::from_angle(path.from_rad + turn) * shape.radius(turn).0
+            let radius = shape.radius(turn).0;
+            let radius = if k == 0 || k == count { radius.max(path.nominal_px) } else { radius };
+            DVec2::from_angle(path.from_rad + turn) * radius
         };
         (0..=count).map(place).collect()
     }
 
-    /// h about the centre in every direction: the farthest of the contour's places. Beyond the nose
-    /// stand the edges, at the nominal radius.
+    /// h about the centre in every direction: the farthest of the contour's places.
     fn values(&self, departures: &DVector<f64>) -> DVector<f64> {
         let places = self.places(departures);
         DVector::from_iterator(
             self.count,
             (0..self.count).map(|i| {
                 let n = DVec2::from_angle(self.direction_rad(i));
-                let farthest = places.iter().map(|p| p.dot(n)).fold(f64::NEG_INFINITY, f64::max);
-                let at_edge = i == 0 || i + 1 == self.count;
-                if at_edge { farthest.max(self.path.nominal_px) } else { farthest }
+                places.iter().map(|p| p.dot(n)).fold(f64::NEG_INFINITY, f64::max)
             }),
         )
     }

@@ -28,6 +28,9 @@ fn point(v: DVec2) -> Point {
 impl Interpreter<'_> {
     /// G10 P R Q: a nose radius, and with P above 10000 the tip direction, of an offset.
     pub(super) fn write_nose(&mut self, words: &Words) -> Result<(), String> {
+        if self.control.dialect != Dialect::Fanuc {
+            return Err("G10 with R is a Fanuc's".into());
+        }
         let (number, radius) = (words.get('P').unwrap_or_default(), words.get('R').unwrap_or(-1.0));
         if words.get('X').or(words.get('Z')).is_some() || radius < 0.0 {
             return Err("G10 with R takes P, R of 0 or more and Q alone".into());
@@ -73,9 +76,9 @@ impl Interpreter<'_> {
                     "G41 or G42 before NORM and G451: how it begins and rounds corners is open".into()
                 );
             }
-            (Dialect::Fanuc | Dialect::Sinumerik, 0) => {
+            (Dialect::Fanuc | Dialect::Gsk | Dialect::Sinumerik, 0) => {
                 let nose = self.nose.registers.get(&self.nose.offset).copied();
-                let nose = nose.ok_or("G41 or G42 with a register that the program has not written")?;
+                let nose = nose.ok_or("G41 or G42 with a register that is neither written nor stated")?;
                 (nose.radius + nose.wear, TipDirection::of(nose.tip, Numbering::Fanuc))
             }
             _ => return Err("this G41 or G42 is not understood".into()),
@@ -106,6 +109,9 @@ impl Interpreter<'_> {
             return Err("a rapid while the nose is compensated".into());
         }
         if !compensation.ends {
+            if compensation.contour.is_empty() && matches!(motion, Some(Motion::Arc { .. })) {
+                return Err("compensation starts on an arc".into());
+            }
             compensation.contour.extend(points.into_iter().map(|p| (plane(p), line)));
             self.at = to;
             return Ok(());

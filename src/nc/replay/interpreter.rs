@@ -15,6 +15,7 @@ use super::scan_state::ScanState;
 use super::surface::Surface;
 use crate::nc::dialect::Dialect;
 use crate::nc::machine::{GeometryOffset, WearX};
+use crate::nc::nose_words::NoseRegister;
 use crate::nc::scan_settings::MCode;
 use crate::nc::settings::NcSettings;
 
@@ -37,6 +38,9 @@ pub(crate) struct Control<'a> {
     pub with_probe: bool,
     /// The surface that a probe touches; none where it is not given.
     pub surface: Option<Surface>,
+    /// Radius and tip direction that stand on the page of the tool's offset, where a program only
+    /// states them.
+    pub tool_page: Option<NoseRegister>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,7 +129,7 @@ impl<'a> Interpreter<'a> {
             program,
             variables: control.variables.iter().copied().collect(),
             wear: std::collections::HashMap::new(),
-            nose: Nose::default(),
+            nose: Nose::of_page(control.settings.tool, control.tool_page),
             shift: 0.0,
             at: control.start,
             with_probe: control.with_probe,

@@ -11,6 +11,7 @@ use super::surface::Surface;
 use crate::nc::dialect::Dialect;
 use crate::nc::error::NcError;
 use crate::nc::machine::{ChangePosition, Travel};
+use crate::nc::nose_words::NoseRegister;
 use crate::nc::probe::QUALIFIED;
 use crate::nc::settings::NcSettings;
 use crate::numerics::neighbours::{linear_between, neighbours};
@@ -76,6 +77,9 @@ pub(crate) struct WorkingSpace<'a> {
     pub head: Vec<Convex>,
     /// The scan that is commanded.
     pub scan: Option<CommandedScan>,
+    /// Radius and tip direction on the page of the tool's offset, where the program does not write
+    /// them.
+    pub tool_page: Option<NoseRegister>,
     /// Variables left by an earlier run: they must not stop the program.
     pub variables: Vec<(u32, f64)>,
 }
@@ -163,6 +167,7 @@ impl WorkingSpace<'_> {
             variables: self.variables.clone(),
             with_probe: false,
             surface: self.surface.clone(),
+            tool_page: self.tool_page,
         }
     }
 

@@ -10,7 +10,8 @@ use std::collections::HashMap;
 
 use glam::DVec2;
 
-use crate::nose::TipDirection;
+use crate::nc::nose_words;
+use crate::nose::{Numbering, TipDirection};
 
 /// Cosine of the largest turn of a compensated contour, 135°: beyond it extended lines run far off.
 const MOST_TURN_COS: f64 = -0.707;
@@ -39,6 +40,18 @@ pub(super) struct Nose {
     pub(super) extends_corners: bool,
     /// G41 or G42.
     pub(super) compensation: Option<Compensation>,
+}
+
+impl Nose {
+    /// The registers of a tool whose radius and tip direction stand on its page.
+    pub(super) fn of_page(tool: u32, page: Option<nose_words::NoseRegister>) -> Self {
+        let stands = |on: nose_words::NoseRegister| NoseRegister {
+            radius: on.radius_mm,
+            wear: 0.0,
+            tip: on.tip.number(Numbering::Fanuc),
+        };
+        Self { registers: page.map(|on| (tool, stands(on))).into_iter().collect(), ..Self::default() }
+    }
 }
 
 /// Compensation in force.

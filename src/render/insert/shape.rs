@@ -140,8 +140,9 @@ impl Shape {
         let deg = |i: usize| (self.from_rad + at(i)).to_degrees();
         let support = |i: usize| {
             let n = DVec2::from_angle(at(i));
-            let nose = places.iter().map(|p| p.dot(n)).fold(f64::NEG_INFINITY, f64::max);
-            if i == 0 || i == half { nose.max(self.radius_px) } else { nose }
+            // the edges begin where the nose ends, at its radius when new
+            let edges = [0.0, self.sweep_rad].map(|turn| self.radius_px * DVec2::from_angle(turn));
+            places.iter().chain(&edges).map(|p| p.dot(n)).fold(f64::NEG_INFINITY, f64::max)
         };
         let middles = (0..count).map(|k| self.radius(turn(k) + 0.5 * self.sweep_rad / count as f64));
         Truth {

@@ -113,6 +113,34 @@ fn a_baseline_shows_what_is_missing() {
 }
 
 #[test]
+fn wear_that_ends_in_a_step_at_an_edge_is_flagged_and_its_hull_begins_at_the_edge() {
+    // the paper's scale: sectors of 2.9 px
+    let mut s = InsertSettings::default();
+    (s.camera.columns, s.camera.rows) = (900, 800);
+    s.nose.direction_deg = 237.0;
+    s.nose.centre_px = [370.0, 525.0];
+    s.wear.push(Wear::Round { depth_um: 46.0 });
+    // the first edge's normal points to 177°: the dent is cut off there, 5 px deep
+    s.wear.push(Wear::Dent { direction_deg: 180.0, width_deg: 40.0, depth_um: 13.0 });
+    let (found, truth) = measured(&s, 3, true);
+    let m = found.unwrap();
+    assert!(m.flags.contains(&"nose_end_worn"), "{:?}", m.flags);
+    // the hull turns about the edge's first place: R·cos of the angle from its normal; half of the
+    // step would be 2.7 px less
+    for v in &m.support[1..4] {
+        let right = truth.nominal_radius_px * (v.direction_deg - 177.0).to_radians().cos();
+        assert!((v.h_px - right).abs() < 0.4, "{}°: {} {right}", v.direction_deg, v.h_px);
+        assert!((at(&truth.support, v.direction_deg) - right).abs() < 5e-3, "{}°", v.direction_deg);
+    }
+    for depth_um in [23.0, 46.0] {
+        let mut s = insert(0);
+        s.wear.push(Wear::Round { depth_um });
+        let (found, _) = measured(&s, 3, true);
+        assert!(!found.unwrap().flags.contains(&"nose_end_worn"), "{depth_um}");
+    }
+}
+
+#[test]
 fn another_insert_is_no_baseline() {
     let (found, _) = measured(&insert(2), 1, false);
     let new = BaselineNose::from(&found.unwrap());

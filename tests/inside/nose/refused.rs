@@ -1,7 +1,8 @@
 //! Frames that show no nose that can be measured: each is refused with its place and a remedy.
 
+use glam::DVec2;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat, Pixels};
-use shadowgauge::gauge::nose::{ExpectedNose, NoseSettings, measure_nose};
+use shadowgauge::gauge::nose::{ExpectedNose, NoseImageError, NoseSettings, measure_nose};
 use shadowgauge::render::insert::{Dirt, InsertSettings, render_insert};
 use shadowgauge::render::settings::{Esf, GaussianEsf};
 
@@ -113,5 +114,36 @@ fn a_picture_made_smaller_is_measured_or_named_as_such() {
     if let Err(error) = measure_nose(&small.view(), &NoseSettings::default()) {
         let said = error.to_string();
         assert!(!said.contains("not straight"), "{said}");
+    }
+}
+
+#[test]
+fn an_edge_in_whose_calipers_no_blurred_edge_fits() {
+    // a stripe of reflected light along the second edge, 2 to 4 px inside the shadow: the contour of
+    // half the light is where it was, and the grey values across it are those of no lens
+    let (frame, truth) = render_insert(&insert(0), (1, 0), true).unwrap();
+    let view = frame.view();
+    let Pixels::U16(pixels) = view.pixels() else { panic!("a 12-bit frame") };
+    let n = DVec2::from_angle(truth.edge_normals_deg[1].to_radians());
+    let r = truth.nominal_radius_px;
+    let lit = |k: usize| {
+        let at = DVec2::new((k % 520) as f64 - truth.centre_px[0], truth.centre_px[1] - (k / 520) as f64);
+        let (inside, along) = (r - at.dot(n), at.dot(n.perp()));
+        let stripe = (2.0..4.0).contains(&inside) && along > 0.2 * r;
+        pixels[k] + if stripe { 900 } else { 0 }
+    };
+    let buffer = Buffer::U16((0..420 * 520).map(lit).collect());
+    let striped = Frame::new(buffer, PixelFormat::Mono12, 420, 520, FrameMeta::default()).unwrap();
+    let error = measure_nose(&striped.view(), &NoseSettings::default()).unwrap_err();
+    let NoseImageError::NoEdgeModel { row, column, refused, calipers } = error else {
+        panic!("{error}");
+    };
+    // more than its share of 0.65, and the place lies on that edge
+    assert!(refused as f64 > 0.65 * calipers as f64, "{refused} of {calipers}");
+    let at = DVec2::new(column - truth.centre_px[0], truth.centre_px[1] - row);
+    assert!((at.dot(n) - r).abs() < 2.0 && at.dot(n.perp()) > 0.0, "row {row} column {column}");
+    let said = error.to_string();
+    for words in ["no blurred edge fits in", "cutting edge about row", "not made smaller", "reflections"] {
+        assert!(said.contains(words), "{words}: {said}");
     }
 }

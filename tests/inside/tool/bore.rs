@@ -105,7 +105,7 @@ fn programs_of_bores_command_the_path_of_their_way() {
             for way in Way::ALL {
                 let done = c.carry_out(way).unwrap();
                 // the replay from every start position is the same for all of them: once is enough
-                let others = [(Dialect::Fanuc, 1.5), (Dialect::Sinumerik, 1.5)];
+                let others = [(Dialect::Fanuc, 1.5), (Dialect::Gsk, 1.5), (Dialect::Sinumerik, 1.5)];
                 let others = others.into_iter().filter(|_| way == Way::EditedContour);
                 for (dialect, most) in [(Dialect::Linuxcnc, 0.1)].into_iter().chain(others) {
                     let written = written(c, &done, dialect, &settings).unwrap();

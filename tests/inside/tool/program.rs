@@ -5,12 +5,12 @@ use glam::DVec2;
 
 use super::parts::{compensator, corner, flat_support, nose, papers, papers_support, round};
 use crate::inside::linuxcnc::interpret;
-use crate::nc::replay::{self, Control, Point};
+use crate::nc::replay::{self, Control, Deed, Point};
 use crate::nc::{
     ChangePosition, Chuck, ContourProgram, Dialect, Direction, GeometryOffset, NcSettings, NoseRegister,
     Spindle, Tailstock, WearX, Workpiece, WrittenContour,
 };
-use crate::nose::{Feed, NoseProfile, Support, TipDirection, ToolGeometry};
+use crate::nose::{Feed, NoseProfile, Numbering, Support, TipDirection, ToolGeometry};
 use crate::outline::{Outline, Piece, Side};
 use crate::plan::CuttingData;
 use crate::tool::{Compensated, Compensator, Setting, Stated, Tool, Way, remainders};
@@ -114,6 +114,7 @@ pub fn control(settings: &NcSettings, dialect: Dialect) -> Control<'_> {
         variables: Vec::new(),
         with_probe: false,
         surface: None,
+        tool_page: None,
     }
 }
 
@@ -151,6 +152,59 @@ fn a_sinumerik_takes_radius_and_tip_of_the_edge_and_arcs_by_their_radius() {
     // a larger radius goes another way
     let wider = run(&text.replace("$TC_DP6[1,1]=0.4", "$TC_DP6[1,1]=0.5")).unwrap();
     assert_ne!(events, wider);
+}
+
+/// The value behind a word of a program's head.
+fn stated(text: &str, word: &str) -> f64 {
+    let line = text.lines().find(|l| l.starts_with("(TOOL PAGE, SET BY HAND:")).expect("the tool page");
+    let from = line.find(word).unwrap_or_else(|| panic!("{word}: {line}")) + word.len();
+    let value: String = line[from..].chars().take_while(|c| c.is_ascii_digit() || *c == '.').collect();
+    value.parse().unwrap()
+}
+
+#[test]
+fn a_gsk_takes_radius_and_tip_from_its_tool_page_and_drives_the_blocks_of_a_fanuc() {
+    let (part, settings, nose) = (part(), machine(), papers());
+    let c = compensator(&part, &nose, 0.4);
+    let done = c.carry_out(Way::BestRegister).unwrap();
+    let write = |dialect| written(&c, &done, dialect, &settings).unwrap();
+    let (gsk, fanuc) = (write(Dialect::Gsk), write(Dialect::Fanuc));
+    let text = &gsk.text;
+    let away = difference_um(&c, &done, &gsk.moves);
+    assert!(away < 1.5, "{away}\n{text}");
+    // from the tool call on, tangents and all
+    let cut = |text: &str| text[text.find("T0101").unwrap()..].to_owned();
+    assert_eq!(cut(text), cut(&fanuc.text));
+    for absent in ["G10", "G70", "G71"] {
+        assert!(!text.contains(absent), "{absent}: {text}");
+    }
+    assert!(text.contains("(NOT VERIFIED ON A CONTROL"), "{text}");
+    // what the head states, and nothing else, makes the moves
+    let tip = TipDirection::of(stated(text, " T ") as u8, Numbering::Fanuc).unwrap();
+    let page = NoseRegister { radius_mm: stated(text, " R "), tip };
+    assert_eq!(tip, c.setting.tip);
+    let run = |text: &str, page: Option<NoseRegister>| {
+        replay::run(text, &Control { tool_page: page, ..control(&settings, Dialect::Gsk) })
+    };
+    let driven = |r: Option<NoseRegister>| {
+        let at = |p: Point| DVec2::new(0.5 * p.x, p.z);
+        let events = run(text, r).unwrap();
+        let feed = |deed: &Deed| match deed {
+            Deed::Move { from, to, rapid: false } => Some((at(*from), at(*to))),
+            _ => None,
+        };
+        events.iter().filter_map(|e| feed(&e.deed)).collect::<Vec<_>>()
+    };
+    assert_eq!(driven(Some(page)), gsk.moves);
+    let wider = NoseRegister { radius_mm: page.radius_mm + 0.1, ..page };
+    assert_ne!(driven(Some(wider)), gsk.moves);
+    let fault = |text: &str, page| run(text, page).unwrap_err().1;
+    assert!(fault(text, None).contains("neither written nor stated"), "{}", fault(text, None));
+    let wrote = text.replace("T0101", "G10 P10001 R0.4 Q3\nT0101");
+    assert!(fault(&wrote, Some(page)).contains("G10 with R is a Fanuc's"));
+    // the manual: compensation starts in G00 or G01
+    let arc = text.replacen("G42 ", "G42 G02 R50. ", 1);
+    assert!(fault(&arc, Some(page)).contains("starts on an arc"), "{}", fault(&arc, Some(page)));
 }
 
 /// Straight moves of LinuxCNC's canonical commands, arcs by chords: (X radius, Z).
