@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::limits::NoseLimits;
-use crate::gauge::ring::fit::SHARED;
+use crate::gauge::ring::edge_fit::SHARED;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 
 /// A straight edge.

@@ -18,8 +18,9 @@ use super::settings::{ExpectedNose, NoseSettings};
 use super::support::{SectorNoise, below_hull, support};
 use crate::frame::{FrameView, PixelFormat};
 use crate::gauge::edge::estimation::light_field::{LightField, Lit};
+use crate::gauge::ring::edge_fit::{Caliper, EdgeFit};
 use crate::gauge::ring::edge_pixels::Band;
-use crate::gauge::ring::fit::{Caliper, EdgeFit, fit_edge, fit_edge_from};
+use crate::gauge::ring::fit::{fit_edge, fit_edge_from};
 use crate::gauge::ring::measurement::RingLightLimits;
 use crate::numerics::robust::median_of;
 

@@ -16,7 +16,7 @@ use super::limits::NoseLimits;
 use super::line::product;
 use super::path::Path;
 use super::result::{NoseSector, SupportValue};
-use crate::gauge::ring::fit::SHARED;
+use crate::gauge::ring::edge_fit::SHARED;
 
 /// Noise of a sector's radius, px: its own, and what all calipers share.
 #[derive(Clone, Copy, Debug)]

@@ -8,9 +8,10 @@ use super::super::form::{
     Circle, FormError, least_squares_circle, maximum_inscribed_circle, minimum_circumscribed_circle,
 };
 use super::coarse::{self, Coarse};
+use super::edge_fit::{Caliper, EdgeFit};
 use super::edge_pixels::{BandLimits, BandOrder, EdgePixel, collect};
 use super::error::RingError;
-use super::fit::{EdgeFit, fit_edge};
+use super::fit::fit_edge;
 use super::outline::{Outline, least_ratio_to_stylus};
 use super::settings::RingSettings;
 use crate::frame::{FrameView, PixelFormat};
@@ -189,7 +190,7 @@ impl Side<'_> {
         let form = |e: FormError| self.error(e.to_string());
         let around = minimum_circumscribed_circle(points).map_err(form)?.circle.diameter();
         let within = maximum_inscribed_circle(points).map_err(form)?.circle.diameter();
-        let good: Vec<&super::fit::Caliper> = fit.calipers.iter().filter(|c| c.good).collect();
+        let good: Vec<&Caliper> = fit.calipers.iter().filter(|c| c.good).collect();
         let mean_square = good.iter().map(|c| c.u_shift * c.u_shift).sum::<f64>() / good.len() as f64;
         let diameter_px = 2.0 * (circle.radius + curvature);
         let u_diameter_px = 2.0 * fit.u_mean.hypot(self.u_form_sampling(points, &circle, fit.calipers.len()));

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use super::super::form::{
     Circle, Cutoff, FormError, Reference, gaussian_closed, least_squares_circle, roundness,
 };
-use super::fit::EdgeFit;
+use super::edge_fit::EdgeFit;
 
 /// How a point of an outline was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

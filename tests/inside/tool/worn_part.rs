@@ -154,9 +154,9 @@ fn a_run_is_cut_like_the_pass_that_was_measured() {
         "{said}"
     );
     let said = refused(("speed_m_per_min = 180.0", "speed_m_per_min = 150.0"), ("", ""));
-    assert!(said.contains("cutting.speed_m_per_min = 150") && said.contains("180 m/min"), "{said}");
+    assert!(said.contains("cutting.speed_m_per_min: 150") && said.contains("180 m/min"), "{said}");
     let said = refused(("feed_mm_per_rev = 0.08", "feed_mm_per_rev = 0.12"), ("", ""));
-    assert!(said.contains("cutting.feed_mm_per_rev = 0.12") && said.contains("0.08 mm"), "{said}");
+    assert!(said.contains("cutting.feed_mm_per_rev: 0.12") && said.contains("0.08 mm"), "{said}");
     let mut open = job(Way::Path);
     assert!(!open.cautions().iter().any(|c| c.contains("measured_pass")), "{:?}", open.cautions());
     if let Some(tool) = open.tool.as_mut().and_then(|t| t.stated.as_mut()) {
