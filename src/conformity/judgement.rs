@@ -2,8 +2,10 @@
 //!
 //! | limits | HH | HI | GO | LO | LL |
 //! |---|---|---|---|---|---|
-//! | a tolerance | violation proven | not proven either way, above its middle | conformity proven | not proven, below | violation proven |
-//! | four limits | not proven within ll and hh, above | within them, not proven within lo and hi, above | proven between lo and hi | below | below |
+//! | a tolerance | violation proven | not proven either way, above its middle | conformity proven |
+//! not proven, below | violation proven |
+//! | four limits | not proven within ll and hh, above | within them, not proven within lo and hi,
+//! above | proven between lo and hi | below | below |
 
 use super::decision::{Decision, DecisionRule, Estimate};
 use super::error::JudgementError;

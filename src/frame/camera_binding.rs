@@ -12,8 +12,8 @@ use thiserror::Error;
 
 use super::roi::Roi;
 
-/// Largest difference of a gain in dB, or of a black level, that is none: a register reads back what
-/// it holds, and the finest steps in use are 0.01 dB.
+/// Largest difference of a gain in dB, or of a black level, that is none: a register reads back
+/// what it holds, and the finest steps in use are 0.01 dB.
 const SAME: f64 = 1e-3;
 
 /// A camera with the settings that frames were taken with; `None` where it does not state one.

@@ -52,8 +52,8 @@ pub(crate) fn identify(
 }
 
 /// The chain, unless a sum of splines predicts parts that took no part clearly better, or is asked
-/// for. Positions left out of one part are no such test: along a single cylinder both models are one
-/// function of z.
+/// for. Positions left out of one part are no such test: along a single cylinder both models are
+/// one function of z.
 fn choose(
     choice: ModelChoice,
     chain: Solution,

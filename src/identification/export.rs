@@ -1,11 +1,11 @@
 //! The identified errors as tables of a control.
 //!
 //! LinuxCNC (`COMP_FILE`, type 0): a line of nominal position, actual position where it was reached
-//! upwards, and downwards, ascending, at most 256 lines; X as radius. The control's BACKLASH is then
-//! ignored, the reversal is in the table. A screw table is of one axis alone: it holds what the tool
-//! departs along the axis while that slide alone moves, the angles at the tool's levers included,
-//! and the other slide stands at its reference. What is left (e_X over z, e_Z over x) are knots of
-//! the program.
+//! upwards, and downwards, ascending, at most 256 lines; X as radius. The control's BACKLASH is
+//! then ignored, the reversal is in the table. A screw table is of one axis alone: it holds what
+//! the tool departs along the axis while that slide alone moves, the angles at the tool's levers
+//! included, and the other slide stands at its reference. What is left (e_X over z, e_Z over x) are
+//! knots of the program.
 
 use super::solution::Solution;
 use crate::machine::MachineSettings;

@@ -1,8 +1,8 @@
 //! `machine.json`: the errors of a machine as they were identified.
 //!
-//! The tables of [`IdentifiedMachine::machine`] are what a control's compensation takes; the rest is
-//! what they are worth: uncertainty, covariance, what is inseparable, where the readings end. Tables
-//! end where the readings do, and so do the travels: beyond them a run is refused.
+//! The tables of [`IdentifiedMachine::machine`] are what a control's compensation takes; the rest
+//! is what they are worth: uncertainty, covariance, what is inseparable, where the readings end.
+//! Tables end where the readings do, and so do the travels: beyond them a run is refused.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -13,8 +13,8 @@ use super::rank::Rank;
 use super::unknowns::{Group, Unknowns};
 use crate::machine::ErrorName;
 
-/// Steps of the smoothing, from the class of the machine downwards, each a decade of τ: the held-out
-/// error is flat about its least.
+/// Steps of the smoothing, from the class of the machine downwards, each a decade of τ: the
+/// held-out error is flat about its least.
 const SMOOTHINGS: usize = 6;
 /// Rounds over the errors in which each one's smoothing is chosen, the others kept.
 const ROUNDS: usize = 2;

@@ -2,17 +2,17 @@
 //!
 //! In: the geometry of a machine, the errors that are sought, sets of readings
 //! ([`IdentificationConfig`]) and the texts of their files ([`checked_set`]). Out: [`identify`], an
-//! [`IdentifiedMachine`] (`machine.json`) with tables, uncertainties and covariance, and what cannot
-//! be separated in words; [`export`] makes tables of a control from it. The truth of a simulated
-//! machine is not read here.
+//! [`IdentifiedMachine`] (`machine.json`) with tables, uncertainties and covariance, and what
+//! cannot be separated in words; [`export`] makes tables of a control from it. The truth of a
+//! simulated machine is not read here.
 //!
-//! Bottom to top: `instrument`, `reading`, `reading_set`, `settings`; `reading_file` with `reading_order` and
-//! `turn_mean` (text to readings); `observation` (what a reading holds of each error, by the first
-//! order of the chain), `sag`; `spline_basis`, `unknowns`, `equations`; `least_squares` (smoothing by
-//! held-out error), `rank`, `inseparable` (in words), `iso230_2`,
-//! `spindle_readings` (turns of an artefact); `solution` (a model, fitted),
-//! `identified` (the file), `assemble`, `export`. One more instrument is a variant of
-//! [`instrument::Instrument`] and its terms in `observation`.
+//! Bottom to top: `instrument`, `reading`, `reading_set`, `settings`; `reading_file` with
+//! `reading_order` and `turn_mean` (text to readings); `observation` (what a reading holds of each
+//! error, by the first order of the chain), `sag`; `spline_basis`, `unknowns`, `equations`;
+//! `least_squares` (smoothing by held-out error), `rank`, `inseparable` (in words), `iso230_2`,
+//! `spindle_readings` (turns of an artefact); `solution` (a model, fitted), `identified` (the
+//! file), `assemble`, `export`. One more instrument is a variant of [`instrument::Instrument`] and
+//! its terms in `observation`.
 
 pub(crate) mod assemble;
 mod checked_sets;

@@ -82,7 +82,8 @@ pub(crate) fn terms(
     parts.iter().flat_map(of_part).collect()
 }
 
-/// The terms of the tool's error along a direction (0, 1, 2: X, Y, Z) with the slides at [x, z], mm.
+/// The terms of the tool's error along a direction (0, 1, 2: X, Y, Z) with the slides at [x, z],
+/// mm.
 pub(crate) fn tool_terms(
     machine: &MachineSettings,
     [x_mm, z_mm]: [f64; 2],

@@ -3,8 +3,9 @@
 //! f(p) = a + b·s + Σ θ_k·φ_k(p) with s from −1 to 1 over the range. The θ are the second
 //! differences D·c of the coefficients of a spline with even knots, φ the spline of the columns of
 //! D⁺ = Dᵀ(DDᵀ)⁻¹ less its line of least squares over the range: a straight line has no second
-//! differences, and the shape holds none of a line. The penalty of a P-spline (Eilers and Marx 1996, second
-//! order) is then the sum of the θ², which is a prior of mean 0 and equal spread for every θ.
+//! differences, and the shape holds none of a line. The penalty of a P-spline (Eilers and Marx
+//! 1996, second order) is then the sum of the θ², which is a prior of mean 0 and equal spread for
+//! every θ.
 
 use nalgebra::DMatrix;
 

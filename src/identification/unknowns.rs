@@ -86,8 +86,8 @@ pub(crate) struct Unknowns {
 }
 
 impl Unknowns {
-    /// The unknowns of errors by where the terms of all readings, set by set, have them. With `keeps_lines`
-    /// straightnesses keep their slopes.
+    /// The unknowns of errors by where the terms of all readings, set by set, have them. With
+    /// `keeps_lines` straightnesses keep their slopes.
     ///
     /// # Errors
     /// An error that no reading holds, or at too few positions.

@@ -73,7 +73,7 @@ pub(crate) struct Correlation {
     pub scatters_more: bool,
     /// Parts with |E_n| > 1.
     pub disagreeing: usize,
-    /// What it says, in words.
+    /// What it shows, in words.
     pub words: Vec<String>,
 }
 

@@ -222,8 +222,8 @@ pub(super) fn support_errors(m: &NoseMeasurement, truth: &Truth) -> Vec<(f64, f6
 }
 
 /// Errors of e(a) between the first and the last direction, px, and what an error that all edges
-/// share adds to each, a share of it. e(a) does not depend on the tool's point: its error is that of
-/// h less those of both touches.
+/// share adds to each, a share of it. e(a) does not depend on the tool's point: its error is that
+/// of h less those of both touches.
 pub(super) fn e_errors(off: &[(f64, f64, f64)]) -> impl Iterator<Item = (f64, f64)> + '_ {
     let (first, last) = (off[0], off[off.len() - 1]);
     let whole = last.0 - first.0;

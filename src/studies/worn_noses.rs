@@ -91,7 +91,8 @@ pub(crate) fn families() -> Vec<(&'static str, Esf)> {
     let partial =
         PartiallyCoherentEdge { na: 0.06, coherence_ratio: 0.7, ..PartiallyCoherentEdge::default() };
     let cylinder = CylinderEdge { na: 0.06, coherence_ratio: 0.7, ..CylinderEdge::default() };
-    // a contact shadow: the sensor 15 µm behind the edge, below which its pixels average the fringes
+    // a contact shadow: the sensor 15 µm behind the edge, below which its pixels average the
+    // fringes
     let laser = LaserShadow { distance_mm: 0.015, source_half_angle_mrad: 50.0, ..LaserShadow::default() };
     vec![
         ("gaussian", Esf::Gaussian(GaussianEsf { sigma_px: 1.2 })),

@@ -16,7 +16,8 @@
 //! holds e(a), `contact` and `biarc` move a piece by what touches it, `chain` joins the moved
 //! pieces, `ways` are the four, `left` measures a path against the outline apart from all of these,
 //! `sizes` turns that into diameters, faces, cones, arcs and corners. `nose_file` and `settings`
-//! read files, `precondition` compares the cut with the one that was measured. A further way is a variant of [`Way`] and its arm in `ways`.
+//! read files, `precondition` compares the cut with the one that was measured. A further way is a
+//! variant of [`Way`] and its arm in `ways`.
 
 mod biarc;
 mod chain;

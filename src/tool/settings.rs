@@ -176,8 +176,8 @@ pub(crate) struct OutlineFile {
     /// Whether it is a shaft or a bore.
     #[serde(default)]
     pub side: Side,
-    /// Diameter of the bar around it, mm; of a shaft its largest diameter where it is not stated, of
-    /// a bore unbounded.
+    /// Diameter of the bar around it, mm; of a shaft its largest diameter where it is not stated,
+    /// of a bore unbounded.
     #[serde(default)]
     pub stock_diameter_mm: Option<f64>,
     /// Diameter of the drilled hole in which a bore is cut, mm; its smallest diameter where it is

@@ -24,12 +24,12 @@ pub(crate) struct CalibrateMachineArgs {
     /// Where the identified errors go.
     #[arg(long, value_name = "FILE.json")]
     out: PathBuf,
-    /// Write errors.csv, compensation.csv, positioning.csv, screw tables of LinuxCNC and a program's
-    /// knots into this folder, and the simulated readings where there are any.
+    /// Write errors.csv, compensation.csv, positioning.csv, screw tables of LinuxCNC and a
+    /// program's knots into this folder, and the simulated readings where there are any.
     #[arg(long, value_name = "DIR")]
     tables: Option<PathBuf>,
-    /// Radius of the cylinder whose knots are written, mm; that of the first turned cylinder without
-    /// it.
+    /// Radius of the cylinder whose knots are written, mm; that of the first turned cylinder
+    /// without it.
     #[arg(long, value_name = "MM", requires = "tables")]
     radius_mm: Option<f64>,
     /// How far a straight line between two knots may leave the error, µm.

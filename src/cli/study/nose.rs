@@ -24,8 +24,8 @@ pub(crate) struct StudyNoseArgs {
     /// Noses: a fifth of each are new, worn round, worn flat, dented, chipped.
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(5..=10_000))]
     noses: u32,
-    /// Instead: so many worn noses, and the error of what the control's circle leaves of them, e(a),
-    /// over 90 degrees.
+    /// Instead: so many worn noses, and the error of what the control's circle leaves of them,
+    /// e(a), over 90 degrees.
     #[arg(long, value_name = "N", conflicts_with = "noses", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     worn: Option<u32>,
     /// Edge-spread functions of the worn noses, in turn: that of the config, or every family.
@@ -34,8 +34,8 @@ pub(crate) struct StudyNoseArgs {
     /// One to three specks at the contour of every second worn nose.
     #[arg(long, requires = "worn")]
     contamination: bool,
-    /// Folder for `frames/000000.png`, … (16-bit grey PNG), `truth.json` (a list) and, of worn noses,
-    /// `noses.csv`.
+    /// Folder for `frames/000000.png`, … (16-bit grey PNG), `truth.json` (a list) and, of worn
+    /// noses, `noses.csv`.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Seed of poses, wear and noise.

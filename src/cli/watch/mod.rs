@@ -144,9 +144,9 @@ pub(crate) struct WatchArgs {
     #[cfg(feature = "mcap")]
     #[arg(long, value_name = "FILE.mcap")]
     record: Option<PathBuf>,
-    /// Reads two windows of every frame, as a camera with two regions does: ROWS rows from row UPPER
-    /// on, which show the upper edge, and from row LOWER on the lower one. They alone are measured
-    /// and recorded, and a recording states them.
+    /// Reads two windows of every frame, as a camera with two regions does: ROWS rows from row
+    /// UPPER on, which show the upper edge, and from row LOWER on the lower one. They alone are
+    /// measured and recorded, and a recording states them.
     #[arg(long, value_name = "UPPER,LOWER,ROWS", conflicts_with = "vertical")]
     windows: Option<TwoWindows>,
     /// Threads that decode images (default: all cores).

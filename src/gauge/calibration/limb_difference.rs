@@ -179,7 +179,7 @@ impl LimbDifference {
         let limits = LimbLimits::get();
         let by_diameter = self.by_diameter_um(diameter_mm);
         let computed = (self.from_mm..=self.to_mm).contains(&diameter_mm);
-        // A limb that was not computed may stand off by as much as one that nobody stated.
+        // A limb that was not computed may stand off by as much as one that is not stated.
         let of_diameter =
             if computed { limits.by_diameter * by_diameter.abs() } else { UnstatedLimits::get().edge_um };
         let (by_material, of_material) = match self.material {
@@ -245,7 +245,7 @@ mod tests {
         assert_eq!((named[1].shift_um, named[1].limit_um), (0.09, 0.018));
         let alike = LimbDifference { material: KnownMaterial::LikeMasters, ..soft() }.rows(18.0, 0.0, 0.0);
         assert_eq!((alike[1].shift_um, alike[1].limit_um, alike[4].limit_um), (0.0, 0.015, 0.0));
-        // Not computed there: as wide as what nobody stated.
+        // Not computed there: as wide as what is not stated.
         assert_eq!(soft().rows(60.0, 0.0, 0.0)[0].limit_um, UnstatedLimits::get().edge_um);
     }
 

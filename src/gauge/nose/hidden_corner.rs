@@ -1,10 +1,10 @@
 //! What sectors and blur hide of a corner of the contour: the end of a flat, the rim of a chip.
 //!
-//! A sector's radius is a mean over it. Of two straight pieces whose slopes differ by s (per sector)
-//! that meet anywhere within a sector, the hull of the sectors' smooth contour stands below the
-//! corner: by 0.12 s where the edge is sharp, and by more where it is blurred, since a blurred
-//! corner is rounded. Over all places of the corner within its sector and all directions between the
-//! two pieces, by σ' over the sector's width ρ from 0 to 1.2:
+//! A sector's radius is a mean over it. Of two straight pieces whose slopes differ by s (per
+//! sector) that meet anywhere within a sector, the hull of the sectors' smooth contour stands below
+//! the corner: by 0.12 s where the edge is sharp, and by more where it is blurred, since a blurred
+//! corner is rounded. Over all places of the corner within its sector and all directions between
+//! the two pieces, by σ' over the sector's width ρ from 0 to 1.2:
 //!
 //! ```text
 //! mean (0.115 + 0.085 ρ)·s, standard deviation (0.045 + 0.035 ρ)·s

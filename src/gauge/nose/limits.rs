@@ -16,8 +16,8 @@ limits! {
     cells_across: usize = 400;
     /// Largest side of a cell, px: an insert's edge of `least_edge_px` is ten cells.
     most_side: usize = 4;
-    /// Least area within a contour over that of the cells found: less is a hole's contour, or one of
-    /// two parts that touch in cells alone.
+    /// Least area within a contour over that of the cells found: less is a hole's contour, or one
+    /// of two parts that touch in cells alone.
     enclosed: f64 = 0.9;
     /// Distance from a line of the coarse contour, px, within which a place lies on it: the contour
     /// of whole pixels, smoothed, scatters by a third of a pixel.
@@ -59,8 +59,8 @@ limits! {
     bump_px: f64 = 0.5;
     /// The same in standard uncertainties of the sector.
     bump_u: f64 = 8.0;
-    /// Sectors at an end of the nose that show whether wear reaches it: a blur of 1.2 px rounds a step
-    /// over three of 1.5 px, the smallest noses'.
+    /// Sectors at an end of the nose that show whether wear reaches it: a blur of 1.2 px rounds a
+    /// step over three of 1.5 px, the smallest noses'.
     end_sectors: usize = 3;
     /// Standard uncertainty of a sector that no edge fits and whose grey values cross the middle
     /// between the levels, px: that of a crossing of whole pixels, √(1/12), with the disturbance.
@@ -92,8 +92,8 @@ limits! {
     /// variance (the variance of a smooth of second differences falls with the fourth root of the
     /// penalty).
     penalty_share: f64 = 0.03;
-    /// What the hull of sectors hides of a corner, over the change of its slope per sector, of sharp
-    /// edges: by trial over all places of the corner in its sector (`hidden_corner`).
+    /// What the hull of sectors hides of a corner, over the change of its slope per sector, of
+    /// sharp edges: by trial over all places of the corner in its sector (`hidden_corner`).
     corner_sharp: f64 = 0.115;
     /// The same by the blur over the width of a sector.
     corner_blur: f64 = 0.085;
@@ -102,8 +102,8 @@ limits! {
     corner_u_sharp: f64 = 0.08;
     /// The same by the blur.
     corner_u_blur: f64 = 0.035;
-    /// Uncertainty of the support by a hidden corner, px, from which it is flagged: two of it are half
-    /// a micrometre at 2.4 µm a px, the most that e(a) may be off.
+    /// Uncertainty of the support by a hidden corner, px, from which it is flagged: two of it are
+    /// half a micrometre at 2.4 µm a px, the most that e(a) may be off.
     most_u_corner_px: f64 = 0.1;
     /// Standard uncertainties of a change of slope below which it is noise.
     corner_u: f64 = 3.0;

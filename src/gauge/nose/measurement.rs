@@ -175,7 +175,8 @@ impl<'a> Work<'a> {
         if let Some(Some((field, dark))) = &self.field {
             band.to_mut().level(field, *dark);
         }
-        // the plane of the levels counts from the path's centre, which moves by fractions of a pixel
+        // the plane of the levels counts from the path's centre, which moves by fractions of a
+        // pixel
         let fitted = match self.last.as_ref().and_then(|last| last.fit.begun) {
             Some(begun) => fit_edge_from(&band, least_variance, f64::MAX.sqrt(), begun),
             None => fit_edge(&band, least_variance, f64::MAX.sqrt(), None),

@@ -406,8 +406,8 @@ fn departures(sectors: &[SectorFit]) -> Vec<f64> {
     (0..n).map(|k| shift(k) - median((0..=2 * half).map(|j| shift(k + n + j - half)).collect())).collect()
 }
 
-/// [`fit_edge`] of an edge without clipped light, from where a fit of the same pixels ended, along a
-/// contour that follows it: it settles in a third of the steps, at the same place.
+/// [`fit_edge`] of an edge without clipped light, from where a fit of the same pixels ended, along
+/// a contour that follows it: it settles in a third of the steps, at the same place.
 pub(in crate::gauge) fn fit_edge_from(
     band: &Band,
     least_variance: f64,

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! and v likewise by rows: exact, nothing is fitted again. The surface is scaled to 1 at its
-//! brightest in the window: all grey values of a window then differ from those of the whole frame by
-//! one factor, which moves no edge.
+//! brightest in the window: all grey values of a window then differ from those of the whole frame
+//! by one factor, which moves no edge.
 
 use super::flat_field::{FlatField, extremes};
 use crate::frame::Roi;

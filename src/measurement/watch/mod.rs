@@ -4,8 +4,9 @@
 //! value a part that enters and leaves (`presence`), a trend with its uncertainty (`trend`),
 //! quantiles of the latency and the rate (`pace`), whether a reading is valid (`validity`), the
 //! drift since the last zero (`zero`), the diameters along the frame as text (`profile`) and the
-//! latched alarm (`alarm`), the angles that a turn leaves out (`turn_cover`); `setup` is what focus, light and alignment are set by, of pixels and
-//! edges. None imports another; one more figure is a file here and a key of `cli/watch`.
+//! latched alarm (`alarm`), the angles that a turn leaves out (`turn_cover`); `setup` is what
+//! focus, light and alignment are set by, of pixels and edges. None imports another; one more
+//! figure is a file here and a key of `cli/watch`.
 
 mod alarm;
 mod pace;

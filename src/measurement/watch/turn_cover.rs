@@ -35,8 +35,8 @@ pub(crate) struct Turn {
 
 impl TurnCover {
     /// The next frame's angle and the angle turned during its exposure (0 where it is not known),
-    /// degrees, and whether it shows a diameter; the turn that ended with it, whose angles are those
-    /// before it. A whole turn without a frame is not seen: it is a gap of the source.
+    /// degrees, and whether it shows a diameter; the turn that ended with it, whose angles are
+    /// those before it. A whole turn without a frame is not seen: it is a gap of the source.
     pub(crate) fn push(&mut self, angle_deg: f64, sweep_deg: f64, is_measured: bool) -> Option<Turn> {
         let step_deg = self.last_deg.replace(angle_deg).map_or(0.0, |last| shorter_way_deg(last, angle_deg));
         let (sense, largest_deg) =

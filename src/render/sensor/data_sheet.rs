@@ -3,9 +3,11 @@
 //!
 //! | preset | sensor | source |
 //! |---|---|---|
-//! | `sony_imx900` | Sony IMX900-AMR-C, 2064 × 1552 of 2.25 µm, global shutter, 12 bit, low conversion gain, 0 dB | FRAMOS EMVA 1288 (v3.1) report, 536 nm, 36 °C |
+//! | `sony_imx900` | Sony IMX900-AMR-C, 2064 × 1552 of 2.25 µm, global shutter, 12 bit, low
+//! conversion gain, 0 dB | FRAMOS EMVA 1288 (v3.1) report, 536 nm, 36 °C |
 //! | `sony_imx900_high_gain` | the same, high conversion gain, 3 dB | the same report |
-//! | `lucid_atx470s` | LUCID Atlas10 ATX470S-M, Sony IMX492, 8288 × 5644 of 2.315 µm, 12 bit | LUCID Vision Labs, "EMVA 1288 Data" of the ATX470S-M |
+//! | `lucid_atx470s` | LUCID Atlas10 ATX470S-M, Sony IMX492, 8288 × 5644 of 2.315 µm, 12 bit |
+//! LUCID Vision Labs, "EMVA 1288 Data" of the ATX470S-M |
 //!
 //! The FRAMOS figures come from a public transcription of that report (system gain, quantum
 //! efficiency, temporal dark noise, saturation capacity, DSNU, PRNU, black level), the LUCID ones

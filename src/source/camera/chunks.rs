@@ -114,8 +114,8 @@ mod tests {
         }
         let whole = seed("chunks");
         assert!(received::chunks(&whole));
-        // 64 bytes of pixels, two f64 and a chunk without bytes, each with its tag of 8: cut behind a
-        // tag, or behind an f64 that reads as the tag of an empty chunk, it is whole
+        // 64 bytes of pixels, two f64 and a chunk without bytes, each with its tag of 8: cut behind
+        // a tag, or behind an f64 that reads as the tag of an empty chunk, it is whole
         let refused = (1..whole.len()).filter(|cut| !received::chunks(&whole[..*cut])).count();
         assert!(refused > 100, "{refused} of {} cuts are refused", whole.len() - 1);
     }

@@ -3,15 +3,15 @@
 //!
 //! In: an IPv4 address, a serial number or a user-defined name; exposure and gain where they are
 //! to be set. Out: [`Camera`], a [`Producer`](super::live::Producer) of whole frames in the
-//! camera's own depth, with the device's and the host's time apart and the values of its chunks, and
-//! what a calibration of them is bound to (`binding`).
-//! `find` is discovery, `features` access by name, `guard` what alters grey values and is set off,
-//! refused and restored, `image` the seven pixel formats, `ids` block ids to numbers, `chunks` and
-//! `clock` what comes beside the pixels, `latched_angle` angles at mid-exposure, `watchdog` when a silent camera is asked; `session` joins
-//! them from opening to closing, `live_camera` opens again a camera that was away, `commanded` is a
-//! camera with a process behind it, commanded by its features and triggers; `listed` are cameras by
-//! network interface and `test_packet` whether their packets arrive. One more feature that
-//! alters grey values is a line in `guard`.
+//! camera's own depth, with the device's and the host's time apart and the values of its chunks,
+//! and what a calibration of them is bound to (`binding`). `find` is discovery, `features` access
+//! by name, `guard` what alters grey values and is set off, refused and restored, `image` the seven
+//! pixel formats, `ids` block ids to numbers, `chunks` and `clock` what comes beside the pixels,
+//! `latched_angle` angles at mid-exposure, `watchdog` when a silent camera is asked; `session`
+//! joins them from opening to closing, `live_camera` opens again a camera that was away,
+//! `commanded` is a camera with a process behind it, commanded by its features and triggers;
+//! `listed` are cameras by network interface and `test_packet` whether their packets arrive. One
+//! more feature that alters grey values is a line in `guard`.
 
 #![cfg_attr(
     not(feature = "cli"),

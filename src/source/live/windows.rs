@@ -3,7 +3,8 @@
 //!
 //! In: a producer of whole frames, and the windows. Out: a producer of frames that hold the upper
 //! window's rows and the lower one's beneath them. Both windows stand in the metadata
-//! ([`FrameMeta::second_roi`](crate::frame::FrameMeta)), by which a gauge puts the edges apart again.
+//! ([`FrameMeta::second_roi`](crate::frame::FrameMeta)), by which a gauge puts the edges apart
+//! again.
 
 use std::ops::Range;
 use std::str::FromStr;

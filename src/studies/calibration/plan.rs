@@ -18,8 +18,8 @@ use crate::source::Channel;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Position {
-    /// Folder or file with its frames, relative to the TOML file; none where frames are simulated or
-    /// taken with a camera (`source`).
+    /// Folder or file with its frames, relative to the TOML file; none where frames are simulated
+    /// or taken with a camera (`source`).
     pub frames: Option<PathBuf>,
     /// Distance of the pin's axis from the plane of the masters, towards the camera, mm: from the
     /// slide on which it lies.

@@ -10,7 +10,8 @@
 //! prediction), `motion` (in use) → `budget` (by its masters) → `figures`
 //! (all of one head) → `verdict`, `study`. `limb` is the edge of a round part before one
 //! head: what moves it, and by how much it differs from the masters'. A new figure is a
-//! file with a function of a [`HeadSetup`], a field of [`HeadFigures`] and a row in `report/head_rows.rs`.
+//! file with a function of a [`HeadSetup`], a field of [`HeadFigures`] and a row in
+//! `report/head_rows.rs`.
 
 mod bound;
 mod budget;

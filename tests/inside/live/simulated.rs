@@ -96,8 +96,8 @@ fn frames_are_accounted_for_in_flat_memory(frames: u64) {
         let (come, grown_mib) = through(frames, policy);
         println!("{policy:?}: {come} of {frames} frames, memory grew by {grown_mib:.2} MiB");
         assert!(policy != Policy::Block || come == frames);
-        // other tests run in this process meanwhile; a frame of 64 × 96 bytes that is kept would make
-        // 12 MiB of the sample, and 6 GiB of a million
+        // other tests run in this process meanwhile; a frame of 64 × 96 bytes that is kept would
+        // make 12 MiB of the sample, and 6 GiB of a million
         assert!(frames < 100_000 || grown_mib < 8.0, "{grown_mib} MiB");
     }
 }

@@ -39,7 +39,8 @@ fn calibrate(folder: &Path, config: &str, out: &str, more: &[&str]) -> std::proc
     shadowgauge(arguments)
 }
 
-/// The rows of the first pass of a run with a table: what the control subtracts and what is left, µm.
+/// The rows of the first pass of a run with a table: what the control subtracts and what is left,
+/// µm.
 fn rows(folder: &Path) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let job = config::load(&folder.join("run.toml")).unwrap();
     let rows = job.machine_rows(1).unwrap();

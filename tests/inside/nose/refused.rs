@@ -119,8 +119,8 @@ fn a_picture_made_smaller_is_measured_or_named_as_such() {
 
 #[test]
 fn an_edge_in_whose_calipers_no_blurred_edge_fits() {
-    // a stripe of reflected light along the second edge, 2 to 4 px inside the shadow: the contour of
-    // half the light is where it was, and the grey values across it are those of no lens
+    // a stripe of reflected light along the second edge, 2 to 4 px inside the shadow: the contour
+    // of half the light is where it was, and the grey values across it are those of no lens
     let (frame, truth) = render_insert(&insert(0), (1, 0), true).unwrap();
     let view = frame.view();
     let Pixels::U16(pixels) = view.pixels() else { panic!("a 12-bit frame") };

@@ -17,8 +17,8 @@ use crate::tool::{Compensated, Compensator, Setting, Stated, Way};
 /// Diameter of the drilled hole, mm.
 const HOLE_MM: f64 = 15.0;
 
-/// A bore from Z 20 to 52 in a hole of 15 mm: Ø16, a cone of 14° with a concave R2 before it, Ø20, a
-/// convex R1.5 on a face, a concave R1.5 on Ø26; for the other feed mirrored.
+/// A bore from Z 20 to 52 in a hole of 15 mm: Ø16, a cone of 14° with a concave R2 before it, Ø20,
+/// a convex R1.5 on a face, a concave R1.5 on Ø26; for the other feed mirrored.
 fn bore(feed: Feed) -> Outline {
     let corners = [
         corner(20.0, 26.0, 0.0),
@@ -151,7 +151,8 @@ fn the_tool_goes_in_along_the_axis_and_out_along_z() {
             let (all, others) = text.rsplit_once(last[1]).unwrap();
             let replay = |text: &str| program(c, &done, &settings, |p| p.replay_of(text, Dialect::Linuxcnc));
             assert!(replay(&text).unwrap() > 20);
-            // without the way back to the axis the rapid out runs through what stands around the hole
+            // without the way back to the axis the rapid out runs through what stands around the
+            // hole
             let refused =
                 replay(&format!("{}{others}", all.trim_end_matches("G01 "))).unwrap_err().to_string();
             assert!(refused.contains("in rapid the tool"), "{refused}");

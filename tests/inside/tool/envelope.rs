@@ -49,8 +49,8 @@ fn places(piece: &Piece, middle: f64, reach: f64, of: impl Fn(f64) -> DVec2) -> 
     (-HALF..=HALF).map(at).map(|s| piece.at(s) + of(piece.angle_at(s))).collect()
 }
 
-/// Largest distance of e(a) from the envelope over an outline, mm. Of a flat nose 45° on the arcs is
-/// left out: there the flat touches with its two corners, and e has a kink.
+/// Largest distance of e(a) from the envelope over an outline, mm. Of a flat nose 45° on the arcs
+/// is left out: there the flat touches with its two corners, and e has a kink.
 fn away(setting: &Setting<'_>, part: &Outline, register: f64, flat: bool) -> f64 {
     let edge = edge(setting.nose);
     let (sx, sz) = setting.tip.signs();

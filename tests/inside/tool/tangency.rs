@@ -26,7 +26,8 @@ fn outline(side: Side, feed: Feed, convex: bool) -> Outline {
     turned(&corners, (side, feed), 60.0)
 }
 
-/// Angles between consecutive elements, rad: by the normals' angles and by the ends' own directions.
+/// Angles between consecutive elements, rad: by the normals' angles and by the ends' own
+/// directions.
 fn turns(elements: &[Element]) -> Vec<f64> {
     let ahead = |p: &Piece, a: f64| {
         let along = DVec2::from_angle(a).perp();
@@ -40,8 +41,8 @@ fn turns(elements: &[Element]) -> Vec<f64> {
     elements.windows(2).map(between).collect()
 }
 
-/// Directions at both ends of every block in feed that is part of the contour: chords of an arc turn
-/// by equal angles, so that its end lies half a turn of a chord beyond the last one.
+/// Directions at both ends of every block in feed that is part of the contour: chords of an arc
+/// turn by equal angles, so that its end lies half a turn of a chord beyond the last one.
 fn driven(text: &str, settings: &NcSettings, dialect: Dialect) -> Vec<(DVec2, DVec2, f64)> {
     let events = replay::run(text, &control(settings, dialect)).unwrap();
     let mut blocks: Vec<(usize, Vec<DVec2>)> = Vec::new();
@@ -90,7 +91,8 @@ fn with_program<T>(
     })
 }
 
-/// Runs `with` on line, arc and line, convex and concave, both sides and feeds: arcs of both senses.
+/// Runs `with` on line, arc and line, convex and concave, both sides and feeds: arcs of both
+/// senses.
 fn each(with: impl Fn(&Compensator<'_>, Feed, &str)) {
     let (whole, papers) = (shaft(), papers());
     for (side, feed) in TURNED {
@@ -128,9 +130,9 @@ fn every_way_keeps_tangents() {
     assert!(worst > 0.4, "{worst}");
 }
 
-/// In a text ends and radii are rounded, by half an increment δ each (X on the diameter): both ends of
-/// an element of the length l move by .56 δ at most, its chord turns by 1.1 δ/l, and a quarter of a
-/// circle's ends against the chord by 1.6 δ/l; two elements meet within 6 δ/l.
+/// In a text ends and radii are rounded, by half an increment δ each (X on the diameter): both ends
+/// of an element of the length l move by .56 δ at most, its chord turns by 1.1 δ/l, and a quarter
+/// of a circle's ends against the chord by 1.6 δ/l; two elements meet within 6 δ/l.
 #[test]
 fn every_dialect_drives_tangents_as_far_as_it_resolves_them() {
     let bar = BoringBar { diameter_mm: 4.0, tip_mm: 12.0, reach_mm: 45.0, front_mm: 0.5 };

@@ -229,7 +229,7 @@ impl Line {
 }
 
 /// The cubic in D^⅓ through points by least squares; about their middle first, where powers of a
-/// narrow range are told apart by the arithmetic.
+/// narrow range are separated by the arithmetic.
 fn cubic(points: &[(f64, f64)]) -> [f64; 4] {
     let roots: Vec<f64> = points.iter().map(|p| p.0.cbrt()).collect();
     let (low, high) = roots.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), x| (l.min(*x), h.max(*x)));

@@ -86,7 +86,8 @@ fn each_error_alone_comes_back_with_its_sign() {
         let true_at = |p: f64| scale * own.value(name, [p, p], &Conditions::default());
         let count = error.position_mm.len();
         let [low, middle, high] = [0, count / 2, count - 1].map(|k| (error.position_mm[k], error.value[k]));
-        // offsets and, of a straightness, slopes are conventions: the second difference, or the rise
+        // offsets and, of a straightness, slopes are conventions: the second difference, or the
+        // rise
         let bends = |v: [f64; 3]| v[0] - 2.0 * v[1] + v[2];
         let rise = |v: [f64; 3]| v[2] - v[0];
         let (truth, own) =
