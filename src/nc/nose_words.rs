@@ -6,8 +6,8 @@
 //! - LinuxCNC: G41.1 and G42.1 take the diameter and the tip direction with them and leave the tool
 //!   table alone.
 //! - GSK 980TDi: no word for it is known that holds on every version, so the program states what
-//! must stand on the tool's page: R, the tip direction (T), no wear. Its compensation starts and
-//! ends in G00 or G01, never on an arc. After the maker's manual, not checked on a control.
+//!   must stand on the tool's page: R, the tip direction (T), no wear. Its compensation starts and
+//!   ends in G00 or G01, never on an arc. After the maker's manual, not checked on a control.
 //! - SINUMERIK: position, radius and wear of the radius of the cutting edge stand in `$TC_DP2`,
 //!   `$TC_DP6` and `$TC_DP15` of tool and edge; they act from the next call of the tool on. `NORM`
 //!   begins and ends at right angles, `G451` extends the offset lines at outer corners to where
