@@ -87,6 +87,8 @@ fn unknown(span: &str) -> Option<String> {
             names.iter().map(|name| command.find_subcommand(name).cloned()).collect::<Option<Vec<_>>>();
         match below {
             Some(commands) => command = commands.into_iter().next()?,
+            // `calibrate` takes a file in a command's place
+            None if command.get_positionals().next().is_some() => break,
             None if span.starts_with("shadowgauge ") && !name.starts_with('-') => {
                 return Some(format!("`{span}`"));
             }

@@ -71,12 +71,16 @@ pub(crate) fn measure_paper_nose(
     let image = edge_image(view)?;
     let pixels = places(&image);
     let found = segments(&image);
-    let (first, second, apex) = edges(&found, settings.epsilon_deg).ok_or(NoseImageError::NoNose {
-        found: found.len(),
-        least: NoseLimits::get().least_edge_px,
-        low: settings.epsilon_deg - limits.angle_deg,
-        high: settings.epsilon_deg + limits.angle_deg,
-    })?;
+    // on the nose a region of directions within ±τ has a chord of 2·R·sin τ at most
+    let chord_px = 2.0 * settings.nominal_radius_px * limits.tolerance_deg.to_radians().sin();
+    let least_px = NoseLimits::get().least_edge_px.max(chord_px);
+    let (first, second, apex) =
+        edges(&found, settings.epsilon_deg, least_px).ok_or(NoseImageError::NoNose {
+            found: found.len(),
+            least: least_px,
+            low: settings.epsilon_deg - limits.angle_deg,
+            high: settings.epsilon_deg + limits.angle_deg,
+        })?;
     let mut lines = [first, second].map(|s| EdgeOfPaper::new(&s, apex, &pixels));
     let found_angle_deg = included_deg(&lines);
     force(&mut lines, settings.epsilon_deg);
@@ -103,9 +107,10 @@ pub(crate) fn measure_paper_nose(
     })
 }
 
-/// The two longest segments that enclose about the insert's angle, and where they meet.
-fn edges(found: &[Segment], epsilon_deg: f64) -> Option<(Segment, Segment, DVec2)> {
-    let (least, limits) = (NoseLimits::get().least_edge_px, PaperNoseLimits::get());
+/// The two longest segments, of `least` px at least, that enclose about the insert's angle, and
+/// where they meet.
+fn edges(found: &[Segment], epsilon_deg: f64, least: f64) -> Option<(Segment, Segment, DVec2)> {
+    let limits = PaperNoseLimits::get();
     let long: Vec<Segment> =
         found.iter().copied().filter(|s| s.length() >= least).take(limits.longest).collect();
     let mut best: Option<(f64, (Segment, Segment, DVec2))> = None;
