@@ -5,8 +5,8 @@
 //! (`study optics`) and a [`Comparison`] with the table that a gauge corrects by (`optics limb`).
 //!
 //! `shift` fits the gauge's edge to the image of a limb; `comparison` takes the masters' line off
-//! and gives each cause its limits; `effects` varies one quantity at a time, `advice` states what of
-//! it a buyer of a lens can choose.
+//! and gives each cause its limits; `effects` varies one quantity at a time, `advice` states what
+//! of it a buyer of a lens can choose.
 
 mod advice;
 mod comparison;
