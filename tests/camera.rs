@@ -266,7 +266,7 @@ fn a_calibration_with_the_head_is_that_of_the_same_frames_in_files() {
     assert_eq!(live, recorded);
     assert_eq!((&camera["serial_number"], &camera["gain_db"]), (&"SG-5".into(), &0.0.into()), "{camera}");
     assert_eq!(camera["window"]["columns"], 512, "{camera}");
-    let flats = "[fields]\nflats = [{ exposure = 0.5 }, { exposure = 0.375 }, { exposure = 0.25 }]\n";
+    let flats = "[fields]\nflats = [{ exposure = 0.25 }, { exposure = 0.4 }, { exposure = 0.6 }, { exposure = 1.0 }]\n";
     let simulate = format!("{flats}[simulate]\nconfig = \"job.toml\"\nframes_each = 2\n");
     let (_, rendered) = calibrated(folder, "rendered", &plan("", ["", ""], &simulate));
     let (_, live) = calibrated(folder, "fields", &plan(&source, ["", ""], flats));
