@@ -1,0 +1,5 @@
+//! Models of turned parts: what is read of good ones, and how bad ones are refused.
+
+mod accuracy;
+mod body;
+mod faults;
