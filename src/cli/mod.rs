@@ -103,8 +103,8 @@ commands! {
     /// A paper's figures beside ours.
     #[command(subcommand)]
     Reproduce(reproduce::Paper) => reproduce::run,
-    /// Write the offsets of a run as an NC program.
-    Nc(nc::NcArgs) => nc::run,
+    /// Write the offsets of a run, or a model of a part, as an NC program.
+    Nc(Box<nc::NcArgs>) => nc::run,
     /// The nose of a turning tool, and what it does to a part.
     #[command(subcommand)]
     Tool(tool::ToolCommand) => tool::run,

@@ -28,6 +28,17 @@ pub(crate) enum PartProgramError {
         /// Z to which the grip reaches, mm.
         least_mm: f64,
     },
+    /// An outline that is no row of corners.
+    #[error(
+        "at Z {z_mm:.3} mm: {why}; [shaft] contour takes lines, and arcs tangent to a line on both sides. `nc` writes a \
+         program of this part all the same"
+    )]
+    NoCorners {
+        /// Where, mm.
+        z_mm: f64,
+        /// Why.
+        why: &'static str,
+    },
     /// The bar is cut below the part.
     #[error("the program would cut {depth_mm:.4} mm of radius into the part at Z {z_mm:.3} mm")]
     Gouge {

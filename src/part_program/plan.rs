@@ -209,6 +209,8 @@ fn no_nose(cause: crate::nose::NoseError) -> PartProgramError {
 /// A round nose of the nominal radius over the normals that the tool can cut, about its centre.
 fn round(geometry: &ToolGeometry) -> Result<NoseProfile, PartProgramError> {
     let (low, high) = geometry.range_rad();
+    // where X and Z are touched as well: a nominal nose is round there too
+    let (low, high) = (low.min(0.0), high.max(std::f64::consts::FRAC_PI_2));
     let steps = ((high - low).to_degrees() / ROUND_STEP_DEG).ceil().max(2.0) as usize;
     let support = |k: usize| Support {
         a_rad: low + (high - low) * k as f64 / steps as f64,

@@ -15,12 +15,24 @@ pub(super) struct Contour {
     pub(super) departure_mm: f64,
 }
 
+/// Distance from a line or an arc that passes as noise, in units of the largest found about the turns,
+/// which are means of many vertices.
+const NOISE_FACTOR: f64 = 4.0;
+/// Noise of a file in which none was found, mm: single precision of 10 mm.
+const LEAST_NOISE_MM: f64 = 1e-6;
 /// Length below which a piece is none, mm.
 const NO_LENGTH_MM: f64 = 1e-7;
 
-/// The outline through the points of an outside, within `tolerance_mm`.
-pub(super) fn through(points: &[DVec2], tolerance_mm: f64) -> Contour {
-    let segments = segments::of(points, tolerance_mm);
+/// The outline through the points of an outside, within `tolerance_mm`; `noise_mm` is how far they
+/// lie beside it by the file's digits.
+///
+/// Lines and arcs of a drawing pass their points within the noise. Only where the tolerance needs
+/// fewer than half as many pieces, on a curve that is neither, is it used.
+pub(super) fn through(points: &[DVec2], (tolerance_mm, noise_mm): (f64, f64)) -> Contour {
+    let exact_mm = tolerance_mm.min(NOISE_FACTOR * noise_mm.max(LEAST_NOISE_MM));
+    let (exact, rough) = (segments::of(points, exact_mm), segments::of(points, tolerance_mm));
+    let (segments, tolerance_mm) =
+        if 2 * rough.len() < exact.len() { (rough, tolerance_mm) } else { (exact, exact_mm) };
     let (carriers, tangent) = carriers::fitted(points, &segments, tolerance_mm);
     let mut joints = vec![onto(&carriers[0], points[0])];
     for i in 1..segments.len() {

@@ -35,6 +35,10 @@ pub(super) struct Outside {
 /// Distance in Z of turns that lie in one end face, mm: a tenth of a control's increment.
 const SAME_MM: f64 = 1e-4;
 
+/// Share of the length by which the middle of the material must lie beyond that of the part for its
+/// half to count as the heavier one: a plain bar stays as it points.
+const EVEN_SHARE: f64 = 1e-6;
+
 /// The outside of a profile; its heavier half comes to the chuck, or with `turn_round` the other.
 pub(super) fn of(profile: &Profile, turn_round: bool) -> Outside {
     let nodes = if profile.is_loop { unrolled(&profile.nodes) } else { profile.nodes.clone() };
@@ -43,7 +47,8 @@ pub(super) fn of(profile: &Profile, turn_round: bool) -> Outside {
     let is_at = |n: &Node, z: f64| (n.z - z).abs() < SAME_MM;
     let first = nodes.iter().position(|n| is_at(n, low)).unwrap_or(0);
     let last = nodes.iter().rposition(|n| is_at(n, high)).unwrap_or(nodes.len().saturating_sub(1));
-    let is_turned_round = turn_round != (balance(&nodes[first..=last.max(first)]) > 0.5 * (low + high));
+    let middle = 0.5 * (low + high) + EVEN_SHARE * (high - low);
+    let is_turned_round = turn_round != (balance(&nodes[first..=last.max(first)]) > middle);
     let zero_z = if is_turned_round { high } else { low };
     let along = |z: f64| if is_turned_round { zero_z - z } else { z - zero_z };
     let mut points: Vec<DVec2> =

@@ -61,11 +61,12 @@ pub(crate) fn read_part(bytes: &[u8], settings: &ReadSettings) -> Result<TurnedP
     let points = axis::surface_points(&mesh);
     let first = pointed(axis::of_normals(&points, mesh.size_mm)?);
     let axis = ring_fit::refined(&mesh, first);
+    // first of all: facets of another unit look too coarse
+    fits_the_bar(&mesh, &axis, settings)?;
     let turns = turns::of(&mesh, &axis, &points)?;
     let profile = meridian::profile(&mesh, &axis, &turns)?;
-    fits_the_bar(&profile.nodes, settings)?;
     let outside = outside::of(&profile, settings.turn_round);
-    let contour = contour::through(&outside.points, settings.tolerance_mm);
+    let contour = contour::through(&outside.points, (settings.tolerance_mm, turns.scatter_mm));
     let direction = if outside.is_turned_round { -axis.direction } else { axis.direction };
     Ok(TurnedPart {
         length_mm: contour.outline.z_mm().1,
@@ -88,11 +89,12 @@ fn pointed(axis: Axis) -> Axis {
 }
 
 /// Refuses a part that is thicker than its bar, or so thin that another unit is meant.
-fn fits_the_bar(nodes: &[turns::Node], settings: &ReadSettings) -> Result<(), ModelFault> {
-    let Some(widest) = nodes.iter().max_by(|a, b| a.r.total_cmp(&b.r)) else {
-        return Err(ModelFault::whole(FaultKind::Empty, "a model without a profile"));
+fn fits_the_bar(mesh: &Mesh, axis: &Axis, settings: &ReadSettings) -> Result<(), ModelFault> {
+    let radius = |at: &DVec3| axis.meridian(*at).1;
+    let Some(at) = mesh.vertices.iter().copied().max_by(|a, b| radius(a).total_cmp(&radius(b))) else {
+        return Err(ModelFault::whole(FaultKind::Empty, "a model without a vertex"));
     };
-    let (diameter, stock) = (2.0 * widest.r, settings.stock_mm);
+    let (diameter, stock) = (2.0 * radius(&at), settings.stock_mm);
     // single precision must not refuse a part that is as thick as its bar
     let fits = |d: f64| d <= stock + settings.tolerance_mm && d >= LEAST_SHARE * stock;
     if fits(diameter) {
@@ -107,6 +109,5 @@ fn fits_the_bar(nodes: &[turns::Node], settings: &ReadSettings) -> Result<(), Mo
         settings.unit.as_str(),
         LEAST_SHARE * stock
     );
-    let at: DVec3 = widest.at;
     Err(ModelFault::at(FaultKind::Unit, at, why))
 }

@@ -2,7 +2,8 @@
 //!
 //! Points of an arc lie on one circle at equal angles, as exporters divide it, or are six at least.
 //! Four corners of a trapezoid lie on a circle as well: steps of an arc turn by 31° at most. Three
-//! points are an arc only where their circle is tangent to the lines on both sides.
+//! points are an arc only where their circle is tangent to the lines on both sides. A line ends where
+//! an arc begins, although the first points of a fine arc lie on the line within any tolerance.
 
 use glam::DVec2;
 
@@ -25,6 +26,8 @@ const MOST_SINGLE_RAD: f64 = 61.0 * std::f64::consts::PI / 180.0;
 const UNEVEN: f64 = 0.01;
 /// Points from which an arc may have uneven chords.
 const MANY: usize = 6;
+/// Sagitta from which points are an arc and no line, in units of the tolerance.
+const LEAST_SAGITTA: f64 = 4.0;
 /// Angle between a circle and the line beside it that are tangent, rad: 0.1 µm on 1 mm.
 pub(super) const TANGENT_RAD: f64 = 1e-4;
 
@@ -44,7 +47,12 @@ pub(super) fn of(points: &[DVec2], tolerance_mm: f64) -> Vec<Segment> {
 
 fn longest_line(points: &[DVec2], first: usize, tolerance_mm: f64) -> Segment {
     let mut last = first + 1;
-    while last + 1 < points.len() && is_line(&points[first..=last + 1], tolerance_mm) {
+    let goes_on = |last: usize| {
+        last + 1 < points.len()
+            && is_line(&points[first..=last + 1], tolerance_mm)
+            && longest_arc(points, last, tolerance_mm).is_none()
+    };
+    while goes_on(last) {
         last += 1;
     }
     Segment { first, last, is_arc: false }
@@ -60,11 +68,26 @@ fn is_line(points: &[DVec2], tolerance_mm: f64) -> bool {
 fn longest_arc(points: &[DVec2], first: usize, tolerance_mm: f64) -> Option<Segment> {
     let mut found = tangent_three(points, first).then_some(first + 2);
     let mut last = first + 3;
-    while last < points.len() && is_arc(&points[first..=last], tolerance_mm) {
-        found = Some(last);
+    // of a fine arc the first points are a line yet: more of them decide
+    while last < points.len() && (is_arc(&points[first..=last], tolerance_mm) || found.is_none() && bends(points, first, last)) {
+        if is_arc(&points[first..=last], tolerance_mm) {
+            found = Some(last);
+        }
         last += 1;
     }
     found.map(|last| Segment { first, last, is_arc: true })
+}
+
+/// Whether points go on bending to one side in equal steps, as those of an arc do.
+fn bends(points: &[DVec2], first: usize, last: usize) -> bool {
+    let chord = |i: usize| points[i + 1] - points[i];
+    let turn = |i: usize| chord(i).angle_to(chord(i + 1));
+    let (start, now) = (turn(first), turn(last - 2));
+    let lengths = (chord(first).length(), chord(last - 1).length());
+    start * now > 0.0
+        && (now - start).abs() < 0.5 * start.abs()
+        && (lengths.0 - lengths.1).abs() < UNEVEN * lengths.0
+        && now.abs() <= MOST_STEP_RAD
 }
 
 /// Centre and radius of the circle through three points.
@@ -85,6 +108,12 @@ fn is_arc(points: &[DVec2], tolerance_mm: f64) -> bool {
     let turns = || chords.windows(2).map(|w| w[0].angle_to(w[1]));
     let sense = turns().next().unwrap_or(0.0).signum();
     if !turns().all(|turn| turn * sense > 0.0 && turn.abs() <= MOST_STEP_RAD) {
+        return false;
+    }
+    // digits of a file bend a line of many turns as well
+    let along = (points[last] - points[0]).normalize_or_zero();
+    let sagitta = points.iter().map(|p| along.perp_dot(*p - points[0]).abs()).fold(0.0, f64::max);
+    if sagitta < LEAST_SAGITTA * tolerance_mm {
         return false;
     }
     let (least, most) = chords

@@ -1,15 +1,17 @@
 //! `shadowgauge nc`: the offsets of a run, or of the next part, as an NC program.
 //!
-//! In: a run folder, or a job with the state of its offsets (`from_state`). Out: a program that has
-//! passed its replay, an air cut of it, or the list of a dry run.
+//! In: a run folder, a job with the state of its offsets (`from_state`), or a model of a part
+//! (`model`). Out: a program that has passed its replay, an air cut of it, or the list of a dry run.
 
 mod from_state;
+mod model;
 mod pass;
 
 use std::path::{Path, PathBuf};
 
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
+use crate::cli::run::model::{ModelArgs, is_model};
 use crate::config;
 use crate::files::OutputFile;
 use crate::job::Job;
@@ -39,7 +41,8 @@ enum Form {
 /// Arguments of `nc`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct NcArgs {
-    /// A run folder; with --state the job (TOML).
+    /// A run folder; with --state the job (TOML); or a model of a part (.stl), which is cut from the
+    /// bar.
     run: PathBuf,
     /// fanuc, linuxcnc, gsk or sinumerik.
     #[arg(long, value_parser = dialect)]
@@ -78,6 +81,10 @@ pub(crate) struct NcArgs {
     /// Write into this file instead of to stdout.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
+    bar: model::BarArgs,
 }
 
 /// Largest residual of the offsets from a line, mm of diameter: half a micrometre.
@@ -93,6 +100,12 @@ fn dialect(word: &str) -> Result<Dialect, String> {
 /// Exit 2 for a pass, a machine file or offsets that are refused, 3 for a run folder that cannot be
 /// read.
 pub(crate) fn run(args: &NcArgs) -> CommandResult {
+    if is_model(&args.run) {
+        let (text, inputs) = model::program(args)?;
+        return put(args, &text, inputs);
+    }
+    args.model.only_for_models(&args.run)?;
+    args.bar.only_for_models(&args.run)?;
     let source = match &args.state {
         Some(state) => of_state(args, state)?,
         None => of_run(args)?,
@@ -110,6 +123,11 @@ pub(crate) fn run(args: &NcArgs) -> CommandResult {
         Form::Probing => probing(args, &job, &settings, &pass?)?,
         Form::Qualify => qualify(args, &settings)?,
     };
+    put(args, &text, inputs)
+}
+
+/// The program into its file, or to stdout.
+fn put(args: &NcArgs, text: &str, inputs: Vec<PathBuf>) -> CommandResult {
     match &args.out {
         Some(path) => {
             OutputFile::claim(path, inputs)?.write(text.as_bytes())?;

@@ -35,7 +35,7 @@ fn read(bytes: &[u8]) -> TurnedPart {
 fn the_papers_parts_are_read_to_a_tenth_of_a_micrometre_coarse_and_fine() {
     for number in 1..=4 {
         let right = outline(&papers_part(number));
-        for (step_deg, n) in [(30.0, 24), (15.0, 48), (2.0, 180)] {
+        for (step_deg, n) in [(30.0, 24), (15.0, 48), (0.3, 180)] {
             let made = Body::turned(&profile(&right, step_deg), n).triangles();
             let (turn, shift) = pose();
             let triangles = placed(&made, (turn, shift));
@@ -141,4 +141,53 @@ fn the_heavier_half_comes_to_the_chuck() {
         let other = read_part(&bytes, &ReadSettings { turn_round: true, ..SETTINGS }).unwrap();
         assert!((2.0 * other.outline.pieces[0].to.x - 20.0).abs() < 1e-4);
     }
+}
+
+/// Turns along a cylinder and a cone, as meshers put them there, are lines; an ellipse becomes arcs
+/// within the tolerance.
+#[test]
+fn turns_along_lines_are_lines_and_a_curve_keeps_to_its_tolerance() {
+    let mut points = vec![DVec2::ZERO];
+    points.extend((0..=200).map(|k| DVec2::new(15.0, 0.2 * f64::from(k))));
+    points.extend((1..=100).map(|k| DVec2::new(15.0 - 0.05 * f64::from(k), 40.0 + 0.2 * f64::from(k))));
+    points.push(DVec2::new(0.0, 60.0));
+    let part = read(&binary(&placed(&Body::turned(&points, 40).triangles(), pose())));
+    assert_eq!(part.outline.pieces.len(), 4, "{:?}", part.outline.pieces);
+    let ellipse = |k: u32| {
+        let t = std::f64::consts::FRAC_PI_2 * f64::from(k) / 200.0;
+        if k == 200 { DVec2::new(0.0, 30.0) } else { DVec2::new(15.0 * t.cos(), 5.0 + 25.0 * t.sin()) }
+    };
+    let points: Vec<DVec2> = [DVec2::ZERO, DVec2::new(15.0, 0.0)].into_iter().chain((0..=200).map(ellipse)).collect();
+    let bytes = binary(&Body::turned(&points, 60).triangles());
+    let counts = [2e-3, 2e-2].map(|tolerance_mm| {
+        let part = read_part(&bytes, &ReadSettings { tolerance_mm, ..SETTINGS }).unwrap();
+        assert!(part.departure_mm <= 2.0 * tolerance_mm, "{}", part.departure_mm);
+        part.outline.pieces.len()
+    });
+    println!("pieces of an ellipse: {counts:?}");
+    assert!(counts[0] < 60 && counts[1] < counts[0]);
+}
+
+/// A ball is turned about the axis of its vertices: one arc.
+#[test]
+fn a_ball_is_one_arc() {
+    let at = |k: u32| {
+        let a = std::f64::consts::PI * f64::from(k) / 24.0;
+        DVec2::new(if k % 24 == 0 { 0.0 } else { 15.0 * a.sin() }, 15.0 - 15.0 * a.cos())
+    };
+    let part = read(&binary(&placed(&Body::turned(&(0..=24).map(at).collect::<Vec<_>>(), 48).triangles(), pose())));
+    let [piece] = part.outline.pieces[..] else { panic!("{:?}", part.outline) };
+    assert!((piece.arc.unwrap().radius_mm - 15.0).abs() < 1e-4);
+}
+
+/// A million facets within the second that the design allows; `--nocapture` prints the time.
+#[test]
+#[ignore = "a second of work, more on a busy machine: run by name"]
+fn a_million_facets_are_read() {
+    let right = outline(&papers_part(3));
+    let bytes = binary(&placed(&Body::turned(&profile(&right, 0.4), 1100).triangles(), pose()));
+    let start = std::time::Instant::now();
+    let part = read(&bytes);
+    println!("{} facets: {:.2} s", part.facets, start.elapsed().as_secs_f64());
+    assert!(part.facets > 900_000 && ends_apart_um(&part.outline, &right) < 0.1);
 }

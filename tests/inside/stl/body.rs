@@ -37,7 +37,6 @@ pub fn papers_part(number: usize) -> Vec<ContourPoint> {
             corner(12.0, 30.0, 0.0),
             corner(12.0, 24.0, 2.0),
             corner(20.0, 24.0, 5.0),
-            corner(20.0, 10.0, 0.0),
         ],
         _ => vec![corner(0.0, 30.0, 0.0), corner(12.0, 30.0, 0.0)],
     };

@@ -3,3 +3,4 @@
 mod accuracy;
 mod body;
 mod faults;
+mod program;
