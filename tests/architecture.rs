@@ -20,7 +20,15 @@ const VOCABULARY: [&str; 10] =
 const STAGES: [&str; 10] =
     ["process", "render", "gauge", "probe", "control", "source", "nc", "stl", "tool", "machine"];
 const COMPOSITION: [&str; 9] = [
-    "measurement", "truth", "identification", "job", "cell", "closed_loop", "part_offsets", "part_program", "studies",
+    "measurement",
+    "truth",
+    "identification",
+    "job",
+    "cell",
+    "closed_loop",
+    "part_offsets",
+    "part_program",
+    "studies",
 ];
 const SURFACE: [&str; 7] = ["files", "config", "run_folder", "report", "publish", "cli", "main"];
 /// The instrument must not import the simulation or the truth.

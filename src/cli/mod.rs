@@ -78,7 +78,7 @@ commands! {
     /// The main job with the built-in preset: cut, render, measure, correct, cut again.
     Demo(demo::DemoArgs) => demo::run,
     /// Run a config's job: pass after pass into a run folder, with a report.
-    Run(run::RunArgs) => run::run,
+    Run(Box<run::RunArgs>) => run::run,
     /// Render shadowgraph frames of a config's shaft with their truth.
     Render(render::RenderArgs) => render::run,
     /// Publish the head of a config as a GigE Vision camera.

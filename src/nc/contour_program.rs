@@ -165,7 +165,10 @@ impl ContourProgram<'_> {
             Some(bore) => texts.extend(bore.words(s)),
             None => texts.push(match roughing {
                 None => {
-                    format!("finishing cut in a bar of {} mm, roughed to the contour", number(self.piece.before_mm, 3))
+                    format!(
+                        "finishing cut in a bar of {} mm, roughed to the contour",
+                        number(self.piece.before_mm, 3)
+                    )
                 }
                 Some(roughing) => roughing.about(self.piece),
             }),

@@ -48,7 +48,11 @@ impl ContourProgram<'_> {
     /// # Errors
     /// As [`ContourProgram::write`]; a rapid that touches the bar as it stands, a cut that is too
     /// deep.
-    pub(crate) fn write_from_bar(&self, dialect: Dialect, roughing: &Roughing<'_>) -> Result<FromBar, NcError> {
+    pub(crate) fn write_from_bar(
+        &self,
+        dialect: Dialect,
+        roughing: &Roughing<'_>,
+    ) -> Result<FromBar, NcError> {
         let (text, skeleton) = self.text(dialect, Some(roughing))?;
         let space = self.working_space(&skeleton)?;
         replay::check(&text, &space)?;
@@ -58,12 +62,14 @@ impl ContourProgram<'_> {
             text: text.lines().nth(block.saturating_sub(1)).unwrap_or_default().trim().to_owned(),
             what,
         };
-        let events = replay::run(&text, &space.control(start)).map_err(|(block, what)| refused(block, what))?;
+        let events =
+            replay::run(&text, &space.control(start)).map_err(|(block, what)| refused(block, what))?;
         let along = dialect.comment(ALONG);
         let levels_end = text.lines().position(|line| line == along).unwrap_or(0);
         let rough_end = self.head(&skeleton, Some(roughing)).len() + self.roughing(&skeleton, roughing).len();
         let from = self.pieces.first().map_or(0.0, |p| p.from.y.min(p.to.y));
-        let mut left = TurnedStock::bar((from.min(0.0), self.piece.length_mm), 0.5 * self.piece.before_mm, STEP_MM);
+        let mut left =
+            TurnedStock::bar((from.min(0.0), self.piece.length_mm), 0.5 * self.piece.before_mm, STEP_MM);
         let mut moves = Vec::new();
         let plane = |p: replay::Point| DVec2::new(0.5 * p.x, p.z);
         for event in &events {
@@ -71,14 +77,18 @@ impl ContourProgram<'_> {
             let tool = &space.tool[0];
             if rapid {
                 if let Some((depth, z)) = left.touched(tool, from, to) {
-                    let what = format!("a rapid passes {depth:.3} mm inside of the bar as it stands, at Z {z:.2}");
+                    let what =
+                        format!("a rapid passes {depth:.3} mm inside of the bar as it stands, at Z {z:.2}");
                     return Err(refused(event.block, what));
                 }
             } else {
                 let deepest = left.cut(tool, from, to);
                 let is_level = event.block <= levels_end && from.x == to.x;
-                if let Some((depth, z)) = deepest.filter(|(d, _)| is_level && *d > roughing.depth_mm * (1.0 + DEEPER)) {
-                    let what = format!("a cut along Z is {depth:.3} mm deep at Z {z:.2}, not {}", roughing.depth_mm);
+                if let Some((depth, z)) =
+                    deepest.filter(|(d, _)| is_level && *d > roughing.depth_mm * (1.0 + DEEPER))
+                {
+                    let what =
+                        format!("a cut along Z is {depth:.3} mm deep at Z {z:.2}, not {}", roughing.depth_mm);
                     return Err(refused(event.block, what));
                 }
             }

@@ -79,7 +79,7 @@ pub(crate) use nose_words::NoseRegister;
 pub(crate) use path::{Path, dry_run};
 pub(crate) use probing_program::ProbingProgram;
 pub(crate) use qualification::Qualification;
-pub(crate) use roughing::{Level, Roughing};
+pub(crate) use roughing::Roughing;
 pub(crate) use route::Workpiece;
 pub(crate) use scan_program::{ScanProgram, stop_list};
 pub(crate) use turning::{TurningProgram, Written};

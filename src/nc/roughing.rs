@@ -106,7 +106,10 @@ impl Roughing<'_> {
     /// The cuts on the radius `x_mm`; the bar is cut to `above_mm` before.
     fn on_radius(&self, corners: &[DVec2], x_mm: f64, above_mm: f64) -> Vec<Level> {
         let mut levels = Vec::new();
-        let mut open = corners.first().is_some_and(|c| c.x <= x_mm).then(|| (Vec::new(), self.face_mm() + self.facing_mm));
+        let mut open = corners
+            .first()
+            .is_some_and(|c| c.x <= x_mm)
+            .then(|| (Vec::new(), self.face_mm() + self.facing_mm));
         for (i, pair) in corners.windows(2).enumerate() {
             let (a, b) = (pair[0], pair[1]);
             if (a.x <= x_mm) == (b.x <= x_mm) {
@@ -114,7 +117,9 @@ impl Roughing<'_> {
             }
             let z = a.y + (b.y - a.y) * (x_mm - a.x) / (b.x - a.x);
             match open.take() {
-                Some((entry, from)) if from - z > SHORT_MM => levels.push(Level { entry, x_mm, z_mm: (from, z) }),
+                Some((entry, from)) if from - z > SHORT_MM => {
+                    levels.push(Level { entry, x_mm, z_mm: (from, z) })
+                }
                 Some(_) => {}
                 None => open = Some((down(corners, i, DVec2::new(x_mm, z), above_mm), z)),
             }
@@ -161,7 +166,8 @@ impl Roughing<'_> {
     /// The cut that leaves the allowance everywhere.
     fn along_the_boundary(&self, d: Dialect, (clear, first_mm): (f64, f64), feed: &str) -> Vec<String> {
         let corners = self.corners();
-        let word = |at: DVec2| format!("{} {}", d.axis('X', &number(2.0 * at.x, 3)), d.axis('Z', &number(at.y, 3)));
+        let word =
+            |at: DVec2| format!("{} {}", d.axis('X', &number(2.0 * at.x, 3)), d.axis('Z', &number(at.y, 3)));
         let Some(first) = corners.first() else { return Vec::new() };
         let mut lines = vec![d.comment(ALONG)];
         lines.push(format!("G00 {}", d.axis('Z', &number(first_mm, 3))));

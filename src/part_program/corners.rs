@@ -24,7 +24,8 @@ const DIGITS: f64 = 1e7;
 /// has no word for them.
 pub(crate) fn shaft_corners(outline: &Outline) -> Result<Vec<ContourPoint>, PartProgramError> {
     let pieces = &outline.pieces;
-    let is_face = |p: &Piece| p.arc.is_none() && (p.from_rad.abs() - std::f64::consts::FRAC_PI_2).abs() < TANGENT_RAD;
+    let is_face =
+        |p: &Piece| p.arc.is_none() && (p.from_rad.abs() - std::f64::consts::FRAC_PI_2).abs() < TANGENT_RAD;
     let mut points = Vec::new();
     for (i, piece) in pieces.iter().enumerate() {
         if piece.arc.is_some() {
@@ -36,7 +37,8 @@ pub(crate) fn shaft_corners(outline: &Outline) -> Result<Vec<ContourPoint>, Part
         let arc = |p: Option<&Piece>| p.is_some_and(|p| p.arc.is_some());
         // the corner of an arc stands for the end of its line
         if before.is_none() && (!closes || arc(behind)) {
-            points.push(corner(if closes { piece.to * DVec2::new(FACE_SHARE, 1.0) } else { piece.from }, 0.0));
+            points
+                .push(corner(if closes { piece.to * DVec2::new(FACE_SHARE, 1.0) } else { piece.from }, 0.0));
         }
         if !arc(behind) && !(closes && behind.is_none()) {
             points.push(corner(piece.to, 0.0));
@@ -70,7 +72,8 @@ fn rounding(pieces: &[Piece], i: usize) -> Result<ContourPoint, PartProgramError
     let none = |why| PartProgramError::NoCorners { z_mm: arc.from.y, why };
     let sides = i.checked_sub(1).map(|k| pieces[k]).zip(pieces.get(i + 1));
     let (before, behind) = sides.ok_or(none("an arc at an end of the part has no line on one side"))?;
-    let tangent = (arc.from_rad - before.to_rad).abs() < TANGENT_RAD && (behind.from_rad - arc.to_rad).abs() < TANGENT_RAD;
+    let tangent = (arc.from_rad - before.to_rad).abs() < TANGENT_RAD
+        && (behind.from_rad - arc.to_rad).abs() < TANGENT_RAD;
     if before.arc.is_some() || behind.arc.is_some() || !tangent {
         return Err(none("an arc that is not tangent to a line on both sides"));
     }

@@ -56,7 +56,8 @@ fn drawn_radii(outline: &Outline, left: &TurnedStock) -> Vec<Option<(f64, f64)>>
             if low > high {
                 continue;
             }
-            let at = |z: f64| if b.y > a.y { a.x + (b.x - a.x) * (z - a.y) / (b.y - a.y) } else { a.x.max(b.x) };
+            let at =
+                |z: f64| if b.y > a.y { a.x + (b.x - a.x) * (z - a.y) / (b.y - a.y) } else { a.x.max(b.x) };
             let other = if b.y > a.y { at(high) } else { a.x.min(b.x) };
             let (least, most) = (at(low).min(other), at(low).max(other));
             let now = radii[i].unwrap_or((f64::INFINITY, 0.0));
@@ -93,7 +94,8 @@ pub(super) fn places(
         if excess > LISTED_MM {
             let half = 0.5 * left.step_mm();
             let reason = if gripped { Reason::Grip } else { Reason::NoseRadius };
-            let place = open.get_or_insert(LeftPlace { reason, z_mm: [z - half, z], most_mm: 0.0, volume_mm3: 0.0 });
+            let place =
+                open.get_or_insert(LeftPlace { reason, z_mm: [z - half, z], most_mm: 0.0, volume_mm3: 0.0 });
             place.z_mm[1] = z + half;
             place.most_mm = place.most_mm.max(excess);
             place.volume_mm3 += std::f64::consts::PI * (r * r - most * most) * left.step_mm();

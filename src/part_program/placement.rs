@@ -28,7 +28,8 @@ impl Placed {
     /// A part that lies in the grip as a whole.
     pub(crate) fn new(outline: &Outline, from_z_mm: f64, least_z_mm: f64) -> Result<Self, PartProgramError> {
         let by = DVec2::new(0.0, from_z_mm - outline.z_mm().0);
-        let drawn = Outline { pieces: outline.pieces.iter().map(|p| p.moved(by)).collect(), side: Side::External };
+        let drawn =
+            Outline { pieces: outline.pieces.iter().map(|p| p.moved(by)).collect(), side: Side::External };
         let (start, end) = drawn.z_mm();
         if end <= least_z_mm + NO_LENGTH_MM {
             return Err(PartProgramError::InGrip { end_mm: end, least_mm: least_z_mm });
@@ -53,7 +54,9 @@ fn beyond(pieces: &[Piece], z_mm: f64) -> Vec<Piece> {
         let plane = Piece::line(DVec2::new(0.0, z_mm), DVec2::new(1.0, z_mm), std::f64::consts::FRAC_PI_2);
         let on = |share: &f64| (0.0..=1.0).contains(share);
         let shares = meetings(&plane, piece).into_iter().map(|at| piece.share_of(at)).filter(on);
-        if let Some(share) = shares.max_by(f64::total_cmp).filter(|share| (1.0 - share) * piece.length_mm() > NO_LENGTH_MM) {
+        if let Some(share) =
+            shares.max_by(f64::total_cmp).filter(|share| (1.0 - share) * piece.length_mm() > NO_LENGTH_MM)
+        {
             kept.push(piece.between(share, 1.0));
         }
         break;

@@ -13,8 +13,8 @@ use crate::outline::{Outline, Piece, Side};
 use crate::plan::CuttingData;
 use crate::setting::{SettingError, positive, within};
 use crate::tool::{
-    Compensated, Compensator, LargestLeft, LeftOut, Reachable, Setting, Tool, ToolError, ToolFile, Way, measured,
-    remainders,
+    Compensated, Compensator, LargestLeft, LeftOut, Reachable, Setting, Tool, ToolError, ToolFile, Way,
+    measured, remainders,
 };
 
 /// Depths of the cuts, mm.
@@ -118,7 +118,9 @@ impl PartPlan<'_> {
         positive("feed", self.cutting.feed_mm_per_rev)?;
         match (self.tool.side, self.tool.feed) {
             (Side::External, Feed::TowardsChuck) => Ok(()),
-            (Side::Internal, _) => Err(SettingError::of("side", "internal", "\"external\": a bar is turned from outside")),
+            (Side::Internal, _) => {
+                Err(SettingError::of("side", "internal", "\"external\": a bar is turned from outside"))
+            }
             (_, Feed::TowardsTailstock) => {
                 let right = "\"towards_chuck\": the part is roughed from its end face";
                 Err(SettingError::of("feed", "towards_tailstock", right))
@@ -167,8 +169,8 @@ impl PartPlan<'_> {
         let gauge = setting.gauge_point();
         let nose: Vec<DVec2> = setting.nose.outline().into_iter().map(|p| p - gauge).collect();
         let pieces: Vec<Piece> = done.programmed.iter().map(|e| e.piece).collect();
-        let register = (done.way != Way::Path)
-            .then_some(NoseRegister { radius_mm: done.register_mm, tip: setting.tip });
+        let register =
+            (done.way != Way::Path).then_some(NoseRegister { radius_mm: done.register_mm, tip: setting.tip });
         let bar_end_mm = placed.drawn.z_mm().1 + self.cuts.facing_mm;
         let about = format!("finishing by {}", done.way.as_str().replace('_', " "));
         let program = ContourProgram {

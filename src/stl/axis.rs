@@ -130,7 +130,8 @@ fn least(
     }
     let block = |i: usize, j: usize| -> Matrix3<f64> { sum.fixed_view::<3, 3>(i, j).into_owned() };
     let (a, b, c) = (block(0, 0), block(0, 3), block(3, 3));
-    let none = || ModelFault::at(FaultKind::NoAxis, middle, "the facets lie in one plane: a closed body is needed");
+    let none =
+        || ModelFault::at(FaultKind::NoAxis, middle, "the facets lie in one plane: a closed body is needed");
     let inverse = c.try_inverse().ok_or_else(none)?;
     let eigen = SymmetricEigen::new(a - b * inverse * b.transpose());
     let mut order = [0, 1, 2];

@@ -42,9 +42,10 @@ pub(super) fn through(points: &[DVec2], (tolerance_mm, noise_mm): (f64, f64)) ->
     joints.push(onto(&carriers[carriers.len() - 1], points[points.len() - 1]));
     let piece = |(i, carrier): (usize, &Carrier)| piece(carrier, joints[i], joints[i + 1]);
     let pieces = carriers.iter().enumerate().map(piece).filter(|p| p.length_mm() > NO_LENGTH_MM).collect();
-    let beside = segments.iter().zip(&carriers).flat_map(|(s, c)| {
-        points[s.first..=s.last].iter().map(|p| c.beside_mm(*p).abs())
-    });
+    let beside = segments
+        .iter()
+        .zip(&carriers)
+        .flat_map(|(s, c)| points[s.first..=s.last].iter().map(|p| c.beside_mm(*p).abs()));
     let departure_mm = beside.fold(0.0, f64::max);
     Contour { outline: Outline { pieces, side: Side::External }, departure_mm }
 }
@@ -68,7 +69,9 @@ fn joint((a, b): (&Carrier, &Carrier), at: DVec2, is_tangent: bool) -> DVec2 {
         {
             on_normal(*centre, *radius_mm, DVec2::from_angle(*a_rad))
         }
-        (Carrier::Circle { centre: p, radius_mm: r }, Carrier::Circle { centre: q, radius_mm: s }) if is_tangent => {
+        (Carrier::Circle { centre: p, radius_mm: r }, Carrier::Circle { centre: q, radius_mm: s })
+            if is_tangent =>
+        {
             on_normal(*p, *r, ((*q - *p) / (r - s)).normalize_or_zero())
         }
         _ => {

@@ -64,7 +64,9 @@ fn strips(mesh: &Mesh, axis: &Axis, turns: &Turns) -> Result<Vec<(u32, u32)>, Mo
             let why = "a facet does not run from one turn to the next: no surface of revolution here";
             ModelFault::at(FaultKind::OffAxis, middle(mesh, facet), why)
         };
-        let [Some(a), Some(b), Some(c)] = facet.map(|i| turns.of_vertex[i as usize]) else { return Err(off()) };
+        let [Some(a), Some(b), Some(c)] = facet.map(|i| turns.of_vertex[i as usize]) else {
+            return Err(off());
+        };
         let (twice, once) = match (a == b, b == c, c == a) {
             (true, false, false) => (a, c),
             (false, true, false) => (b, a),
@@ -115,7 +117,8 @@ fn flats(mesh: &Mesh, axis: &Axis, turns: &Turns) -> Result<Vec<(u32, u32)>, Mod
                 (Some(a), Some(b)) if a == b => *bounds.entry(a).or_default() += 1,
                 _ => {
                     let at = 0.5 * (mesh.vertices[*p as usize] + mesh.vertices[*q as usize]);
-                    let why = "the edge of a flat face does not run along a turn: no surface of revolution here";
+                    let why =
+                        "the edge of a flat face does not run along a turn: no surface of revolution here";
                     return Err(ModelFault::at(FaultKind::OffAxis, at, why));
                 }
             }
@@ -221,7 +224,8 @@ fn crossing(profile: &Profile) -> Result<(), ModelFault> {
             let (a, b) = (i.min(j), i.max(j));
             let next_to = b - a <= 1 || profile.is_loop && b - a == count - 1;
             if !next_to && cross(line(i), line(j)) {
-                let why = "the profile crosses itself: surfaces run through one another; unite them in the model";
+                let why =
+                    "the profile crosses itself: surfaces run through one another; unite them in the model";
                 return Err(ModelFault::at(FaultKind::SelfCrossing, line(j).0.at, why));
             }
         }

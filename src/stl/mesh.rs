@@ -29,9 +29,8 @@ impl Mesh {
     /// No triangle with an area.
     pub(super) fn welded(triangles: &[[DVec3; 3]]) -> Result<Self, ModelFault> {
         let corners = triangles.as_flattened();
-        let (low, high) = corners
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), c| (l.min(*c), h.max(*c)));
+        let (low, high) =
+            corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), c| (l.min(*c), h.max(*c)));
         let size_mm = if corners.is_empty() { 0.0 } else { (high - low).max_element() };
         let (vertices, number) = weld(corners, WELD_SHARE * size_mm);
         let facets: Vec<[u32; 3]> = number

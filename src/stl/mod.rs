@@ -2,7 +2,7 @@
 //!
 //! In: the bytes of an STL file (binary or ASCII, told apart by its size) and the unit of its
 //! coordinates. Out: [`TurnedPart`], the outside as an [`Outline`](crate::outline::Outline) of lines
-//! and arcs with Z from the end at the chuck, or a [`ModelFault`] with its place. The model may lie
+//! and arcs with Z from the end at the chuck, or a `ModelFault` with its place. The model may lie
 //! and point anywhere.
 //!
 //! `read` → `mesh` (corners welded) → `topology` (one closed body) → `axis` (the normals' linear
@@ -26,8 +26,6 @@ mod segments;
 mod topology;
 mod turns;
 
-pub(crate) use axis::Axis;
-pub(crate) use fault::{FaultKind, ModelFault};
-pub(crate) use outside::Recess;
+pub(crate) use fault::FaultKind;
 pub(crate) use part::{ReadSettings, TOLERANCE_MM, TurnedPart, read_part};
 pub(crate) use read::Unit;

@@ -101,9 +101,15 @@ fn fits_the_bar(mesh: &Mesh, axis: &Axis, settings: &ReadSettings) -> Result<(),
         return Ok(());
     }
     let others = Unit::ALL.into_iter().filter(|unit| fits(diameter / settings.unit.mm() * unit.mm()));
-    let hint = others.map(|unit| format!("--unit {} would make it {:.3} mm", unit.as_str(), diameter / settings.unit.mm() * unit.mm()));
+    let hint = others.map(|unit| {
+        format!("--unit {} would make it {:.3} mm", unit.as_str(), diameter / settings.unit.mm() * unit.mm())
+    });
     let hint = hint.collect::<Vec<_>>().join(", ");
-    let hint = if hint.is_empty() { "no unit fits: another bar (--stock) or another model".to_owned() } else { hint };
+    let hint = if hint.is_empty() {
+        "no unit fits: another bar (--stock) or another model".to_owned()
+    } else {
+        hint
+    };
     let why = format!(
         "the largest diameter, {diameter:.4} mm read in {}, does not fit a bar of {stock} mm (from {:.3} mm, an eighth of it): {hint}",
         settings.unit.as_str(),

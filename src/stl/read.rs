@@ -102,7 +102,10 @@ fn binary_facets(bytes: &[u8]) -> Option<usize> {
 /// The bytes as the reader tells both forms apart: by `solid ` in the first line.
 fn ready(bytes: &[u8]) -> Result<Vec<u8>, ModelFault> {
     if bytes.is_empty() {
-        return Err(ModelFault::whole(FaultKind::Empty, "the file is empty: an STL of a closed body is needed"));
+        return Err(ModelFault::whole(
+            FaultKind::Empty,
+            "the file is empty: an STL of a closed body is needed",
+        ));
     }
     if binary_facets(bytes).is_some() {
         let mut plain = bytes.to_vec();
@@ -119,7 +122,11 @@ fn ready(bytes: &[u8]) -> Result<Vec<u8>, ModelFault> {
 /// What the length of bytes that are not ASCII contradicts.
 fn mismatch(bytes: &[u8]) -> String {
     let Some(count) = bytes.get(HEADER..HEADER + COUNT) else {
-        return format!("{} bytes, without `solid` and without a binary header of {} bytes", bytes.len(), HEADER + COUNT);
+        return format!(
+            "{} bytes, without `solid` and without a binary header of {} bytes",
+            bytes.len(),
+            HEADER + COUNT
+        );
     };
     let facets = count.iter().rev().fold(0_u64, |sum, byte| sum * 256 + u64::from(*byte));
     format!(
@@ -139,7 +146,10 @@ fn ascii(text: &str) -> Result<Vec<u8>, ModelFault> {
         return Err(ModelFault::whole(FaultKind::SeveralBodies, why));
     }
     if solids == 0 {
-        return Err(no_stl(&format!("an ASCII file of {} lines without endsolid: it is cut off", 1 + rest.lines().count())));
+        return Err(no_stl(&format!(
+            "an ASCII file of {} lines without endsolid: it is cut off",
+            1 + rest.lines().count()
+        )));
     }
     let name = first.get(5..).unwrap_or("").trim();
     let mut bytes = format!("solid {name}\n").into_bytes();

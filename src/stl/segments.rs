@@ -69,7 +69,9 @@ fn longest_arc(points: &[DVec2], first: usize, tolerance_mm: f64) -> Option<Segm
     let mut found = tangent_three(points, first).then_some(first + 2);
     let mut last = first + 3;
     // of a fine arc the first points are a line yet: more of them decide
-    while last < points.len() && (is_arc(&points[first..=last], tolerance_mm) || found.is_none() && bends(points, first, last)) {
+    while last < points.len()
+        && (is_arc(&points[first..=last], tolerance_mm) || found.is_none() && bends(points, first, last))
+    {
         if is_arc(&points[first..=last], tolerance_mm) {
             found = Some(last);
         }
@@ -97,7 +99,10 @@ pub(super) fn circle(a: DVec2, b: DVec2, c: DVec2) -> Option<(DVec2, f64)> {
     if double.abs() < 1e-9 * u.length() * v.length() {
         return None;
     }
-    let from = DVec2::new(v.y * u.length_squared() - u.y * v.length_squared(), u.x * v.length_squared() - v.x * u.length_squared()) / double;
+    let from = DVec2::new(
+        v.y * u.length_squared() - u.y * v.length_squared(),
+        u.x * v.length_squared() - v.x * u.length_squared(),
+    ) / double;
     Some((a + from, from.length()))
 }
 
@@ -126,7 +131,9 @@ fn is_arc(points: &[DVec2], tolerance_mm: f64) -> bool {
 
 /// Whether three points are an arc that is tangent to the lines before and behind it.
 fn tangent_three(points: &[DVec2], first: usize) -> bool {
-    let Some([before, a, b, c, behind]) = first.checked_sub(1).and_then(|i| points.get(i..i + 5)) else { return false };
+    let Some([before, a, b, c, behind]) = first.checked_sub(1).and_then(|i| points.get(i..i + 5)) else {
+        return false;
+    };
     let Some((centre, _)) = circle(*a, *b, *c) else { return false };
     let turn = (*b - *a).angle_to(*c - *b);
     let is_tangent = |at: DVec2, along: DVec2| {

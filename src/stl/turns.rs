@@ -87,7 +87,8 @@ fn inside_flats(mesh: &Mesh, axis: &Axis, gap_mm: f64) -> Vec<bool> {
     let mut flat = vec![true; mesh.vertices.len()];
     for &facet in &mesh.facets {
         let z = mesh.corners(facet).map(|c| axis.meridian(c).0);
-        let [low, high] = [z.into_iter().fold(f64::INFINITY, f64::min), z.into_iter().fold(f64::MIN, f64::max)];
+        let [low, high] =
+            [z.into_iter().fold(f64::INFINITY, f64::min), z.into_iter().fold(f64::MIN, f64::max)];
         if high - low > 2.0 * gap_mm {
             facet.iter().for_each(|i| flat[*i as usize] = false);
         }
@@ -107,7 +108,8 @@ fn not_turned(
     others: &[&Ring],
     flat: &[bool],
 ) -> Option<ModelFault> {
-    let (round, stray): (Vec<&Ring>, Vec<&Ring>) = others.iter().partition(|r| r.is_closed() || is_polygon(r));
+    let (round, stray): (Vec<&Ring>, Vec<&Ring>) =
+        others.iter().partition(|r| r.is_closed() || is_polygon(r));
     let away = |vertex: u32| axis.passed_by(mesh.vertices[vertex as usize], points[vertex as usize].normal);
     let single = stray.iter().filter(|r| r.members.len() < FEWEST).flat_map(|r| &r.members);
     let worst = single

@@ -157,7 +157,8 @@ fn without_small_arcs(pieces: Vec<Piece>, radius_mm: f64, left_out: &mut Vec<Lef
     let mut kept: Vec<Piece> = Vec::with_capacity(pieces.len());
     let mut open: Option<Piece> = None;
     for piece in pieces {
-        let is_small = piece.arc.is_some_and(|arc| arc.radius_mm < 0.0 && -arc.radius_mm < radius_mm - NO_LENGTH_MM);
+        let is_small =
+            piece.arc.is_some_and(|arc| arc.radius_mm < 0.0 && -arc.radius_mm < radius_mm - NO_LENGTH_MM);
         if is_small && !kept.is_empty() && open.is_none() {
             open = Some(piece);
             continue;

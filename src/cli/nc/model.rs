@@ -2,77 +2,21 @@
 
 use std::path::PathBuf;
 
-use super::{NcArgs, in_file};
+use super::args::{Form, NcArgs};
+use super::machine_data::in_file;
 use crate::cli::failure::Failure;
 use crate::cli::input_output::ConfigText;
 use crate::cli::run::model::ModelTool;
 use crate::files::OutputFile;
 use crate::nc::NcSettings;
 use crate::nose::NoseProfile;
-use crate::part_program::{Cuts, PartPlan, PartProgram, PartProgramError, Reason};
+use crate::part_program::{PartPlan, PartProgram, PartProgramError, Reason};
 use crate::report::plot::{Chart, Mark, Series};
 use crate::stl::TurnedPart;
 use crate::tool::{OutOfReach, ToolError, read_nose};
 
-/// How a part is cut out of its bar.
-#[derive(Debug, clap::Args)]
-#[command(next_help_heading = "With a model of a part (.stl)")]
-pub(crate) struct BarArgs {
-    /// Depth of a rough cut on the radius, mm; 1 where it is not given.
-    #[arg(long, value_name = "MM")]
-    depth: Option<f64>,
-    /// What roughing leaves for the finishing cut, mm along the normal; the depth of the tool's
-    /// measured pass, or 0.2.
-    #[arg(long, value_name = "MM")]
-    allowance: Option<f64>,
-    /// How far the bar stands beyond the part's end face, mm; 1 where it is not given.
-    #[arg(long, value_name = "MM")]
-    facing: Option<f64>,
-    /// Z of the part's end at the chuck, mm from the face that clamps the bar; 0 where it is not
-    /// given. What lies below `least_z_mm` of the machine's data is in the grip.
-    #[arg(long, value_name = "MM")]
-    from_z: Option<f64>,
-    /// Draw part, path and what is left into this file.
-    #[arg(long, value_name = "FILE.svg")]
-    svg: Option<PathBuf>,
-}
-
-/// Depth of rough cuts, allowance and facing where none is stated, mm: usual for steel with a nose of
-/// 0.4 mm.
-const DEPTH_MM: f64 = 1.0;
-const ALLOWANCE_MM: f64 = 0.2;
-const FACING_MM: f64 = 1.0;
 /// Largest sagitta of a drawn arc, mm.
 const SAGITTA_MM: f64 = 0.005;
-
-impl BarArgs {
-    /// Refuses them beside anything but a model.
-    pub(super) fn only_for_models(&self, path: &std::path::Path) -> Result<(), Failure> {
-        let given = [
-            ("--depth", self.depth.is_some()),
-            ("--allowance", self.allowance.is_some()),
-            ("--facing", self.facing.is_some()),
-            ("--from-z", self.from_z.is_some()),
-            ("--svg", self.svg.is_some()),
-        ];
-        match given.iter().find(|(_, is_given)| *is_given) {
-            None => Ok(()),
-            Some((name, _)) => Err(Failure::refuse(format!(
-                "{name} belongs to a model of a part, and {} is no .stl file: leave it out",
-                path.display()
-            ))),
-        }
-    }
-
-    fn cuts(&self, tool: &ModelTool) -> Cuts {
-        let measured = tool.tool.measured_pass.and_then(|pass| pass.depth_mm);
-        Cuts {
-            depth_mm: self.depth.unwrap_or(DEPTH_MM),
-            allowance_mm: self.allowance.or(measured).unwrap_or(ALLOWANCE_MM),
-            facing_mm: self.facing.unwrap_or(FACING_MM),
-        }
-    }
-}
 
 /// The text of the program; the picture is written, what is left goes to the log.
 ///
@@ -113,13 +57,13 @@ fn refuse_others(args: &NcArgs) -> Result<(), Failure> {
         ("--air", args.air),
         ("--scan", args.scan),
         ("--dry-run", args.dry_run),
-        ("--form", args.form != super::Form::Knots),
+        ("--form", args.form != Form::Knots),
     ];
     match given.iter().find(|(_, is_given)| *is_given) {
         None => Ok(()),
-        Some((name, _)) => {
-            Err(Failure::refuse(format!("{name} belongs to a run or a job, not to a model of a part: leave it out")))
-        }
+        Some((name, _)) => Err(Failure::refuse(format!(
+            "{name} belongs to a run or a job, not to a model of a part: leave it out"
+        ))),
     }
 }
 
@@ -168,6 +112,16 @@ fn report(model: &TurnedPart, written: &PartProgram) {
         1e3 * model.departure_mm,
         model.outline.pieces.len()
     );
+    let (at, along) = (model.axis.point, model.axis.direction);
+    tracing::info!(
+        "axis from ({:.4}, {:.4}, {:.4}) mm of the model along ({:.6}, {:.6}, {:.6})",
+        at.x,
+        at.y,
+        at.z,
+        along.x,
+        along.y,
+        along.z
+    );
     for recess in &model.recesses {
         tracing::warn!(
             "not turned: a bore or recess of Ø{:.3} mm, {:.3} mm deep, in the end face at Z {:.3} of the part",
@@ -194,10 +148,16 @@ fn report(model: &TurnedPart, written: &PartProgram) {
         let (low, high) = out.z_mm;
         match out.why {
             OutOfReach::NoseRadius => {
-                tracing::warn!("a concave arc of {:.3} mm at Z {low:.3} to {high:.3} mm is below the nose's radius", out.value);
+                tracing::warn!(
+                    "a concave arc of {:.3} mm at Z {low:.3} to {high:.3} mm is below the nose's radius",
+                    out.value
+                );
             }
             OutOfReach::TrailingEdge | OutOfReach::LeadingEdge => {
-                tracing::warn!("normals down to {:.1}° at Z {low:.3} to {high:.3} mm are beyond the tool's edges", out.value.to_degrees());
+                tracing::warn!(
+                    "normals down to {:.1}° at Z {low:.3} to {high:.3} mm are beyond the tool's edges",
+                    out.value.to_degrees()
+                );
             }
         }
     }
@@ -213,7 +173,8 @@ fn report(model: &TurnedPart, written: &PartProgram) {
 
 /// Part, bar, path and what is left in the plane of the axis.
 fn picture(written: &PartProgram, stock_mm: f64) -> Result<String, String> {
-    let part = written.placed.drawn.pieces.iter().flat_map(|p| p.points(SAGITTA_MM)).map(|p| (p.y, p.x)).collect();
+    let part =
+        written.placed.drawn.pieces.iter().flat_map(|p| p.points(SAGITTA_MM)).map(|p| (p.y, p.x)).collect();
     let end = written.left_mm.last().map_or(0.0, |p| p.0);
     let start = written.left_mm.first().map_or(0.0, |p| p.0);
     let bar = vec![(start, 0.5 * stock_mm), (end, 0.5 * stock_mm), (end, 0.0)];

@@ -8,7 +8,7 @@ use crate::cli::input_output::ConfigText;
 use crate::part_program::shaft_corners;
 use crate::plan::CuttingData;
 use crate::shaft::ContourPoint;
-use crate::stl::{ReadSettings, TOLERANCE_MM, TurnedPart, Unit, read_part};
+use crate::stl::{FaultKind, ReadSettings, TOLERANCE_MM, TurnedPart, Unit, read_part};
 use crate::tool::{ToolFile, Way};
 
 /// What a model does not hold.
@@ -132,8 +132,13 @@ impl ModelArgs {
             tolerance_mm,
             turn_round: self.turn_round,
         };
-        let bytes = std::fs::read(path).map_err(|e| Failure::fail(format!("{}: cannot be read: {e}", path.display())))?;
-        read_part(&bytes, &settings).map_err(|fault| Failure::refuse(format!("{}: {fault}", path.display())))
+        let bytes = std::fs::read(path)
+            .map_err(|e| Failure::fail(format!("{}: cannot be read: {e}", path.display())))?;
+        read_part(&bytes, &settings).map_err(|fault| {
+            let text = format!("{}: {fault}", path.display());
+            // bytes that are no model fail as an image does; a model is refused
+            if fault.kind == FaultKind::File { Failure::fail(text) } else { Failure::refuse(text) }
+        })
     }
 
     /// The tool.
@@ -189,7 +194,8 @@ pub(crate) fn job_text(path: &Path, args: &ModelArgs) -> Result<String, Failure>
     let part = args.part(path)?;
     let tool = args.tool()?;
     let cutting = args.cutting(&tool)?;
-    let corners = shaft_corners(&part.outline).map_err(|e| Failure::refuse(format!("{}: {e}", path.display())))?;
+    let corners =
+        shaft_corners(&part.outline).map_err(|e| Failure::refuse(format!("{}: {e}", path.display())))?;
     let name = path.file_stem().map_or_else(|| "part".to_owned(), |n| n.to_string_lossy().into_owned());
     Ok(text(&name, &corners, (args, &tool), (args.stock_mm()?, cutting)))
 }
@@ -209,10 +215,15 @@ fn text(
     let cylinders = corners.windows(2).map(|w| w[1].z_mm - w[0].z_mm).filter(|l| *l > STATION_MM.0);
     let station = (0.5 * cylinders.fold(2.0 * STATION_MM.1, f64::min)).clamp(STATION_MM.0, STATION_MM.1);
     let mut text = format!("name = {name:?}\nseed = 1\n\n[part]\nlength_mm = {length:?}\n");
-    let _ = writeln!(text, "stock_diameter_mm = {:?}\nnominal_diameter_mm = [{before:?}, {largest:?}]", stock_mm.max(before));
+    let _ = writeln!(
+        text,
+        "stock_diameter_mm = {:?}\nnominal_diameter_mm = [{before:?}, {largest:?}]",
+        stock_mm.max(before)
+    );
     let _ = writeln!(text, "station_mm = {station:?}\n\n[shaft]\ncontour = [");
     for c in corners {
-        let radius = if c.radius_mm > 0.0 { format!(", radius_mm = {:?}", c.radius_mm) } else { String::new() };
+        let radius =
+            if c.radius_mm > 0.0 { format!(", radius_mm = {:?}", c.radius_mm) } else { String::new() };
         let _ = writeln!(text, "    {{ z_mm = {:?}, diameter_mm = {:?}{radius} }},", c.z_mm, c.diameter_mm);
     }
     let _ = writeln!(
@@ -228,7 +239,11 @@ fn text(
     for pin in [0.98 * least, 1.01 * largest] {
         let _ = writeln!(text, "[[masters.pins]]\ndiameter_mm = {pin:.3}\nexpanded_u_mm = 0.0001\n");
     }
-    let _ = writeln!(text, "[camera]\ncolumns = {COLUMNS:.0}\nrows = {ROWS:.0}\npixel_um = {:?}\n", 1e3 * PIXEL_MM);
+    let _ = writeln!(
+        text,
+        "[camera]\ncolumns = {COLUMNS:.0}\nrows = {ROWS:.0}\npixel_um = {:?}\n",
+        1e3 * PIXEL_MM
+    );
     let _ = writeln!(text, "[optics]\nmagnification = {magnification:.4}");
     text
 }

@@ -113,15 +113,22 @@ fn corners_on_a_circle_are_no_arc() {
 /// A tube's outside is read, its bore named; the same of a centre drilled into an end face.
 #[test]
 fn bores_are_left_out_and_named() {
-    let points = |list: &[(f64, f64)]| -> Vec<DVec2> { list.iter().map(|(r, z)| DVec2::new(*r, *z)).collect() };
-    let mut tube = Body::turned(&points(&[(5.0, 0.0), (15.0, 0.0), (15.0, 12.0), (12.0, 12.0), (12.0, 20.0), (5.0, 20.0)]), 40);
+    let points =
+        |list: &[(f64, f64)]| -> Vec<DVec2> { list.iter().map(|(r, z)| DVec2::new(*r, *z)).collect() };
+    let mut tube = Body::turned(
+        &points(&[(5.0, 0.0), (15.0, 0.0), (15.0, 12.0), (12.0, 12.0), (12.0, 20.0), (5.0, 20.0)]),
+        40,
+    );
     let first = tube.rows[0].clone();
     tube.rows.push(first);
     let part = read(&binary(&placed(&tube.triangles(), pose())));
     assert_eq!(part.recesses.len(), 2);
-    assert!(part.recesses.iter().all(|r| (r.diameter_mm - 10.0).abs() < 1e-4 && (r.depth_mm - 20.0).abs() < 1e-4));
+    assert!(
+        part.recesses.iter().all(|r| (r.diameter_mm - 10.0).abs() < 1e-4 && (r.depth_mm - 20.0).abs() < 1e-4)
+    );
     assert_eq!(part.outline.pieces.len(), 5);
-    let centre = Body::turned(&points(&[(0.0, 0.0), (15.0, 0.0), (15.0, 20.0), (2.0, 20.0), (0.0, 18.0)]), 40);
+    let centre =
+        Body::turned(&points(&[(0.0, 0.0), (15.0, 0.0), (15.0, 20.0), (2.0, 20.0), (0.0, 18.0)]), 40);
     let part = read(&binary(&centre.triangles()));
     assert_eq!(part.recesses.len(), 1);
     assert!((part.recesses[0].z_mm - 20.0).abs() < 1e-4 && (part.recesses[0].depth_mm - 2.0).abs() < 1e-4);
@@ -157,7 +164,8 @@ fn turns_along_lines_are_lines_and_a_curve_keeps_to_its_tolerance() {
         let t = std::f64::consts::FRAC_PI_2 * f64::from(k) / 200.0;
         if k == 200 { DVec2::new(0.0, 30.0) } else { DVec2::new(15.0 * t.cos(), 5.0 + 25.0 * t.sin()) }
     };
-    let points: Vec<DVec2> = [DVec2::ZERO, DVec2::new(15.0, 0.0)].into_iter().chain((0..=200).map(ellipse)).collect();
+    let points: Vec<DVec2> =
+        [DVec2::ZERO, DVec2::new(15.0, 0.0)].into_iter().chain((0..=200).map(ellipse)).collect();
     let bytes = binary(&Body::turned(&points, 60).triangles());
     let counts = [2e-3, 2e-2].map(|tolerance_mm| {
         let part = read_part(&bytes, &ReadSettings { tolerance_mm, ..SETTINGS }).unwrap();
@@ -175,7 +183,8 @@ fn a_ball_is_one_arc() {
         let a = std::f64::consts::PI * f64::from(k) / 24.0;
         DVec2::new(if k % 24 == 0 { 0.0 } else { 15.0 * a.sin() }, 15.0 - 15.0 * a.cos())
     };
-    let part = read(&binary(&placed(&Body::turned(&(0..=24).map(at).collect::<Vec<_>>(), 48).triangles(), pose())));
+    let part =
+        read(&binary(&placed(&Body::turned(&(0..=24).map(at).collect::<Vec<_>>(), 48).triangles(), pose())));
     let [piece] = part.outline.pieces[..] else { panic!("{:?}", part.outline) };
     assert!((piece.arc.unwrap().radius_mm - 15.0).abs() < 1e-4);
 }

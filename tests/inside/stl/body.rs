@@ -27,11 +27,9 @@ pub fn papers_part(number: usize) -> Vec<ContourPoint> {
             corner(20.0 + run(23.996), 20.0, 0.0),
             corner(28.0 + run(23.996), 20.0, 0.0),
         ],
-        2 => vec![
-            corner(0.0, 30.0, 0.0),
-            corner(run(37.590), 20.0, 0.0),
-            corner(8.0 + run(37.590), 20.0, 0.0),
-        ],
+        2 => {
+            vec![corner(0.0, 30.0, 0.0), corner(run(37.590), 20.0, 0.0), corner(8.0 + run(37.590), 20.0, 0.0)]
+        }
         3 => vec![
             corner(0.0, 30.0, 0.0),
             corner(12.0, 30.0, 0.0),

@@ -84,28 +84,48 @@ fn off_the_axis() -> Vec<Case> {
             with_radius(v, radial(v) + 0.01 * (3.0 * v.y.atan2(v.x)).cos())
         }),
         moved("flat", &fine, |v| in_section(v) && v.x > 14.0, |v| DVec3::new(14.0, v.y, v.z)),
-        moved("flats on both sides", &fine, |v| in_section(v) && v.x.abs() > 13.5, |v| {
-            DVec3::new(13.5 * v.x.signum(), v.y, v.z)
-        }),
+        moved(
+            "flats on both sides",
+            &fine,
+            |v| in_section(v) && v.x.abs() > 13.5,
+            |v| DVec3::new(13.5 * v.x.signum(), v.y, v.z),
+        ),
         moved("square journal", &fine, between(40.5, 61.0), |v| {
             let half = 7.0 / v.x.abs().max(v.y.abs()).max(1e-9);
             v * DVec3::new(half, half, 1.0)
         }),
-        moved("oblique journal", &fine, between(40.5, 61.0), |v| v + DVec3::new(0.002 * (v.z - 40.0), 0.0, 0.0)),
+        moved("oblique journal", &fine, between(40.5, 61.0), |v| {
+            v + DVec3::new(0.002 * (v.z - 40.0), 0.0, 0.0)
+        }),
         moved("oblique end face", &fine, |v| v.z > 59.0, |v| v + DVec3::new(0.0, 0.0, 0.02 * v.x)),
         moved("bent", &fine, between(40.5, 61.0), |v| v + DVec3::new(0.0, 2e-4 * (v.z - 40.0).powi(2), 0.0)),
-        moved("dent of one vertex", &fine, |v| (19.5..20.5).contains(&v.z) && angle_deg(v).abs() < 1.0, deep(0.05)),
-        moved("helix", &fine, in_section, |v| with_radius(v, radial(v) + 0.1 * (v.y.atan2(v.x) + TAU * v.z / 3.0).cos())),
-        moved("wobbling shoulder", &shaft(), |v| (9.9..10.1).contains(&v.z), |v| {
-            v + DVec3::new(0.0, 0.0, 0.05 * (2.0 * v.y.atan2(v.x)).sin())
+        moved(
+            "dent of one vertex",
+            &fine,
+            |v| (19.5..20.5).contains(&v.z) && angle_deg(v).abs() < 1.0,
+            deep(0.05),
+        ),
+        moved("helix", &fine, in_section, |v| {
+            with_radius(v, radial(v) + 0.1 * (v.y.atan2(v.x) + TAU * v.z / 3.0).cos())
         }),
+        moved(
+            "wobbling shoulder",
+            &shaft(),
+            |v| (9.9..10.1).contains(&v.z),
+            |v| v + DVec3::new(0.0, 0.0, 0.05 * (2.0 * v.y.atan2(v.x)).sin()),
+        ),
     ]
 }
 
 /// Meshes that bound no single body.
 fn not_closed() -> Vec<Case> {
     let whole = shaft().triangles();
-    let case = |name, triangles: Triangles, kind: &'static [FaultKind], place: Vec<DVec3>| Case { name, triangles, kinds: kind, place };
+    let case = |name, triangles: Triangles, kind: &'static [FaultKind], place: Vec<DVec3>| Case {
+        name,
+        triangles,
+        kinds: kind,
+        place,
+    };
     let mut cases = Vec::new();
     let mut hole = whole.clone();
     let lost = hole.remove(101);
@@ -121,14 +141,26 @@ fn not_closed() -> Vec<Case> {
     let fin = DVec3::new(30.0, 0.0, 5.0);
     twice.push([whole[60][0], whole[60][1], fin]);
     twice.push([whole[60][1], whole[60][0], fin]);
-    cases.push(case("a fin", twice, &[FaultKind::NonManifold, FaultKind::Open], around([whole[60][0], whole[60][1], fin])));
+    cases.push(case(
+        "a fin",
+        twice,
+        &[FaultKind::NonManifold, FaultKind::Open],
+        around([whole[60][0], whole[60][1], fin]),
+    ));
     let mut crack = whole.clone();
     crack[20][0] += DVec3::new(0.01, 0.0, 0.0);
     cases.push(case("a crack of .01", crack, &[FaultKind::Open], around(whole[20])));
-    let ball = || Body::turned(&(0..=12).map(|k| {
-        let a = std::f64::consts::PI * f64::from(k) / 12.0;
-        DVec2::new(if k % 12 == 0 { 0.0 } else { 2.0 * a.sin() }, 5.0 - 2.0 * a.cos())
-    }).collect::<Vec<_>>(), 24);
+    let ball = || {
+        Body::turned(
+            &(0..=12)
+                .map(|k| {
+                    let a = std::f64::consts::PI * f64::from(k) / 12.0;
+                    DVec2::new(if k % 12 == 0 { 0.0 } else { 2.0 * a.sin() }, 5.0 - 2.0 * a.cos())
+                })
+                .collect::<Vec<_>>(),
+            24,
+        )
+    };
     let cavity: Triangles = ball().triangles().into_iter().map(|[a, b, c]| [a, c, b]).collect();
     let place = cavity.iter().flatten().copied().collect();
     cases.push(case("a cavity", [whole.clone(), cavity].concat(), &[FaultKind::SeveralBodies], place));
@@ -140,20 +172,34 @@ fn not_closed() -> Vec<Case> {
 
 /// Bodies that are no shaft at all, or too coarse.
 fn other_bodies() -> Vec<Case> {
-    let points = |list: &[(f64, f64)]| -> Vec<DVec2> { list.iter().map(|(r, z)| DVec2::new(*r, *z)).collect() };
+    let points =
+        |list: &[(f64, f64)]| -> Vec<DVec2> { list.iter().map(|(r, z)| DVec2::new(*r, *z)).collect() };
     let plain = points(&[(0.0, 0.0), (15.0, 0.0), (15.0, 30.0), (0.0, 30.0)]);
     let all = |body: &Body| body.triangles().into_iter().flat_map(around).collect::<Vec<_>>();
     let of = |name, body: Body, kinds: &'static [FaultKind]| {
         let place = all(&body);
         Case { name, triangles: body.triangles(), kinds, place }
     };
-    let loops = points(&[(0.0, 0.0), (15.0, 0.0), (15.0, 20.0), (8.0, 10.0), (8.0, 26.0), (12.0, 12.0), (12.0, 30.0), (0.0, 30.0)]);
+    let loops = points(&[
+        (0.0, 0.0),
+        (15.0, 0.0),
+        (15.0, 20.0),
+        (8.0, 10.0),
+        (8.0, 26.0),
+        (12.0, 12.0),
+        (12.0, 30.0),
+        (0.0, 30.0),
+    ]);
     vec![
         of("hexagonal bar", Body::turned(&plain, 6), &[FaultKind::FewVertices]),
         of("square bar", Body::turned(&plain, 4), &[FaultKind::FewVertices, FaultKind::OffAxis]),
         of("eleven sides", Body::turned(&plain, 11), &[FaultKind::FewVertices]),
         of("fourteen sides of Ø30", Body::turned(&plain, 14), &[FaultKind::Sagitta]),
-        of("box", Body::turned(&plain, 4).mapped(|v| DVec3::new(0.5 * v.x, v.y, v.z)), &[FaultKind::OffAxis, FaultKind::Scatter, FaultKind::FewVertices]),
+        of(
+            "box",
+            Body::turned(&plain, 4).mapped(|v| DVec3::new(0.5 * v.x, v.y, v.z)),
+            &[FaultKind::OffAxis, FaultKind::Scatter, FaultKind::FewVertices],
+        ),
         of("a profile that crosses itself", Body::turned(&loops, N), &[FaultKind::SelfCrossing]),
     ]
 }
@@ -170,11 +216,15 @@ fn every_fault_is_refused_with_its_place() {
             Ok(part) => bad.push(format!("{}: read as {:?}", case.name, part.outline.pieces.len())),
             Err(fault) => {
                 let at = fault.at.map(|at| turn.transpose() * (at - shift));
-                let near = |at: DVec3| case.place.iter().map(|p| p.distance(at)).fold(f64::INFINITY, f64::min);
+                let near =
+                    |at: DVec3| case.place.iter().map(|p| p.distance(at)).fold(f64::INFINITY, f64::min);
                 let away = at.map_or(f64::INFINITY, near);
                 println!("{}: {away:.3} mm, {:?}: {fault}", case.name, fault.kind);
                 if away > 1.0 || !case.kinds.contains(&fault.kind) {
-                    bad.push(format!("{}: {away:.3} mm from its place {at:?}, {:?}: {fault}", case.name, fault.kind));
+                    bad.push(format!(
+                        "{}: {away:.3} mm from its place {at:?}, {:?}: {fault}",
+                        case.name, fault.kind
+                    ));
                 }
             }
         }
@@ -210,7 +260,9 @@ fn files_and_units_are_refused() {
         let fault = read_part(&bytes, &SETTINGS).expect_err(name);
         assert!(fault.kind == kind && fault.to_string().contains(word), "{name}: {fault}");
     }
-    for (unit, scale) in [(Unit::Inch, 1.0), (Unit::Millimetre, 1.0 / 25.4), (Unit::Centimetre, 1.0), (Unit::Millimetre, 0.1)] {
+    for (unit, scale) in
+        [(Unit::Inch, 1.0), (Unit::Millimetre, 1.0 / 25.4), (Unit::Centimetre, 1.0), (Unit::Millimetre, 0.1)]
+    {
         let scaled: Triangles = whole.iter().map(|t| t.map(|p| p * scale)).collect();
         let fault = read_part(&binary(&scaled), &ReadSettings { unit, ..SETTINGS }).unwrap_err();
         assert!(fault.kind == FaultKind::Unit && fault.to_string().contains("--unit"), "{fault}");

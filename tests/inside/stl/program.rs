@@ -2,9 +2,7 @@
 
 use super::accuracy::SETTINGS;
 use super::body::{Body, binary, corner, outline, papers_part, placed, pose, profile};
-use crate::nc::{
-    ChangePosition, Chuck, Dialect, GeometryOffset, NcSettings, Spindle, Tailstock, WearX,
-};
+use crate::nc::{ChangePosition, Chuck, Dialect, GeometryOffset, NcSettings, Spindle, Tailstock, WearX};
 use crate::outline::Outline;
 use crate::part_program::{Cuts, PartPlan, PartProgram, PartProgramError, Placed, Reason, shaft_corners};
 use crate::plan::CuttingData;
@@ -101,7 +99,10 @@ fn what_the_tool_does_not_reach_is_listed() {
     let [edge, nose] = program.left_out()[..] else { panic!("{:?}", program.left_out()) };
     assert!(edge.why == OutOfReach::TrailingEdge && nose.why == OutOfReach::NoseRadius);
     // from the collar's edge at Z 42, 3 mm down at 27°: 5.888 mm long
-    assert!((edge.z_mm.1 - 42.0).abs() < 1e-3 && (edge.z_mm.0 - (42.0 - 3.0 / 27f64.to_radians().tan())).abs() < 1e-3);
+    assert!(
+        (edge.z_mm.1 - 42.0).abs() < 1e-3
+            && (edge.z_mm.0 - (42.0 - 3.0 / 27f64.to_radians().tan())).abs() < 1e-3
+    );
     assert!((nose.value - 0.2).abs() < 1e-4);
     let wedge = program.places.iter().find(|p| p.reason == Reason::OutOfReach).unwrap();
     assert!((wedge.most_mm - 3.0).abs() < 0.05, "{wedge:?}");
@@ -132,7 +133,10 @@ fn a_leading_edge_leaves_its_line_in_front_of_a_shoulder() {
     let shoulder = reachable.left_out.iter().find(|o| o.z_mm.0 < 31.0).unwrap();
     assert_eq!(shoulder.why, OutOfReach::LeadingEdge);
     // 5 mm high at 75°
-    assert!((shoulder.z_mm.1 - shoulder.z_mm.0 - 5.0 / 75f64.to_radians().tan()).abs() < 1e-3, "{shoulder:?}");
+    assert!(
+        (shoulder.z_mm.1 - shoulder.z_mm.0 - 5.0 / 75f64.to_radians().tan()).abs() < 1e-3,
+        "{shoulder:?}"
+    );
     let pieces = &reachable.outline.pieces;
     assert!(pieces.windows(2).all(|w| w[0].to.distance(w[1].from) < 1e-6), "{pieces:#?}");
 }
@@ -145,7 +149,9 @@ fn a_model_becomes_the_corners_of_its_drawing() {
         let drawn = papers_part(number);
         let largest = drawn.iter().map(|c| c.diameter_mm).fold(0.0, f64::max);
         assert!((2.0 * again.largest_radius_mm() - largest).abs() < 1e-4);
-        let radii = |corners: &[ContourPoint]| corners.iter().filter(|c| c.radius_mm > 0.0).map(|c| c.radius_mm).collect::<Vec<_>>();
+        let radii = |corners: &[ContourPoint]| {
+            corners.iter().filter(|c| c.radius_mm > 0.0).map(|c| c.radius_mm).collect::<Vec<_>>()
+        };
         let (found, drawn) = (radii(&found), radii(&drawn));
         assert!(found.len() == drawn.len() && found.iter().zip(&drawn).all(|(a, b)| (a - b).abs() < 1e-4));
     }
