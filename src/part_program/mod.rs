@@ -14,6 +14,7 @@ mod plan;
 
 pub(crate) use corners::shaft_corners;
 pub(crate) use error::PartProgramError;
-pub(crate) use left::{LeftPlace, Reason};
+pub(crate) use left::Reason;
+#[cfg(test)]
 pub(crate) use placement::Placed;
 pub(crate) use plan::{Cuts, PartPlan, PartProgram};

@@ -21,7 +21,7 @@ use crate::config;
 use crate::files::OutputFile;
 use crate::job::Job;
 use crate::nc::{
-    self, AirCut, Dialect, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification, ScanProgram,
+    self, AirCut, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification, ScanProgram,
     TurningProgram, Written,
 };
 use crate::run_folder::RunFolder;
