@@ -66,7 +66,7 @@ fn is_line(points: &[DVec2], tolerance_mm: f64) -> bool {
 }
 
 fn longest_arc(points: &[DVec2], first: usize, tolerance_mm: f64) -> Option<Segment> {
-    let mut found = tangent_three(points, first).then_some(first + 2);
+    let mut found = tangent_three(points, first, tolerance_mm).then_some(first + 2);
     let mut last = first + 3;
     // of a fine arc the first points are a line yet: more of them decide
     while last < points.len()
@@ -130,7 +130,7 @@ fn is_arc(points: &[DVec2], tolerance_mm: f64) -> bool {
 }
 
 /// Whether three points are an arc that is tangent to the lines before and behind it.
-fn tangent_three(points: &[DVec2], first: usize) -> bool {
+fn tangent_three(points: &[DVec2], first: usize, tolerance_mm: f64) -> bool {
     let Some([before, a, b, c, behind]) = first.checked_sub(1).and_then(|i| points.get(i..i + 5)) else {
         return false;
     };
@@ -140,5 +140,7 @@ fn tangent_three(points: &[DVec2], first: usize) -> bool {
         let across = (at - centre).normalize_or_zero();
         along.normalize_or_zero().dot(across).abs() < TANGENT_RAD
     };
-    turn.abs() <= MOST_SINGLE_RAD && is_tangent(*a, *a - *before) && is_tangent(*c, *behind - *c)
+    let sagitta = (*c - *a).normalize_or_zero().perp_dot(*b - *a).abs();
+    let bends = sagitta >= LEAST_SAGITTA * tolerance_mm && turn.abs() <= MOST_SINGLE_RAD;
+    bends && is_tangent(*a, *a - *before) && is_tangent(*c, *behind - *c)
 }
