@@ -16,7 +16,8 @@
 //! holds e(a), `contact` and `biarc` move a piece by what touches it, `chain` joins the moved
 //! pieces, `ways` are the four, `left` measures a path against the outline apart from all of these,
 //! `sizes` turns that into diameters, faces, cones, arcs and corners. `nose_file` and `settings`
-//! read files, `precondition` compares the cut with the one that was measured. A further way is a variant of [`Way`] and its arm in `ways`.
+//! read files, `precondition` compares the cut with the one that was measured. A further way is a variant
+//! of [`Way`] and its arm in `ways`. `wear` is the life of an edge by its flank: verdict, history, forecast.
 
 mod biarc;
 mod chain;
@@ -29,6 +30,7 @@ mod precondition;
 mod register;
 mod settings;
 mod sizes;
+pub(crate) mod wear;
 mod ways;
 
 pub(crate) use chain::Element;
