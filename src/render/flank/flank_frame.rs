@@ -94,7 +94,7 @@ impl Pose {
     fn of(scene: &FlankScene) -> Self {
         let a = scene.edge.direction_deg.to_radians();
         let along = DVec2::new(a.cos(), -a.sin());
-        // rows count down: on the left of the direction in image axes is what lies right as seen
+        // rows count down: what lies to the left of the direction as seen
         let normal = DVec2::new(along.y, -along.x);
         Self {
             corner: DVec2::from_array(scene.edge.corner_px),

@@ -34,7 +34,7 @@ pub(crate) struct FlankEdge {
     /// The corner: column and row.
     pub corner_px: [f64; 2],
     /// Direction in which the edge leaves the corner, degrees: 0 to the right, counter-clockwise as
-    /// seen. The flank lies on its right-hand side.
+    /// seen. The flank lies on its left-hand side.
     pub direction_deg: f64,
     /// Camber: departure of the edge from its chord into the air 2 mm from the corner, µm.
     pub camber_um: f64,
