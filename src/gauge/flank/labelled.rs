@@ -12,10 +12,14 @@ use super::located::Located;
 use super::raster::Raster;
 use super::strip::normalised;
 
-/// Pixels of each class that are drawn from an image.
-const PIXELS: usize = 6000;
-/// Depth below the land from which pixels that are not land are drawn, rows: what is far below is
-/// never near the border.
+/// Pixels that are drawn from an image near its border: as many of a class as there are, since the
+/// border's place follows from the odds of both.
+const PIXELS: usize = 9000;
+/// Pixels that are drawn from what is farther below.
+const FAR_PIXELS: usize = 3000;
+/// Least depth below the land that is near its border, rows.
+const NEAR: usize = 12;
+/// Depth below the land from which pixels are drawn, rows: what is far below is never near it.
 const BELOW: usize = 160;
 
 /// A located flank with the land of its mask.
@@ -41,26 +45,28 @@ impl Labelled {
         (0..self.land.columns).map(|c| sum(c) * frame.row_um()).collect()
     }
 
-    /// Draws pixels of both classes beside the border.
+    /// Draws pixels on both sides of the border.
     fn draw(&self, samples: &mut Samples, random: &mut Pcg64) {
         let frame = &self.flank.frame;
         let all = features(&normalised(&self.flank.strip, frame), frame);
         let (columns, top) = (self.land.columns, frame.above);
-        let (mut on, mut off) = (Vec::new(), Vec::new());
+        let (mut near, mut far) = (Vec::new(), Vec::new());
         for column in 0..columns {
-            let last = (top..self.land.rows).rev().find(|r| self.land.at(*r, column) > 0.5).unwrap_or(top);
+            let land = (top..self.land.rows).rev().find(|r| self.land.at(*r, column) > 0.5);
+            let last = land.map_or(top, |r| r + 1);
+            let reach = last + (last - top).max(NEAR);
             for row in top..(last + BELOW).min(self.flank.inside[column]) {
-                let at = row * columns + column;
                 // between edge and border everything is land, chips and gaps of the mask too
-                if row < last { on.push(at) } else { off.push(at) }
+                let pixel = (row * columns + column, row < last);
+                if row < reach { near.push(pixel) } else { far.push(pixel) }
             }
         }
-        for (class, land) in [(on, true), (off, false)] {
-            if class.is_empty() {
+        for (pixels, count) in [(near, PIXELS), (far, FAR_PIXELS)] {
+            if pixels.is_empty() {
                 continue;
             }
-            for _ in 0..PIXELS {
-                let at = class[random.random_range(0..class.len())];
+            for _ in 0..count {
+                let (at, land) = pixels[random.random_range(0..pixels.len())];
                 samples.values.extend(all.iter().map(|f| f.values[at]));
                 samples.land.push(land);
             }
