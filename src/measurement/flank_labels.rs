@@ -51,7 +51,10 @@ pub(crate) fn labelme_mask(text: &str, (rows, columns): (usize, usize)) -> Resul
             points.pop();
         }
         if kind != "polygon" || points.len() < 3 {
-            return Err(format!("shape {k} is a {kind} of {} points: a polygon of 3 or more is needed", points.len()));
+            return Err(format!(
+                "shape {k} is a {kind} of {} points: a polygon of 3 or more is needed",
+                points.len()
+            ));
         }
         draw_polygon_mut(&mut image, &points, Luma([1]));
     }
@@ -83,7 +86,9 @@ mod tests {
             let text = format!(r#"{{"imageWidth": 20, "imageHeight": 10, "shapes": [{shape}]}}"#);
             labelme_mask(&text, (10, 20)).unwrap_err()
         };
-        assert!(of(r#"{"shape_type": "circle", "points": [[2, 3], [8, 3]]}"#).contains("shape 0 is a circle"));
+        assert!(
+            of(r#"{"shape_type": "circle", "points": [[2, 3], [8, 3]]}"#).contains("shape 0 is a circle")
+        );
         assert!(of(r#"{"points": [[2, 3], [1e9, 3]]}"#).contains("shape 0"));
         assert!(labelme_mask("[]", (1, 1)).is_err());
     }

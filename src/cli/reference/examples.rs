@@ -157,7 +157,10 @@ const EXAMPLES: &[Examples] = &[
     ),
     (
         "tool render-flank",
-        &["shadowgauge tool render-flank configs/tool/flank.toml --out out/flank", "shadowgauge tool render-flank --random 20 --seed 7 --out out/flanks"],
+        &[
+            "shadowgauge tool render-flank configs/tool/flank.toml --out out/flank",
+            "shadowgauge tool render-flank --random 20 --seed 7 --out out/flanks",
+        ],
     ),
     ("tool train", &["shadowgauge tool train labelled --um-per-px 1.725 --out flanks.forest --seed 1"]),
     (

@@ -116,7 +116,12 @@ fn left_out(labelled: &[Labelled], growth: &Growth) -> (f64, f64) {
         .flat_map_iter(|group| {
             let others = labelled.iter().enumerate().filter(|(k, _)| k % groups != group).map(|(_, l)| l);
             let forest = train(others, growth);
-            labelled.iter().enumerate().filter(|(k, _)| k % groups == group).map(move |(_, l)| errors_um(&forest, l)).collect::<Vec<_>>()
+            labelled
+                .iter()
+                .enumerate()
+                .filter(|(k, _)| k % groups == group)
+                .map(move |(_, l)| errors_um(&forest, l))
+                .collect::<Vec<_>>()
         })
         .collect();
     let n = errors.len().max(1) as f64;

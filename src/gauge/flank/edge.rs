@@ -79,7 +79,9 @@ pub(crate) fn reference(traced: &TracedEdge, frame: &Frame, shape: Option<&[f64]
         return None;
     }
     let t = |k: usize| frame.s_px(k as f64) / frame.line.length_px;
-    let known = |k: usize| shape.map_or(0.0, |c| c.iter().skip(2).rev().fold(0.0, |sum, c| sum * t(k) + c) * t(k).powi(2));
+    let known = |k: usize| {
+        shape.map_or(0.0, |c| c.iter().skip(2).rev().fold(0.0, |sum, c| sum * t(k) + c) * t(k).powi(2))
+    };
     let y = DVector::from_fn(n, |k, _| traced.depth_um[k] / frame.um_per_px - known(k));
     let x = DMatrix::from_fn(n, powers, |k, p| t(k).powi(p as i32));
     let mut weights = DVector::from_element(n, 1.0);

@@ -15,7 +15,9 @@ pub(crate) enum FlankError {
         column: usize,
     },
     /// A frame in which no strip fits.
-    #[error("an image of {rows} x {columns} px is too small for a flank: at least {least} px a side are needed")]
+    #[error(
+        "an image of {rows} x {columns} px is too small for a flank: at least {least} px a side are needed"
+    )]
     TooSmall {
         /// Rows.
         rows: usize,
@@ -25,7 +27,9 @@ pub(crate) enum FlankError {
         least: usize,
     },
     /// Nothing in focus, or nothing with a straight border.
-    #[error("no flank: {why}; put the cutting edge and its flank into focus and light the flank from the front")]
+    #[error(
+        "no flank: {why}; put the cutting edge and its flank into focus and light the flank from the front"
+    )]
     NoFlank {
         /// What was seen instead.
         why: String,

@@ -5,8 +5,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::features::{FEATURES, features};
-use super::forest::training::{Growth, Samples, grow};
 use super::forest::Forest;
+use super::forest::training::{Growth, Samples, grow};
 use super::land::land;
 use super::located::Located;
 use super::raster::Raster;

@@ -50,9 +50,8 @@ pub(crate) fn locate(image: &Raster, um_per_px: f64, shape: Option<&[f64]>) -> R
         for (k, depth) in traced.depth_um.iter_mut().enumerate() {
             *depth += frame.reference_px(frame.s_px(k as f64)) * um_per_px;
         }
-        let found = reference(&traced, &frame, shape).ok_or_else(|| {
-            FlankError::Reference("no smooth curve passes along the edge".to_owned())
-        })?;
+        let found = reference(&traced, &frame, shape)
+            .ok_or_else(|| FlankError::Reference("no smooth curve passes along the edge".to_owned()))?;
         frame.curve = found.curve;
         u_reference_um = found.u_um;
         if round == 0 {

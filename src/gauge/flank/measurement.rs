@@ -49,7 +49,12 @@ fn assess(
     let mut flags = Vec::new();
     let Some(worn) = worn else {
         flags.push("no_land");
-        return Ok(finished(flank, settings, (widths, Zones { b: 0..0, c: None, n: None }, (0, 0)), (forest, flags)));
+        return Ok(finished(
+            flank,
+            settings,
+            (widths, Zones { b: 0..0, c: None, n: None }, (0, 0)),
+            (forest, flags),
+        ));
     };
     leaves_field(flank, found, worn)?;
     glare(flank, found, worn, settings.full_scale)?;
@@ -125,7 +130,9 @@ fn leaves_field(flank: &Located, found: &Land, worn: (usize, usize)) -> Result<(
     for k in worn.0..=worn.1 {
         let rows = flank.inside[k].saturating_sub(frame.above);
         let end_um = rows as f64 * frame.row_um();
-        if found.depth_um[k] >= FlankLimits::get().least_land_um && found.depth_um[k] + 4.0 * frame.row_um() > end_um {
+        if found.depth_um[k] >= FlankLimits::get().least_land_um
+            && found.depth_um[k] + 4.0 * frame.row_um() > end_um
+        {
             let p = frame.place(k as f64, found.depth_um[k]);
             return Err(FlankError::LeavesField { row: p.y, column: p.x });
         }

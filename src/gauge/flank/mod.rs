@@ -36,7 +36,7 @@ pub(crate) use labelled::{Labelled, errors_um, train};
 pub(crate) use located::locate;
 pub(crate) use measurement::measure_flank;
 pub(crate) use raster::Raster;
-pub(crate) use result::{FlankBudget, FlankMeasurement, Width};
+pub(crate) use result::{FlankBudget, FlankMeasurement};
 pub(crate) use settings::{CornerSide, FlankSettings};
 
 /// The forest that the program brings along.

@@ -52,7 +52,8 @@ pub(crate) fn edge_line(image: &Raster) -> Result<EdgeLine, FlankError> {
     }
     let normal = DVec2::from_angle(best.deg.to_radians());
     let along = -normal.perp();
-    let place = |s: f64| (normal * best.offset + along * s) * cells.side as f64 + 0.5 * (cells.side as f64 - 1.0);
+    let place =
+        |s: f64| (normal * best.offset + along * s) * cells.side as f64 + 0.5 * (cells.side as f64 - 1.0);
     Ok(EdgeLine { from: place(from), along, normal, length_px: (to - from) * cells.side as f64 })
 }
 
@@ -112,9 +113,8 @@ impl Cells {
             }))
             .collect();
         let w = limits.side_cells;
-        let score = |k: usize| {
-            (total[k + w] - total[k]) - limits.beyond_weight * (total[k - 1] - total[k - 1 - w])
-        };
+        let score =
+            |k: usize| (total[k + w] - total[k]) - limits.beyond_weight * (total[k - 1] - total[k - 1 - w]);
         let best = (w + 1..sums.len() - w).map(|k| (k, score(k))).max_by(|a, b| a.1.total_cmp(&b.1));
         let (k, score) = best.unwrap_or((0, 0.0));
         Candidate { deg, offset: k as f64 - reach as f64 - 0.5, score }
@@ -133,7 +133,8 @@ impl Cells {
             f64::from(values.sum::<f32>()) / limits.side_cells as f64
         };
         let profile: Vec<f64> = (-reach..=reach).map(beside).collect();
-        longest_run(&profile, 0.08, 24).map_or((0.0, 0.0), |(a, b)| (a as f64 - reach as f64, b as f64 - reach as f64))
+        longest_run(&profile, 0.08, 24)
+            .map_or((0.0, 0.0), |(a, b)| (a as f64 - reach as f64, b as f64 - reach as f64))
     }
 }
 

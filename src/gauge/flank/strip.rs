@@ -110,7 +110,8 @@ impl Frame {
 pub(crate) fn normalised(strip: &Raster, frame: &Frame) -> Raster {
     let limits = FlankLimits::get();
     let near = (limits.air_um / frame.row_um()) as usize;
-    let air: Vec<f32> = (0..frame.above.saturating_sub(near).max(1)).flat_map(|r| strip.row(r).to_vec()).collect();
+    let air: Vec<f32> =
+        (0..frame.above.saturating_sub(near).max(1)).flat_map(|r| strip.row(r).to_vec()).collect();
     let level = quantile(air, 0.5);
     let lit_rows = frame.above..(frame.above + (250.0 / frame.row_um()) as usize).min(strip.rows);
     let lit: Vec<f32> = lit_rows.flat_map(|r| strip.row(r).to_vec()).collect();

@@ -23,7 +23,10 @@ impl FlankScene {
         let tilt = (0.4 * f64::from(columns) * turn.to_radians().tan()).abs();
         let row = 0.14 * f64::from(rows) + if turn > 0.0 { 0.0 } else { 2.0 * tilt };
         scene.edge = FlankEdge {
-            corner_px: [random.random_range(0.82..0.9) * f64::from(columns), row + random.random_range(0.0..20.0)],
+            corner_px: [
+                random.random_range(0.82..0.9) * f64::from(columns),
+                row + random.random_range(0.0..20.0),
+            ],
             direction_deg: 180.0 + turn.clamp(-8.0, 8.0),
             camber_um: random.random_range(-3.0..10.0),
             depth_um: vb_um * 1.3 + random.random_range(60.0..500.0),
@@ -35,7 +38,11 @@ impl FlankScene {
             length_um: random.random_range(0.45..0.72) * width_um,
             notch_um: if random.random_bool(0.4) { vb_um * random.random_range(0.2..1.2) } else { 0.0 },
             corner_um: if random.random_bool(0.4) { vb_um * random.random_range(0.0..0.4) } else { 0.0 },
-            chipping_um: if random.random_bool(0.4) { random.random_range(0.0..0.3) * vb_um.min(60.0) } else { 0.0 },
+            chipping_um: if random.random_bool(0.4) {
+                random.random_range(0.0..0.3) * vb_um.min(60.0)
+            } else {
+                0.0
+            },
         };
         scene.surface = surface(random, width_um);
         scene

@@ -39,7 +39,10 @@ pub(crate) struct FlankTruth {
 ///
 /// # Errors
 /// A setting out of range.
-pub(crate) fn render_flank(scene: &FlankScene, seed: u64) -> Result<(Frame, Vec<u8>, FlankTruth), RenderError> {
+pub(crate) fn render_flank(
+    scene: &FlankScene,
+    seed: u64,
+) -> Result<(Frame, Vec<u8>, FlankTruth), RenderError> {
     scene.check()?;
     let (rows, columns) = (scene.rows as usize, scene.columns as usize);
     let surface = Surface { scene, seed };
@@ -148,17 +151,18 @@ fn blurred(light: &[f32], (rows, columns): (usize, usize), sigma: f64) -> Vec<f3
     let weights: Vec<f64> = (-reach..=reach).map(|k| (-0.5 * (k as f64 / sigma).powi(2)).exp()).collect();
     let sum: f64 = weights.iter().sum();
     let weights: Vec<f32> = weights.iter().map(|w| (w / sum) as f32).collect();
-    let pass = |from: &[f32], step: usize, count: usize, place: &(dyn Fn(usize) -> usize + Sync)| -> Vec<f32> {
-        let at = |k: usize| {
-            let (own, base) = (place(k) as i64, k - place(k) * step);
-            let of = |(i, w): (usize, &f32)| {
-                let other = (own + i as i64 - reach).clamp(0, count as i64 - 1) as usize;
-                w * from[base + other * step]
+    let pass =
+        |from: &[f32], step: usize, count: usize, place: &(dyn Fn(usize) -> usize + Sync)| -> Vec<f32> {
+            let at = |k: usize| {
+                let (own, base) = (place(k) as i64, k - place(k) * step);
+                let of = |(i, w): (usize, &f32)| {
+                    let other = (own + i as i64 - reach).clamp(0, count as i64 - 1) as usize;
+                    w * from[base + other * step]
+                };
+                weights.iter().enumerate().map(of).sum()
             };
-            weights.iter().enumerate().map(of).sum()
+            (0..from.len()).into_par_iter().map(at).collect()
         };
-        (0..from.len()).into_par_iter().map(at).collect()
-    };
     let along = pass(light, 1, columns, &|k| k % columns);
     pass(&along, columns, rows, &|k| k / columns)
 }

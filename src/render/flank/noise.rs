@@ -27,5 +27,6 @@ pub(super) fn noise(x: f64, y: f64, seed: u64) -> f64 {
 
 /// Three octaves of it.
 pub(super) fn rough(x: f64, y: f64, seed: u64) -> f64 {
-    (noise(x, y, seed) + 0.5 * noise(2.0 * x, 2.0 * y, seed ^ 1) + 0.25 * noise(4.0 * x, 4.0 * y, seed ^ 2)) / 1.75
+    (noise(x, y, seed) + 0.5 * noise(2.0 * x, 2.0 * y, seed ^ 1) + 0.25 * noise(4.0 * x, 4.0 * y, seed ^ 2))
+        / 1.75
 }

@@ -109,13 +109,26 @@ impl Default for FlankScene {
 
 impl Default for FlankEdge {
     fn default() -> Self {
-        Self { corner_px: [860.0, 170.0], direction_deg: 176.0, camber_um: 4.0, depth_um: 420.0, end_deg: -25.0 }
+        Self {
+            corner_px: [860.0, 170.0],
+            direction_deg: 176.0,
+            camber_um: 4.0,
+            depth_um: 420.0,
+            end_deg: -25.0,
+        }
     }
 }
 
 impl Default for FlankWear {
     fn default() -> Self {
-        Self { vb_um: 120.0, scatter: 0.15, length_um: 1500.0, notch_um: 60.0, corner_um: 20.0, chipping_um: 4.0 }
+        Self {
+            vb_um: 120.0,
+            scatter: 0.15,
+            length_um: 1500.0,
+            notch_um: 60.0,
+            corner_um: 20.0,
+            chipping_um: 4.0,
+        }
     }
 }
 

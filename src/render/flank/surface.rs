@@ -21,7 +21,8 @@ impl Surface<'_> {
         }
         let land = land_um(&scene.wear, s, self.seed);
         let light = if v < land { self.land(s, v, v / land) } else { self.flank(s, v) };
-        let rim = if land > 0.0 { surface.rim * self.broken(s, 25.0, 21) * bell((v - land) / 3.0) } else { 0.0 };
+        let rim =
+            if land > 0.0 { surface.rim * self.broken(s, 25.0, 21) * bell((v - land) / 3.0) } else { 0.0 };
         // the new edge is rounded by some micrometres and shines
         let new = if land > 0.0 { 0.0 } else { 0.5 * surface.line * bell(v / 4.0) };
         light + rim + new

@@ -10,7 +10,8 @@ pub(super) fn land_um(wear: &FlankWear, s_um: f64, seed: u64) -> f64 {
         return 0.0;
     }
     let t = s_um / wear.length_um;
-    let scatter = 1.0 + wear.scatter * (1.4 * rough(s_um / 220.0, 0.0, seed) + 0.5 * rough(s_um / 30.0, 3.0, seed));
+    let scatter =
+        1.0 + wear.scatter * (1.4 * rough(s_um / 220.0, 0.0, seed) + 0.5 * rough(s_um / 30.0, 3.0, seed));
     // the corner's wear fades over a tenth of the length, the notch stands before the far end
     let corner = wear.corner_um * (-t / 0.1).exp();
     let notch = wear.notch_um * (-0.5 * ((t - 0.93) / 0.03).powi(2)).exp();

@@ -113,7 +113,13 @@ impl Line {
         }
         // growth not proven: from the root ahead of the readings on without an end
         let roots = [(-qb - root.sqrt()) / qa, (-qb + root.sqrt()) / qa];
-        [roots.into_iter().filter(|c| self.a + self.b * c <= limit + 1e-9 || self.b <= 0.0).reduce(f64::max), None]
+        [
+            roots
+                .into_iter()
+                .filter(|c| self.a + self.b * c <= limit + 1e-9 || self.b <= 0.0)
+                .reduce(f64::max),
+            None,
+        ]
     }
 }
 
@@ -123,7 +129,8 @@ mod tests {
 
     #[test]
     fn a_straight_history_reaches_its_limit_where_the_line_does() {
-        let rows: Vec<_> = (0..6).map(|k| (10.0 * f64::from(k), 50.0 + 2.0 * 10.0 * f64::from(k), 1.0)).collect();
+        let rows: Vec<_> =
+            (0..6).map(|k| (10.0 * f64::from(k), 50.0 + 2.0 * 10.0 * f64::from(k), 1.0)).collect();
         let found = forecast(&rows, 300.0).unwrap();
         assert!((found.cut.unwrap() - 125.0).abs() < 1e-9 && (found.um_per_cut - 2.0).abs() < 1e-12);
         let (from, to) = (found.from_cut.unwrap(), found.to_cut.unwrap());

@@ -38,7 +38,8 @@ pub(crate) fn read_history(text: &str) -> Result<Vec<WearRow>, ToolError> {
             return Err(ToolError::History { line, what });
         }
         if let Some(before) = rows.last().filter(|before| row.cut < before.cut) {
-            let what = format!("cut {} follows cut {}: rows stand in the order of the cuts", row.cut, before.cut);
+            let what =
+                format!("cut {} follows cut {}: rows stand in the order of the cuts", row.cut, before.cut);
             return Err(ToolError::History { line, what });
         }
         rows.push(row);

@@ -14,7 +14,8 @@ fn measured(pixels: &[u8], columns: usize) -> Result<(), FlankError> {
 #[test]
 fn an_empty_picture_has_no_flank() {
     assert!(matches!(measured(&[80; 400 * 300], 400), Err(FlankError::NoFlank { .. })));
-    let noise: Vec<u8> = (0..400_u32 * 300).map(|k| 80 + (k.wrapping_mul(2_654_435_761) >> 29) as u8).collect();
+    let noise: Vec<u8> =
+        (0..400_u32 * 300).map(|k| 80 + (k.wrapping_mul(2_654_435_761) >> 29) as u8).collect();
     assert!(matches!(measured(&noise, 400), Err(FlankError::NoFlank { .. })));
     assert!(matches!(measured(&[80; 64 * 64], 64), Err(FlankError::TooSmall { .. })));
 }

@@ -96,7 +96,9 @@ fn share_or_more(text: &str) -> Result<f64, String> {
 
 fn angle(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|v| v.abs() <= 60.0);
-    value.ok_or_else(|| "an angle of -60 to 60 degrees is needed: flanks seen more obliquely show no land".to_owned())
+    value.ok_or_else(|| {
+        "an angle of -60 to 60 degrees is needed: flanks seen more obliquely show no land".to_owned()
+    })
 }
 
 /// What measures an image.
@@ -161,7 +163,11 @@ pub(crate) fn run(args: &FlankArgs) -> CommandResult {
 fn end(args: &FlankArgs, document: &FlankDocument, refused: &[String]) -> CommandResult {
     if let Some(first) = refused.first() {
         let all = refused.len() + document.images.len();
-        let text = if all == 1 { first.clone() } else { format!("{} of {all} images are refused: {first}", refused.len()) };
+        let text = if all == 1 {
+            first.clone()
+        } else {
+            format!("{} of {all} images are refused: {first}", refused.len())
+        };
         return Err(Failure::fail(text));
     }
     let given = args.vbb_limit_um.is_some() || args.vbb_max_limit_um.is_some();
@@ -176,7 +182,9 @@ impl Instrument {
             "forest" => Some(shipped().map_err(Failure::fail)?),
             path => {
                 let named = |e: &dyn std::fmt::Display| {
-                    Failure::refuse(format!("--model {path}: {e}; give forest, paper, or a file of `tool train`"))
+                    Failure::refuse(format!(
+                        "--model {path}: {e}; give forest, paper, or a file of `tool train`"
+                    ))
                 };
                 let bytes = std::fs::read(path).map_err(|e| named(&e))?;
                 Some(file::read(&bytes, FEATURES).map_err(|e| named(&e))?)
@@ -263,7 +271,9 @@ impl History {
         limits: &WearLimits,
     ) -> Result<Vec<crate::tool::wear::Forecast>, Failure> {
         let (Some(u_vbb_um), Some(u_vbb_max_um)) = (image.u_vbb_um, image.u_vbb_max_um) else {
-            return Err(Failure::refuse("--history: --model paper states no uncertainty, which a history needs"));
+            return Err(Failure::refuse(
+                "--history: --model paper states no uncertainty, which a history needs",
+            ));
         };
         if let Some(last) = self.rows.last().filter(|last| cut < last.cut) {
             let text = format!("--cut {cut}: the history ends at cut {}; give that or a later one", last.cut);

@@ -36,7 +36,10 @@ pub(crate) fn write(forest: &Forest) -> Result<Vec<u8>, String> {
         }
     }
     if bytes.len() > MOST_BYTES {
-        return Err(format!("the model has {} bytes, at most {MOST_BYTES} are allowed: fewer or smaller trees", bytes.len()));
+        return Err(format!(
+            "the model has {} bytes, at most {MOST_BYTES} are allowed: fewer or smaller trees",
+            bytes.len()
+        ));
     }
     Ok(bytes)
 }

@@ -73,7 +73,8 @@ impl<'a> Binned<'a> {
             .map(|k| {
                 let mut column: Vec<f32> = (0..n).map(|i| samples.values[i * f + k]).collect();
                 column.sort_unstable_by(f32::total_cmp);
-                let mut steps: Vec<f32> = (1..BINS).filter_map(|b| column.get(b * n / BINS).copied()).collect();
+                let mut steps: Vec<f32> =
+                    (1..BINS).filter_map(|b| column.get(b * n / BINS).copied()).collect();
                 steps.dedup();
                 steps
             })
@@ -87,7 +88,13 @@ impl<'a> Binned<'a> {
         usize::from(self.bins[pixel as usize * self.samples.features + feature])
     }
 
-    fn split(&self, pixels: &mut [u32], depth: usize, growth: &Growth, (tree, random): (&mut Tree, &mut Pcg64)) {
+    fn split(
+        &self,
+        pixels: &mut [u32],
+        depth: usize,
+        growth: &Growth,
+        (tree, random): (&mut Tree, &mut Pcg64),
+    ) {
         let land = pixels.iter().filter(|p| self.samples.land[**p as usize]).count();
         let leaf = |tree: &mut Tree| {
             tree.nodes.push(Node::Leaf((land as f32 + 1.0) / (pixels.len() as f32 + 2.0)));
