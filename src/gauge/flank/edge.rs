@@ -26,7 +26,6 @@ pub(crate) struct TracedEdge {
 
 /// Follows the edge through a strip that was cut about the straight line.
 pub(crate) fn trace(strip: &Raster, frame: &Frame) -> TracedEdge {
-    let limits = FlankLimits::get();
     let depart = departure(strip, frame);
     let window = (20.0 / frame.row_um()) as usize;
     let rows = strip.rows;
@@ -39,7 +38,6 @@ pub(crate) fn trace(strip: &Raster, frame: &Frame) -> TracedEdge {
     };
     let costs = Costs { columns: (0..strip.columns).map(column).collect(), step: 2.0, most_step: 2 };
     let depth = costs.cheapest().into_iter().map(|r| frame.depth_um(r) - 0.5 * frame.row_um());
-    let _ = limits;
     TracedEdge { depth_um: depth.collect() }
 }
 

@@ -88,13 +88,6 @@ pub(crate) fn train<'a>(labelled: impl IntoIterator<Item = &'a Labelled>, growth
     forest
 }
 
-/// Mean over the worn length of widths, and their largest, µm; none where nothing is worn.
-pub(crate) fn mean_and_largest(widths_um: &[f64]) -> (f64, f64) {
-    let worn: Vec<f64> = widths_um.iter().copied().filter(|w| *w > 0.0).collect();
-    let largest = worn.iter().copied().fold(0.0, f64::max);
-    (worn.iter().sum::<f64>() / worn.len().max(1) as f64, largest)
-}
-
 /// Errors of VB and VBmax of a forest on a labelled flank, µm, over the worn length of its mask.
 pub(crate) fn errors_um(forest: &Forest, one: &Labelled) -> (f64, f64) {
     let found = land(&one.flank.strip, &one.flank.frame, &one.flank.inside, forest);
