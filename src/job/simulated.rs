@@ -147,6 +147,7 @@ impl Job {
             field: self.field_of_view(),
             gauge: self.gauge.clone(),
             probe: self.probe.clone(),
+            head_geometry: self.machine.as_ref().and_then(RunMachine::head_geometry),
             control: self.control.clone(),
             nc: self.nc.clone(),
         }
@@ -238,7 +239,8 @@ impl Job {
         let force =
             if model { workpiece::workpiece(&self.part, &self.process, &self.cutting).1 } else { None };
         let tool = self.tool.as_ref().and_then(RunTool::caution);
-        force.into_iter().chain(tool).chain(self.loop_job().cautions()).collect()
+        let machine = self.machine.as_ref().map_or(Vec::new(), RunMachine::cautions);
+        force.into_iter().chain(tool).chain(machine).chain(self.loop_job().cautions()).collect()
     }
 
     /// Checks every stage's settings and the conditions across stages.

@@ -4,6 +4,7 @@
 mod bad_input;
 mod chain;
 mod cli;
+mod each_alone;
 mod functions;
 mod identification;
 mod identified_run;
