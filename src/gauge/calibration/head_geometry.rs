@@ -10,7 +10,16 @@
 //! The limits of `limit_axis_y_mm` stay beside it: the errors of a machine have no offset by
 //! convention (ISO 230-1), and where the masters stood to the axis of rotation is not among them.
 
+use crate::gauge::limit::limits;
 use crate::setting::{SettingError, require, within};
+
+limits! {
+    /// What a machine may do to a head.
+    HeadGeometryLimits = "head_geometry";
+    /// Farthest that a machine displaces a head, mm: lathes err by tens of µm; a number beyond is
+    /// in another unit.
+    farthest_mm: f64 = 1.0;
+}
 
 /// Where the part's axis stands before the head in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,23 +41,21 @@ pub struct HeadGeometry {
     places: Vec<HeadPlace>,
 }
 
-/// Farthest that a machine displaces a head, mm; more is in another unit.
-const FARTHEST_MM: f64 = 1.0;
-
 impl HeadGeometry {
     /// Places in the order of z.
     ///
     /// # Errors
     /// Fewer than two places, places that do not ascend, displacements that no machine has.
     pub fn new(places: Vec<HeadPlace>) -> Result<Self, SettingError> {
+        let farthest = HeadGeometryLimits::get().farthest_mm;
         let count = places.len();
         require(count >= 2, "head_geometry", format!("{count} places"), "at least 2 places along z")?;
         for place in &places {
             let right = "within ±1 mm: is the number in µm?";
             for value in [place.axis_y_mm, place.axial_mm] {
-                within("head_geometry", value, -FARTHEST_MM, FARTHEST_MM, right)?;
+                within("head_geometry", value, -farthest, farthest, right)?;
             }
-            within("head_geometry", place.u_axis_y_mm, 0.0, FARTHEST_MM, "between 0 and 1 mm")?;
+            within("head_geometry", place.u_axis_y_mm, 0.0, farthest, "between 0 and 1 mm")?;
         }
         let falls = places.windows(2).find(|pair| pair[1].z_mm.partial_cmp(&pair[0].z_mm) != Some(std::cmp::Ordering::Greater));
         match falls {

@@ -1,11 +1,8 @@
-//! The settings of `[machine]` in a job, and what they must agree with.
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+//! The lathe of `[machine]` in a job, and what it must agree with.
 
 use super::lathe::{Lathe, Ways};
-use crate::gauge::calibration::{HeadGeometry, HeadPlace};
-use crate::identification::head_geometry::{self, temperature_consequence};
+use super::reading_correction::check_known;
+use super::run_settings::RunMachine;
 use crate::job::loop_job::LoopJob;
 use crate::job::scan::ScanWhen;
 use crate::machine::conditions::Direction;
@@ -14,90 +11,6 @@ use crate::plan::FeedDirection;
 use crate::process::ProcessSettings;
 use crate::setting::{SettingError, require};
 use crate::shaft::SpindleMotion;
-
-/// The `[machine]` table of a job.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct RunMachine {
-    /// File of the machine with its errors, as `study machine` reads it (docs/machine.md), from the
-    /// folder of this file.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub file: Option<String>,
-    /// Whether the control compensates the machine's static errors by a table of its own: at every
-    /// station the command is less by what they add to the diameter there.
-    pub compensate: bool,
-    /// Whether the readings of the head are corrected by what the table says of its place: +D·û_y/ℓ
-    /// by the calibrated telecentricity, z + û_z; u(û_y) is the budget row "machine geometry".
-    pub correct_readings: bool,
-    /// File of the machine as the control's table has it: the `machine.json` of `calibrate machine`,
-    /// or a file like `file`; that of `file` itself where it is left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub table: Option<String>,
-    /// Name of the machine; the file's where it is left out. A `machine.json` of another one is
-    /// refused.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
-    /// Name of the head. A `machine.json` that another head's readings have part in is refused.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub head: Option<String>,
-    /// Temperature of the machine, °C; the file's where it is left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub temperature_c: Option<f64>,
-    /// Time since spindle and slides started from cold, minutes; the file's where it is left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub minutes: Option<f64>,
-    /// What `[machine]` of that file holds, in its place.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) stated: Option<MachineSettings>,
-    /// What `[machine]` of that file holds, in its place.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) table_stated: Option<MachineSettings>,
-    /// Where the head of that file stands with its uncertainty, in its place.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub(crate) table_head: Vec<StatedPlace>,
-    /// Temperature at which the errors of that file were read, °C.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) table_temperature_c: Option<f64>,
-    /// Errors of that file that move the head along Y and count as zero.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub(crate) table_unread: Vec<String>,
-}
-
-/// A place of the head as a resolved config states it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct StatedPlace {
-    /// Middle of the field, mm.
-    pub z_mm: f64,
-    /// Displacement of the head along Y, towards the camera, µm.
-    pub u_y_um: f64,
-    /// Its standard uncertainty, µm.
-    pub u_u_y_um: f64,
-    /// Displacement along the spindle, µm.
-    pub u_z_um: f64,
-}
-
-impl From<&HeadPlace> for StatedPlace {
-    fn from(place: &HeadPlace) -> Self {
-        Self {
-            z_mm: place.z_mm,
-            u_y_um: -1e3 * place.axis_y_mm,
-            u_u_y_um: 1e3 * place.u_axis_y_mm,
-            u_z_um: 1e3 * place.axial_mm,
-        }
-    }
-}
-
-impl From<&StatedPlace> for HeadPlace {
-    fn from(place: &StatedPlace) -> Self {
-        Self {
-            z_mm: place.z_mm,
-            axis_y_mm: -1e-3 * place.u_y_um,
-            u_axis_y_mm: 1e-3 * place.u_u_y_um,
-            axial_mm: 1e-3 * place.u_z_um,
-        }
-    }
-}
 
 /// What of a job a machine must agree with.
 pub(crate) struct OnMachine<'a> {
@@ -112,58 +25,6 @@ pub(crate) struct OnMachine<'a> {
 }
 
 impl RunMachine {
-    /// Takes the contents of a machine's file in place of its name; its state counts where this
-    /// table has none.
-    pub(crate) fn take(&mut self, machine: MachineSettings, state: &Conditions) {
-        self.file = None;
-        self.stated = Some(machine);
-        self.temperature_c = self.temperature_c.or(Some(state.temperature_c));
-        self.minutes = self.minutes.or(Some(state.minutes));
-    }
-
-    /// Takes what an identified machine says of the head and of its readings.
-    pub(crate) fn take_identified(
-        &mut self,
-        geometry: &HeadGeometry,
-        temperature_c: f64,
-        unread: Vec<String>,
-    ) {
-        if self.correct_readings {
-            self.table_head = geometry.places().iter().map(StatedPlace::from).collect();
-            self.table_unread = unread;
-        }
-        self.table_temperature_c = Some(temperature_c);
-    }
-
-    /// Where the head stands, as far as the control knows; none where its readings are not
-    /// corrected, or where [`Self::lathe`] refuses the table.
-    pub(crate) fn head_geometry(&self) -> Option<HeadGeometry> {
-        if !self.correct_readings {
-            return None;
-        }
-        if !self.table_head.is_empty() {
-            return HeadGeometry::new(self.table_head.iter().map(HeadPlace::from).collect()).ok();
-        }
-        head_geometry::of_machine(self.table_stated.as_ref().or(self.stated.as_ref())?).ok()
-    }
-
-    /// Warnings for a run: a machine at another temperature than that of its readings, errors of
-    /// the head that count as zero.
-    pub(crate) fn cautions(&self) -> Vec<String> {
-        let uses = self.compensate || self.correct_readings;
-        let now = self.temperature_c.unwrap_or(Conditions::default().temperature_c);
-        let other = self.table_temperature_c.zip(self.table_stated.as_ref()).filter(|_| uses);
-        let warmer = other.and_then(|(then, table)| temperature_consequence(table, then, now));
-        let unread = (self.correct_readings && !self.table_unread.is_empty()).then(|| {
-            format!(
-                "{} move the head along Y and count as zero in machine.table: what they add to the readings is corrected by nothing and in no \
-                 uncertainty",
-                self.table_unread.join(", ")
-            )
-        });
-        warmer.map(|words| format!("machine.table: {words}")).into_iter().chain(unread).collect()
-    }
-
     /// The machine under a job.
     ///
     /// # Errors
@@ -187,10 +48,7 @@ impl RunMachine {
             let table = Lathe::new(table, table.motion().map_err(in_table)?, &Conditions::default(), ways);
             lathe = lathe.compensated_by(table.map_err(in_table)?);
         }
-        if !self.table_head.is_empty() {
-            let at = |e: SettingError| SettingError { key: "machine.table_head".to_owned(), ..e };
-            HeadGeometry::new(self.table_head.iter().map(HeadPlace::from).collect()).map_err(at)?;
-        }
+        self.check_head()?;
         if lathe.spindle_errs() && !on.spindle.synchronous.is_empty() {
             let why = "stands beside the errors of C in [machine], which move the part in the same way: one of them";
             return Err(SettingError::at("shaft.spindle.synchronous", why));
@@ -322,16 +180,7 @@ impl RunMachine {
         let machine = self.needed()?;
         let beside = machine.head_beside_tool_mm();
         let [from, to] = machine.z_travel_mm;
-        if let Some(geometry) = &part.head_geometry {
-            let (from, to) = geometry.range_mm();
-            let unknown = |z: &f64| geometry.at(*z).is_none();
-            if let Some(z_mm) = part.scan_plan().field_z_mm.into_iter().find(unknown) {
-                let why = format!(
-                    "the field at z = {z_mm:.3} mm lies outside {from:.3} to {to:.3} mm, where the table knows the head's place: none is extrapolated"
-                );
-                return Err(SettingError::at("machine.table", why));
-            }
-        }
+        check_known(part)?;
         let out = |z: &f64| !(from..=to).contains(&(z - beside));
         let Some(z_mm) = part.scan_plan().field_z_mm.into_iter().find(out) else { return Ok(()) };
         let why = format!(

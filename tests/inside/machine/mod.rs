@@ -8,6 +8,7 @@ mod each_alone;
 mod functions;
 mod identification;
 mod identified_run;
+mod reading_correction;
 mod response;
 mod run;
 mod spindle;
