@@ -49,6 +49,9 @@ impl RunMachine {
             lathe = lathe.compensated_by(table.map_err(in_table)?);
         }
         self.check_head()?;
+        if let Some(probe) = &self.probe {
+            probe.check(&lathe, radii_mm(on.part))?;
+        }
         if lathe.spindle_errs() && !on.spindle.synchronous.is_empty() {
             let why = "stands beside the errors of C in [machine], which move the part in the same way: one of them";
             return Err(SettingError::at("shaft.spindle.synchronous", why));
@@ -149,6 +152,14 @@ fn check_beside(on: &OnMachine<'_>) -> Result<(), SettingError> {
     require(tool_deg == 0.0, "process.bending.tool_deg", tool_deg, right)
 }
 
+/// Least and largest radius of a part, mm.
+fn radii_mm(part: &LoopJob) -> [f64; 2] {
+    let stock = part.part.stock_diameter_mm;
+    let drawn = part.contour.iter().map(|p| p.diameter_mm);
+    let least = drawn.chain(part.part.nominal_diameter_mm.iter().copied()).fold(stock, f64::min);
+    [0.5 * least, 0.5 * stock]
+}
+
 /// Refuses a part that the tool does not reach in the travels: beyond them no error is given.
 fn check_travels(machine: &MachineSettings, part: &LoopJob) -> Result<(), SettingError> {
     let [from, to] = machine.z_travel_mm;
@@ -161,10 +172,8 @@ fn check_travels(machine: &MachineSettings, part: &LoopJob) -> Result<(), Settin
     let right = format!(
         "such that its radius lies in {from} to {to} mm, the travel of X (x_travel_mm of the machine)"
     );
-    let stock = part.part.stock_diameter_mm;
+    let [least, stock] = radii_mm(part).map(|radius| 2.0 * radius);
     require((from..=to).contains(&(0.5 * stock)), "part.stock_diameter_mm", stock, &right)?;
-    let drawn = part.contour.iter().map(|p| p.diameter_mm);
-    let least = drawn.chain(part.part.nominal_diameter_mm.iter().copied()).fold(stock, f64::min);
     require((from..=to).contains(&(0.5 * least)), "part.nominal_diameter_mm", least, &right)?;
     let tip = machine.tip_above_axis_mm;
     let right = format!("closer to the axis than half the part's least radius, {} mm", 0.5 * least);

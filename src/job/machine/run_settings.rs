@@ -43,6 +43,10 @@ pub struct RunMachine {
     /// Errors of the table's file that move the head along Y and count as zero.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) table_unread: Vec<String>,
+    /// A displacement probe on the X slide, as a second head: its readings of every pass stand in
+    /// machine_probe.csv. Neither gauge nor controller is given them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) probe: Option<DisplacementProbe>,
     /// What `[machine]` of that file holds, in its place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) stated: Option<MachineSettings>,
@@ -52,6 +56,39 @@ pub struct RunMachine {
     /// Where the head of that file stands with its uncertainty, in its place.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) table_head: Vec<StatedPlace>,
+}
+
+/// The side of the axis on which a probe touches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum ProbeSide {
+    /// The tool's, x above 0.
+    #[default]
+    Tool,
+    /// The other, x below 0.
+    Opposite,
+}
+
+/// A displacement probe on the X slide.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct DisplacementProbe {
+    /// The side on which it touches.
+    pub side: ProbeSide,
+    /// From the X slide's reference to its tip, [x, y, z], mm; the tool's where it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probe_mm: Option<[f64; 3]>,
+    /// Radius of its ball, mm. 0 ..= 50.
+    pub tip_radius_mm: f64,
+    /// Standard deviation of a reading of its displacement, µm. 0 ..= 100.
+    pub noise_um: f64,
+}
+
+impl Default for DisplacementProbe {
+    /// The inductive probe of the paper on the lathe as its own measuring machine: .01 µm.
+    fn default() -> Self {
+        Self { side: ProbeSide::Tool, probe_mm: None, tip_radius_mm: 1.5, noise_um: 0.01 }
+    }
 }
 
 /// A place of the head as a resolved config states it.

@@ -4,6 +4,7 @@
 mod bad_input;
 mod chain;
 mod cli;
+mod displacement_probe;
 mod each_alone;
 mod functions;
 mod identification;
