@@ -9,6 +9,7 @@ mod each_alone;
 mod functions;
 mod identification;
 mod identified_run;
+mod models;
 mod reading_correction;
 mod response;
 mod run;
