@@ -22,7 +22,7 @@ pub(crate) use heads::{Comparison, Reading, ReadingPoint, Sensitivity};
 pub(crate) use map::{Extent, MapFigures, MapPoint};
 pub(crate) use models::{Models, ModelsAsked};
 pub(crate) use separation::SeparationRow;
-pub(crate) use spiral::Alias;
+pub(crate) use spiral::{Alias, Spiral};
 pub(crate) use warm_up::WarmUpPoint;
 
 use crate::gauge::form::FormError;
