@@ -12,6 +12,7 @@ mod equations;
 mod experiments;
 mod inputs;
 mod models;
+mod profile;
 mod samples;
 mod spindle;
 mod spiral;

@@ -1,16 +1,14 @@
 //! The nets and splines on profiles of the paper's size; the field is assumed, as the paper prints
 //! none.
 //!
-//! Profiles are sums of four waves of 25 to 200 mm, scaled to the paper's peak to valley, drawn by
-//! seed; samples have the noise of its probe. Errors are those between the samples.
+//! Samples have the noise of the paper's probe. Errors are those between the samples.
 
-use std::f64::consts::TAU;
-
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
 use super::inputs::Inputs;
+use super::profile::Profile;
 use crate::studies::machine::models::{CurveKind, CurveModel};
 use crate::studies::reproduction::{Accept, Row};
 
@@ -19,37 +17,6 @@ const NETS: u64 = 8;
 const SPLINES: u64 = 200;
 /// Units of the paper's nets: it prints none.
 const HIDDEN: usize = 12;
-
-/// A profile: frequency, amplitude and phase of its waves.
-struct Profile {
-    waves: Vec<[f64; 3]>,
-    middle: f64,
-    scale: f64,
-}
-
-impl Profile {
-    /// A profile of a peak to valley, µm, over a length, mm.
-    fn drawn(seed: u64, range_um: f64, length_mm: f64) -> Self {
-        let mut random = Pcg64::seed_from_u64(seed);
-        let mut between = |from: f64, to: f64| random.random_range(from..to);
-        let wave = |k: usize| {
-            let (length, size) = (between(25.0, 200.0), between(0.3, 1.0) / (1.0 + k as f64));
-            [TAU / length, size, between(0.0, TAU)]
-        };
-        let mut profile = Self { waves: (0..4).map(wave).collect(), middle: 0.0, scale: 1.0 };
-        let fold = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
-        let places = (0..=500).map(|k| length_mm * f64::from(k) / 500.0);
-        let (low, high) =
-            places.map(|x| profile.um(x)).fold((f64::INFINITY, f64::NEG_INFINITY), fold);
-        (profile.middle, profile.scale) = (0.5 * (low + high), range_um / (high - low));
-        profile
-    }
-
-    fn um(&self, x: f64) -> f64 {
-        let sum: f64 = self.waves.iter().map(|[f, size, phase]| size * (f * x + phase).cos()).sum();
-        self.scale * (sum - self.middle)
-    }
-}
 
 /// Error of a model between the samples of a profile: rms and peak to valley, µm.
 fn left(kind: CurveKind, inputs: &Inputs, range_um: f64, seed: u64) -> Option<[f64; 2]> {
