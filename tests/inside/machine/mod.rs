@@ -11,6 +11,7 @@ mod identification;
 mod identified_run;
 mod models;
 mod reading_correction;
+mod reproduce_001;
 mod response;
 mod run;
 mod spindle;
