@@ -47,10 +47,7 @@ pub(crate) fn of_identified(found: &IdentifiedMachine) -> Result<HeadGeometry, S
     geometry(machine, &u_mm)
 }
 
-fn geometry(
-    machine: &MachineSettings,
-    u_mm: &dyn Fn(&Station) -> f64,
-) -> Result<HeadGeometry, SettingError> {
+fn geometry(machine: &MachineSettings, u_mm: &dyn Fn(&Station) -> f64) -> Result<HeadGeometry, SettingError> {
     let motion = machine.motion()?;
     let state = Conditions { x_direction: Direction::Backward, ..Conditions::default() };
     let [from, to] = machine.z_travel_mm;

@@ -82,7 +82,8 @@ impl NeuralNet {
     /// A net fitted to samples; none where there are fewer than two, or of different lengths.
     pub(crate) fn fitted(samples: &Samples, how: &Training) -> Option<Self> {
         let (inputs, outputs) = (samples.inputs.first()?.len(), samples.outputs.first()?.len());
-        let alike = |rows: &[Vec<f64>], length: usize| rows.iter().all(|row| row.len() == length && length > 0);
+        let alike =
+            |rows: &[Vec<f64>], length: usize| rows.iter().all(|row| row.len() == length && length > 0);
         let fits = alike(&samples.inputs, inputs) && alike(&samples.outputs, outputs);
         let count = samples.inputs.len();
         if !fits || count < 2 || count != samples.outputs.len() || how.hidden == 0 {
@@ -265,8 +266,10 @@ mod tests {
         let y: Vec<f64> = x.iter().map(|x| truth(*x)).collect();
         let best = (0..4)
             .filter_map(|seed| {
-                let net = NeuralNet::fitted(&Samples::curve(&x, &y), &Training { hidden: 3, steps: 400, seed })?;
-                let off = |k: usize| (net.value((k as f64 + 0.5) / 60.0) - truth((k as f64 + 0.5) / 60.0)).abs();
+                let net =
+                    NeuralNet::fitted(&Samples::curve(&x, &y), &Training { hidden: 3, steps: 400, seed })?;
+                let off =
+                    |k: usize| (net.value((k as f64 + 0.5) / 60.0) - truth((k as f64 + 0.5) / 60.0)).abs();
                 Some((0..59).map(off).fold(0.0, f64::max))
             })
             .fold(f64::INFINITY, f64::min);

@@ -48,7 +48,8 @@ impl PSpline {
         let right = basis.tr_mul(&DVector::from_column_slice(y));
         let square: f64 = y.iter().map(|y| y * y).sum();
         let samples = Summed { normal, penalty, right, square, count: x.len() };
-        let tried = (0..=STEPS).filter_map(|k| samples.solved(10f64.powf(FROM + (TO - FROM) * k as f64 / STEPS as f64)));
+        let tried = (0..=STEPS)
+            .filter_map(|k| samples.solved(10f64.powf(FROM + (TO - FROM) * k as f64 / STEPS as f64)));
         let best = tried.min_by(|a, b| a.score.total_cmp(&b.score))?;
         let free = (x.len() as f64 - best.parameters).max(f64::MIN_POSITIVE);
         let noise = (best.residual / free).sqrt();
@@ -147,7 +148,8 @@ mod tests {
     #[test]
     fn alternating_samples_about_a_line_give_nearly_the_line() {
         let x = places();
-        let y: Vec<f64> = x.iter().enumerate().map(|(k, x)| 0.5 + 0.01 * x + 0.1 * (-1f64).powi(k as i32)).collect();
+        let y: Vec<f64> =
+            x.iter().enumerate().map(|(k, x)| 0.5 + 0.01 * x + 0.1 * (-1f64).powi(k as i32)).collect();
         let spline = PSpline::fitted(&x, &y, [0.0, 100.0], 25).unwrap();
         assert!(spline.parameters < 4.0, "{}", spline.parameters);
         assert!((spline.value(51.0).unwrap() - 1.01).abs() < 0.01);

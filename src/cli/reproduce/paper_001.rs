@@ -24,10 +24,7 @@ pub(crate) struct Reproduce001Args {
 const PARTS: [(&str, &[&str]); 5] = [
     ("The 21 errors and eqs 1 to 6", &["list.", "eq1.", "eq3.", "eq4.", "eq5.", "eq6."]),
     ("Nets and training samples", &["netB.", "samples.", "models."]),
-    (
-        "Experiments",
-        &["straightness.", "cylindricity.", "flatness.", "self.", "scatter.", "temperature."],
-    ),
+    ("Experiments", &["straightness.", "cylindricity.", "flatness.", "self.", "scatter.", "temperature."]),
     ("The spiral on the face", &["spiral."]),
     ("The spindle, which the paper leaves in", &["spindle."]),
 ];

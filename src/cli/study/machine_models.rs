@@ -9,7 +9,14 @@ pub(super) fn print(models: &Models) {
         models.positions,
         models.noise_um
     );
-    say_line!("{:<30} {:<22} {:>8} {:>9} {:>22}", "curve", "model", "range", "held out", "at samples left out");
+    say_line!(
+        "{:<30} {:<22} {:>8} {:>9} {:>22}",
+        "curve",
+        "model",
+        "range",
+        "held out",
+        "at samples left out"
+    );
     let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |um| format!("{um:.4}"));
     for row in &models.curves {
         let least = if row.is_least { "  least" } else { "" };

@@ -57,7 +57,9 @@ impl HeadGeometry {
             }
             within("head_geometry", place.u_axis_y_mm, 0.0, farthest, "between 0 and 1 mm")?;
         }
-        let falls = places.windows(2).find(|pair| pair[1].z_mm.partial_cmp(&pair[0].z_mm) != Some(std::cmp::Ordering::Greater));
+        let falls = places
+            .windows(2)
+            .find(|pair| pair[1].z_mm.partial_cmp(&pair[0].z_mm) != Some(std::cmp::Ordering::Greater));
         match falls {
             Some(pair) => Err(SettingError::of(
                 "head_geometry",
@@ -109,7 +111,8 @@ mod tests {
 
     #[test]
     fn places_are_linear_between_and_none_beyond() {
-        let geometry = HeadGeometry::new(vec![place(0.0, 0.0), place(10.0, 4e-3), place(40.0, 1e-3)]).unwrap();
+        let geometry =
+            HeadGeometry::new(vec![place(0.0, 0.0), place(10.0, 4e-3), place(40.0, 1e-3)]).unwrap();
         assert_eq!(geometry.range_mm(), (0.0, 40.0));
         let found = geometry.at(20.0).unwrap();
         assert!((found.axis_y_mm - 3e-3).abs() < 1e-15 && (found.axial_mm - 1.5e-3).abs() < 1e-15);

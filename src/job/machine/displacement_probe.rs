@@ -60,7 +60,10 @@ impl DisplacementProbe {
         }
         let settings = lathe.settings();
         let (tip, [from, to]) = (self.above_axis_mm(lathe), settings.x_travel_mm);
-        let right = format!("such that the tip stands within a quarter of the least diameter of the axis, {} mm", 0.5 * least);
+        let right = format!(
+            "such that the tip stands within a quarter of the least diameter of the axis, {} mm",
+            0.5 * least
+        );
         require(tip.abs() <= 0.5 * least, "machine.probe.probe_mm[1]", tip, &right)?;
         for radius in [least, most] {
             let x = self.slide_mm(lathe, radius);

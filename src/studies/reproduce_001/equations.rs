@@ -65,7 +65,11 @@ fn missing(printed: &[(ErrorName, f64)], direction: usize) -> Vec<ErrorName> {
     };
     let of_spindle = |name: ErrorName| (12..18).contains(&(name as usize));
     let acts_there = |name: &ErrorName| acts(*name, AT_MM, direction) != 0.0;
-    ErrorName::ALL.into_iter().filter(|name| !of_spindle(*name) && !is_printed(*name)).filter(acts_there).collect()
+    ErrorName::ALL
+        .into_iter()
+        .filter(|name| !of_spindle(*name) && !is_printed(*name))
+        .filter(acts_there)
+        .collect()
 }
 
 pub(super) fn rows(inputs: &Inputs) -> Vec<Row> {
@@ -74,7 +78,8 @@ pub(super) fn rows(inputs: &Inputs) -> Vec<Row> {
 
 /// The list of errors.
 fn list(inputs: &Inputs) -> Vec<Row> {
-    let of_motion = ErrorName::ALL.iter().filter(|name| !matches!(name.component(), Component::Orientation(_)));
+    let of_motion =
+        ErrorName::ALL.iter().filter(|name| !matches!(name.component(), Component::Orientation(_)));
     // B0C, B0X − B0C and B0X over A0C, B0C, B0X
     let named = Matrix3::new(0.0, 1.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 1.0);
     let rank = named.svd(false, false).rank(1e-12);
@@ -112,7 +117,11 @@ fn list(inputs: &Inputs) -> Vec<Row> {
              A0C, the spindle's lean about X, is not in the list",
         ),
         Row::printed(
-            ("list.letters", "letters of rows 10 and 12 that name the axis turned about, as in rows 16 to 18", ""),
+            (
+                "list.letters",
+                "letters of rows 10 and 12 that name the axis turned about, as in rows 16 to 18",
+                "",
+            ),
             Some(2.0),
             agree as f64,
             Accept::Absolute(0.0),
@@ -171,7 +180,10 @@ fn equation_1(inputs: &Inputs) -> Vec<Row> {
 fn equation_4(inputs: &Inputs) -> Vec<Row> {
     let printed = printed_z();
     let left = missing(&printed, 2);
-    let slope = |x: [f64; 2]| (acts(ErrorName::Ebz, [x[1], AT_MM[1]], 2) - acts(ErrorName::Ebz, [x[0], AT_MM[1]], 2)) / (x[1] - x[0]);
+    let slope = |x: [f64; 2]| {
+        (acts(ErrorName::Ebz, [x[1], AT_MM[1]], 2) - acts(ErrorName::Ebz, [x[0], AT_MM[1]], 2))
+            / (x[1] - x[0])
+    };
     let grows = slope([0.0, LEVER_MM]).abs();
     vec![
         Row::predicted(
@@ -213,7 +225,8 @@ fn others() -> Vec<Row> {
     // printed in eq. 5: Δ "plane X" and δ(x), where eq. 4 has a displacement along Z and δz(x)
     const WRONG_SYMBOLS: usize = 2;
     // β(z)·TZ does not change with x, the input of net B; β(x)·TZ does
-    let changes = (acts(ErrorName::Ebz, [LEVER_MM, AT_MM[1]], 0) - acts(ErrorName::Ebz, [0.0, AT_MM[1]], 0)).abs();
+    let changes =
+        (acts(ErrorName::Ebz, [LEVER_MM, AT_MM[1]], 0) - acts(ErrorName::Ebz, [0.0, AT_MM[1]], 0)).abs();
     vec![
         Row::printed(
             ("eq5.symbols", "symbols of eq. 5 that differ from those of eq. 4 for the same quantity", ""),

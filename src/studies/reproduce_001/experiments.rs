@@ -90,7 +90,11 @@ fn own_part(inputs: &Inputs) -> Vec<Row> {
     let [before, after] = inputs.straightness_um;
     vec![
         Row::printed(
-            ("self.same_side", "straightness that a probe on the tool's side indicates of the part it cut", "µm"),
+            (
+                "self.same_side",
+                "straightness that a probe on the tool's side indicates of the part it cut",
+                "µm",
+            ),
             Some(before),
             noise_um,
             Accept::Relative(0.5),
@@ -112,7 +116,11 @@ fn own_part(inputs: &Inputs) -> Vec<Row> {
             "the true straightness without any compensation",
         ),
         Row::in_sample(
-            ("self.elsewhere", "what is left of a straight part that was made elsewhere, after compensation", "µm"),
+            (
+                "self.elsewhere",
+                "what is left of a straight part that was made elsewhere, after compensation",
+                "µm",
+            ),
             Some(after),
             noise_um,
             Accept::Range(0.0, after),

@@ -53,7 +53,8 @@ pub(super) fn rows(inputs: &Inputs) -> Vec<Row> {
     // a reading between the samples has the probe's own noise beside what the model leaves
     let shown = |left: f64| left.hypot(inputs.probe_um * 4.5);
     let factor = |id: &str, of: &str, before: f64, after: f64, left: f64, model: &str| {
-        let (id, of) = (format!("models.{id}"), format!("{of} over what {model} and the probe's noise leave"));
+        let (id, of) =
+            (format!("models.{id}"), format!("{of} over what {model} and the probe's noise leave"));
         let why = "eight profiles of waves of 25 to 200 mm, 51 samples with noise .01; the field is assumed";
         let accept = Accept::Range(before / after, f64::INFINITY);
         Row::in_sample((&id, &of, ""), Some(before / after), before / shown(left), accept, why)
@@ -66,12 +67,22 @@ pub(super) fn rows(inputs: &Inputs) -> Vec<Row> {
             of_net[1][0],
             format!("eight starts a profile, chosen on samples left out; worst {:.4}", of_net[1][2]),
         ),
-        factor("spline.straightness", "straightness", straight, straight_after, of_spline[0][1], "a penalised spline"),
+        factor(
+            "spline.straightness",
+            "straightness",
+            straight,
+            straight_after,
+            of_spline[0][1],
+            "a penalised spline",
+        ),
         factor("spline.flatness", "flatness", flat, flat_after, of_spline[1][1], "a penalised spline"),
         Row::ours(
             ("models.spline.rms", "the same of a penalised spline", "µm"),
             of_spline[1][0],
-            format!("200 profiles, without starts and in a hundredth of the time; worst {:.4}", of_spline[1][2]),
+            format!(
+                "200 profiles, without starts and in a hundredth of the time; worst {:.4}",
+                of_spline[1][2]
+            ),
         ),
     ]
 }

@@ -25,8 +25,7 @@ impl Profile {
         let mut profile = Self { waves: (0..4).map(wave).collect(), middle: 0.0, scale: 1.0 };
         let fold = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
         let places = (0..=500).map(|k| length_mm * f64::from(k) / 500.0);
-        let (low, high) =
-            places.map(|x| profile.um(x)).fold((f64::INFINITY, f64::NEG_INFINITY), fold);
+        let (low, high) = places.map(|x| profile.um(x)).fold((f64::INFINITY, f64::NEG_INFINITY), fold);
         (profile.middle, profile.scale) = (0.5 * (low + high), range_um / (high - low));
         profile
     }

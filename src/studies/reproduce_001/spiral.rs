@@ -23,7 +23,11 @@ pub(super) fn rows(inputs: &Inputs) -> Result<Vec<Row>, FormError> {
             Accept::Absolute(0.0),
             "0 to 48 s, .1 s apart, both ends",
         ),
-        Row::ours(("spiral.first", "radius of the first point, |ρ|", "mm"), first, "ρ = −(θ + π)/2π at θ = 0"),
+        Row::ours(
+            ("spiral.first", "radius of the first point, |ρ|", "mm"),
+            first,
+            "ρ = −(θ + π)/2π at θ = 0",
+        ),
         Row::ours(("spiral.last", "radius of the last point", "mm"), last, "after 48 turns, pitch 1 mm"),
         Row::ours(
             ("spiral.share", "share of the face that it covers", ""),
@@ -41,15 +45,12 @@ pub(super) fn rows(inputs: &Inputs) -> Result<Vec<Row>, FormError> {
             "points are placed by time alone",
         ),
     ];
-    let spiral = Spiral {
-        radius_mm: last,
-        z_mm: 0.0,
-        pitch_mm: 1.0,
-        points_per_turn: inputs.points_per_turn(),
-    };
+    let spiral =
+        Spiral { radius_mm: last, z_mm: 0.0, pitch_mm: 1.0, points_per_turn: inputs.points_per_turn() };
     for alias in spiral.aliases()?.into_iter().filter(|alias| [5, 9, 10, 11].contains(&alias.order)) {
         let id = format!("spiral.lobes{}", alias.order);
-        let what = format!("flatness shown of a face with {} lobes that grow to ±.05 at the rim", alias.order);
+        let what =
+            format!("flatness shown of a face with {} lobes that grow to ±.05 at the rim", alias.order);
         let why = format!("of {:.3} µm; they read as {} lobes", alias.true_um, alias.reads_as);
         let names = (id.as_str(), what.as_str(), "µm");
         rows.push(if [9, 11].contains(&alias.order) {

@@ -50,17 +50,18 @@ fn closed_form(is_carriage: bool, v: &Values, p: &Place) -> [f64; 5] {
     // the tool, and its lever is that of the tool, without z
     let (s, wz) = if is_carriage { (-1.0, wz) } else { (1.0, wz + p.z_mm) };
     let (x, z) = (p.x_mm, p.z_mm);
-    let e_x = e(E::Exx) + e(E::Ebx) * tz - e(E::Ecx) * ty
+    let e_x = e(E::Exx) + e(E::Ebx) * tz
+        - e(E::Ecx) * ty
         - s * (e(E::Exz) + e(E::Ebz) * wz - e(E::Ecz) * wy)
         - e(E::B0c) * z
         - e(E::Exc)
         - e(E::Ebc) * z;
-    let e_y = e(E::Eyx) + e(E::Ecx) * tx - e(E::Eax) * tz
-        - s * (e(E::Eyz) + e(E::Ecz) * (wx + x) - e(E::Eaz) * wz)
-        + e(E::A0c) * z
-        - e(E::Eyc)
-        + e(E::Eac) * z
-        - e(E::Ecc) * x;
+    let e_y =
+        e(E::Eyx) + e(E::Ecx) * tx - e(E::Eax) * tz - s * (e(E::Eyz) + e(E::Ecz) * (wx + x) - e(E::Eaz) * wz)
+            + e(E::A0c) * z
+            - e(E::Eyc)
+            + e(E::Eac) * z
+            - e(E::Ecc) * x;
     let e_z = e(E::Ezx) - e(E::Ebx) * tx + e(E::Eax) * ty
         - s * (e(E::Ezz) - e(E::Ebz) * (wx + x) + e(E::Eaz) * wy)
         - e(E::B0x) * p.slide_mm
@@ -76,7 +77,9 @@ fn closed_form(is_carriage: bool, v: &Values, p: &Place) -> [f64; 5] {
 fn rows(chain: &str, name: ErrorName) -> Vec<MachineRow> {
     let code = name.code().to_lowercase();
     let (orientation, error) = match name {
-        ErrorName::B0x | ErrorName::A0c | ErrorName::B0c => (format!("{code}_urad = {SIZE:.1}"), String::new()),
+        ErrorName::B0x | ErrorName::A0c | ErrorName::B0c => {
+            (format!("{code}_urad = {SIZE:.1}"), String::new())
+        }
         _ => {
             let unit = if name.is_length() { "um" } else { "urad" };
             let drift = format!("drift = {{ offset_{unit}_per_k = {SIZE:.1} }}");

@@ -15,7 +15,8 @@ fn asked() -> ModelsAsked {
 #[test]
 fn the_errors_through_the_chain_hold_what_no_sum_does() {
     let models = study(&[], YAW).models(&asked()).unwrap();
-    let of = |name: &str| -> &FieldRow { models.fields.iter().find(|row| row.model.starts_with(name)).unwrap() };
+    let of =
+        |name: &str| -> &FieldRow { models.fields.iter().find(|row| row.model.starts_with(name)).unwrap() };
     let [sum, separable, structured] = [of("sum of penalised"), of("f(x)"), of("structured")];
     assert!(sum.e_z_um > 0.08 && separable.e_z_um > 0.08, "{sum:?} {separable:?}");
     assert!(structured.e_z_um < 0.012 && structured.e_x_um < 0.012, "{structured:?}");

@@ -44,7 +44,8 @@ fn the_uncertainty_of_the_place_counts_by_the_telecentricity() {
 #[test]
 fn the_geometry_is_the_heads_pose_at_the_levers() {
     let errors = "[machine.errors.eyz]\npolynomial = { coefficients_um = [0.0, 0.0, 8.0] }\n";
-    let settings = machine(&[("t_shaped", "carriage"), ("z_travel_mm", "a0c_urad = 40.0\nz_travel_mm")], errors);
+    let settings =
+        machine(&[("t_shaped", "carriage"), ("z_travel_mm", "a0c_urad = 40.0\nz_travel_mm")], errors);
     let geometry = of_machine(&settings).unwrap();
     // the head stands 60 mm beside the tool
     assert_eq!(geometry.range_mm(), (60.0, 160.0));

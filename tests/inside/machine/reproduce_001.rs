@@ -81,6 +81,7 @@ fn figures_are_those_by_hand_and_the_paper_contradicts_itself_where_it_does() {
     // the probe on the opposite side shows twice what the two-sided head shows, but for the noise
     let [once, twice] = ["self.two_sided", "self.opposite"].map(|id| row(&rows, id).ours);
     assert!((0.26..0.30).contains(&once) && (0.52..0.56).contains(&twice), "{once} {twice}");
+    assert!(row(&rows, "spindle.off").ours < 1e-12);
     // orders 9 and 11 of ten points a turn read as one, 10 as none
     assert!(row(&rows, "spiral.lobes9").ours < 0.01 && row(&rows, "spiral.lobes9").paper.unwrap() > 0.09);
 }

@@ -81,6 +81,14 @@ impl CurveModel {
         Some(Self { range, fitted })
     }
 
+    /// Effective number of parameters and estimated noise of a penalised spline.
+    pub(crate) fn smoothness(&self) -> Option<(f64, f64)> {
+        match &self.fitted {
+            Fitted::PSpline(spline) => Some((spline.parameters, spline.noise)),
+            _ => None,
+        }
+    }
+
     /// The value at a place; none outside the range of the samples.
     pub(crate) fn value(&self, x: f64) -> Option<f64> {
         if !(self.range[0]..=self.range[1]).contains(&x) {

@@ -30,7 +30,11 @@ pub(crate) struct CurveRow {
     pub held_out_um: Option<f64>,
     /// Error at samples left out, their noise in it, rms, µm: what a user can see.
     pub left_out_um: Option<f64>,
-    /// Whether that is the least of the curve's models.
+    /// Effective number of parameters of a penalised spline.
+    pub parameters: Option<f64>,
+    /// Noise of a sample as a penalised spline estimates it, µm.
+    pub estimated_noise_um: Option<f64>,
+    /// Whether that at samples left out is the least of the curve's models.
     pub is_least: bool,
 }
 
@@ -44,13 +48,19 @@ fn of_curve(samples: &PaperSamples<'_>, curve: Curve, nets: bool) -> Vec<CurveRo
     let between = PaperSamples::between(x);
     let truth: Vec<f64> = between.iter().map(|p| samples.value_um(curve, *p)).collect();
     let (low, high) = truth.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
-    let row = |kind: CurveKind| CurveRow {
-        curve: curve.name(),
-        model: kind.name(),
-        range_um: high - low,
-        held_out_um: CurveModel::fitted(kind, x, &y).and_then(|model| off(&model, &between, &truth)),
-        left_out_um: left_out(kind, x, &y),
-        is_least: false,
+    let row = |kind: CurveKind| {
+        let model = CurveModel::fitted(kind, x, &y);
+        let smoothness = model.as_ref().and_then(CurveModel::smoothness);
+        CurveRow {
+            curve: curve.name(),
+            model: kind.name(),
+            range_um: high - low,
+            held_out_um: model.and_then(|model| off(&model, &between, &truth)),
+            left_out_um: left_out(kind, x, &y),
+            parameters: smoothness.map(|s| s.0),
+            estimated_noise_um: smoothness.map(|s| s.1),
+            is_least: false,
+        }
     };
     let mut rows: Vec<CurveRow> = KINDS.into_iter().filter(|kind| nets || !kind.is_net()).map(row).collect();
     let least = rows.iter().filter_map(|row| row.left_out_um).fold(f64::INFINITY, f64::min);

@@ -73,7 +73,8 @@ impl Compared {
 
     fn row(&self, model: String, given: &'static str, of: &Model<'_>) -> FieldRow {
         let left = |k: usize| {
-            let off = |(at, right): (&[f64; 2], &[f64; 2])| of(at[0], at[1]).map_or(f64::NAN, |e| e[k] - right[k]);
+            let off =
+                |(at, right): (&[f64; 2], &[f64; 2])| of(at[0], at[1]).map_or(f64::NAN, |e| e[k] - right[k]);
             spread(&self.at.iter().zip(&self.truth).map(off).collect::<Vec<f64>>())
         };
         let own = |k: usize| spread(&self.truth.iter().map(|e| e[k]).collect::<Vec<f64>>());

@@ -23,7 +23,11 @@ fn the_place_of_the_head_is_that_of_the_tables_with_their_uncertainty() {
         let Some(place) = geometry.at(position + 40.0) else { continue };
         let own = motion.value(ErrorName::Eyz, [0.0, *position], &Conditions::default());
         assert!((place.axis_y_mm + own).abs() < 0.05e-3, "{position}: {} {own}", place.axis_y_mm);
-        assert!((1e3 * place.u_axis_y_mm - u).abs() < 0.1 * u + 1e-3, "{position}: {} {u}", place.u_axis_y_mm);
+        assert!(
+            (1e3 * place.u_axis_y_mm - u).abs() < 0.1 * u + 1e-3,
+            "{position}: {} {u}",
+            place.u_axis_y_mm
+        );
         largest = largest.max(own.abs());
         least_u = least_u.min(*u);
     }
