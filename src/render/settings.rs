@@ -11,8 +11,8 @@ use super::contamination::Contamination;
 use super::error::{RenderError, within};
 use super::motion::Motion;
 #[cfg(test)]
-pub(crate) use super::sensor::DarkCurrent;
-pub(crate) use super::sensor::Sensor;
+pub(crate) use super::sensor::{DarkCurrent, Readout, SpatialShares};
+pub(crate) use super::sensor::{EmvaResults, Sensor, SensorFile};
 use crate::frame::Roi;
 use crate::render::optics::lens::FieldLight;
 #[cfg(test)]

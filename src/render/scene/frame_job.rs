@@ -1,13 +1,15 @@
 //! A frame of a scene made ready for the kernel, each step a function of the values before it: the
 //! request's windows ([`RequestedFrame`]) → the instants of its exposure, raised by films
 //! ([`ExposedEdges`]) → columns and profiles ([`ColumnTables`]) → contamination ([`LightMap`]) →
-//! parameters ([`Params`]) → the kernel's [`Job`].
+//! parameters ([`Params`]) → the kernel's [`Job`]. Where the sensor is more than the noise of its
+//! pixels, the request is first replaced by one for the means ([`SensorReadout`]).
 
 use super::column_profiles::Profiles;
 use super::contamination_layer;
 use super::exposure::{self, ExposedEdges, Instant, RequestedFrame};
 use super::request::FrameRequest;
 use super::scene::Scene;
+use super::sensor_readout::{SensorReadout, mean_levels};
 use super::true_optics::OpticalSetup;
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::{
@@ -15,7 +17,7 @@ use crate::render::kernel::column_edges::{
 };
 use crate::render::kernel::job::Job;
 use crate::render::kernel::light_map::LightMap;
-use crate::render::kernel::params::{EdgeParams, FlatParams, FrameKeys, Params, Window, pixels_per_word};
+use crate::render::kernel::params::{EdgeParams, FlatParams, FrameKeys, GreyLevels, Params, Window, pixels_per_word};
 use crate::render::kernel::shadowgraph::noise_polynomial;
 use crate::render::optics::esf_table::{EsfTable, Node, pixel_quadrature};
 
@@ -38,13 +40,22 @@ pub fn frame_job<'a>(
     request: &FrameRequest,
     with_mask: bool,
 ) -> Result<Job<'a>, RenderError> {
+    let sensor = SensorReadout::of(&scene.setup, request)?;
+    let (means, readout) = match sensor {
+        Some(SensorReadout { means, readout }) => (Some(means), Some(readout)),
+        None => (None, None),
+    };
+    let levels = levels(&scene.setup, request, readout.is_some());
+    let request = means.as_ref().unwrap_or(request);
     let frame = RequestedFrame::of(scene, request)?;
     let exposed = exposure::expose(scene, request, &frame)?;
     let tables = column_tables(scene, &frame, &exposed);
     let seen = exposed.view(&frame, scene.esf.blur_px, &tables.bands);
     let contamination =
         contamination_layer::contamination(&scene.setup, request, frame.windows, &seen, with_mask)?;
-    let params = params(&scene.setup, request, &frame, &tables, contamination.as_ref());
+    let mut params = params(&scene.setup, request, &frame, &tables, &levels);
+    light_params(&scene.setup, &mut params, contamination.as_ref());
+    params.set_dark(&tables.bands.dark);
     let ColumnTables { columns, bands, esf, quadrature, profiles } = tables;
     Ok(Job {
         params,
@@ -56,7 +67,14 @@ pub fn frame_job<'a>(
         quadrature,
         stacked: scene.esf.is_stacked(),
         profiles,
+        readout,
     })
+}
+
+/// Levels of what the kernel draws: the frame, or its means in counts of the frame's format.
+fn levels(setup: &OpticalSetup, request: &FrameRequest, as_means: bool) -> GreyLevels {
+    let levels = setup.levels(setup.format(request));
+    if as_means { mean_levels(&levels) } else { levels }
 }
 
 /// What the kernel reads of a frame's columns.
@@ -95,23 +113,20 @@ fn column_tables<'a>(
     ColumnTables { columns, bands, esf, quadrature, profiles }
 }
 
-/// The kernel's parameters of a frame.
+/// The kernel's parameters of a frame, in even light.
 fn params(
     setup: &OpticalSetup,
     request: &FrameRequest,
     frame: &RequestedFrame,
     tables: &ColumnTables<'_>,
-    contamination: Option<&LightMap>,
+    levels: &GreyLevels,
 ) -> Params {
-    let levels = setup.levels(frame.format);
     let keys = FrameKeys { seed: request.seed, frame_id: request.frame_id, pattern_seed: setup.pattern_seed };
-    let mut params = Params::new(frame.windows, frame.format, &levels, request.noise, keys);
+    let mut params = Params::new(frame.windows, frame.format, levels, request.noise, keys);
     params.flat = flat_noise(&params);
     params.edge = edge_params(tables.esf, &tables.bands);
     params.size.nodes = tables.quadrature.len() as u32;
     params.pixels.overlap = u32::from(tables.bands.overlap);
-    light_params(setup, &mut params, contamination);
-    params.set_dark(&tables.bands.dark);
     params
 }
 
