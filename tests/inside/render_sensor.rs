@@ -63,7 +63,8 @@ fn variance(values: &[f64]) -> f64 {
 /// of columns 1/M (EMVA 1288 release 4.0, split of the spatial variance, for large M and N).
 fn split(field: &[f64], rows: usize) -> [f64; 3] {
     let columns = field.len() / rows;
-    let row_means: Vec<f64> = field.chunks_exact(columns).map(|l| l.iter().sum::<f64>() / columns as f64).collect();
+    let row_means: Vec<f64> =
+        field.chunks_exact(columns).map(|l| l.iter().sum::<f64>() / columns as f64).collect();
     let column_means: Vec<f64> =
         (0..columns).map(|c| field.iter().skip(c).step_by(columns).sum::<f64>() / rows as f64).collect();
     let (total, rav, cav) = (variance(field), variance(&row_means), variance(&column_means));
@@ -114,7 +115,8 @@ fn row_noise_is_new_in_every_frame_and_leaves_the_dark_noise_as_stated() {
     let columns = settings.camera.columns as usize;
     // Difference of two frames: twice the variance, without any pattern.
     let apart: Vec<f64> = frame(0).iter().zip(&frame(1)).map(|(a, b)| a - b).collect();
-    let rows: Vec<f64> = apart.chunks_exact(columns).map(|l| l.iter().sum::<f64>() / columns as f64).collect();
+    let rows: Vec<f64> =
+        apart.chunks_exact(columns).map(|l| l.iter().sum::<f64>() / columns as f64).collect();
     let row_e = (variance(&rows) / 2.0).sqrt() * 0.5;
     let all_e = (variance(&apart) / 2.0).sqrt() * 0.5;
     // 600 rows: 3 % of their standard deviation is one standard error.
@@ -231,7 +233,11 @@ fn the_device_reads_out_what_the_twin_reads_out() {
 fn eight_bits_are_twelve_bits_shortened() {
     let scene = scene(&everything());
     let shot_in = |format| {
-        shot(&twin(), &scene, &FrameRequest { noise: true, seed: 4, format: Some(format), ..Default::default() })
+        shot(
+            &twin(),
+            &scene,
+            &FrameRequest { noise: true, seed: 4, format: Some(format), ..Default::default() },
+        )
     };
     let (short, long) = (shot_in(PixelFormat::Mono8), shot_in(PixelFormat::Mono12));
     let worst = short.iter().zip(&long).map(|(s, l)| (s - l / 16.0).abs()).fold(0.0, f64::max);

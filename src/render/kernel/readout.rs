@@ -193,8 +193,12 @@ mod tests {
     fn the_response_is_the_polynomial_and_the_well_clips_before_it() {
         let mut params: Params = bytemuck::Zeroable::zeroed();
         params.signal.black = 64.0;
-        let response =
-            Response { full_well: 4000.0, quadratic: -0.02 / 4000.0, cubic: 0.01 / 1.6e7, ..Response::default() };
+        let response = Response {
+            full_well: 4000.0,
+            quadratic: -0.02 / 4000.0,
+            cubic: 0.01 / 1.6e7,
+            ..Response::default()
+        };
         assert_eq!(responded(&params, &response, 64.0), 64.0);
         let half = 2000.0 * (1.0 - 0.01 + 0.0025);
         assert!((responded(&params, &response, 2064.0) - (64.0 + half)).abs() < 1e-3);

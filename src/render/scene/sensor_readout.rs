@@ -48,7 +48,8 @@ impl SensorReadout {
             return Ok(None);
         }
         let windows = setup.windows(request)?;
-        let crosstalk = sensor.read_out().crosstalk_along_rel > 0.0 || sensor.read_out().crosstalk_down_rel > 0.0;
+        let crosstalk =
+            sensor.read_out().crosstalk_along_rel > 0.0 || sensor.read_out().crosstalk_down_rel > 0.0;
         let margins = if crosstalk { Margins::of(setup, windows) } else { Margins::default() };
         let format = setup.format(request);
         let levels = setup.levels(format);
@@ -61,7 +62,11 @@ impl SensorReadout {
             rows: row_terms(setup, request, windows, margins, &levels),
             first_column: margins.left as usize,
             column_gain: within(columns_gain(setup), windows.first.column, windows.first.columns),
-            column_offset: within(columns_offset(setup, &levels), windows.first.column, windows.first.columns),
+            column_offset: within(
+                columns_offset(setup, &levels),
+                windows.first.column,
+                windows.first.columns,
+            ),
             response: response(setup, &levels),
             params,
             format,
@@ -139,9 +144,10 @@ fn row_terms(
     let key = frame_key(request.seed ^ ROW_NOISE, request.frame_id);
     let drawn_second = margins.top + windows.first.rows + margins.between[0] + margins.between[1];
     let first = (0..windows.first.rows).map(|row| (margins.top + row, windows.first.row + row));
-    let second = windows.second.into_iter().flat_map(|window| {
-        (0..window.rows).map(move |row| (drawn_second + row, window.row + row))
-    });
+    let second = windows
+        .second
+        .into_iter()
+        .flat_map(|window| (0..window.rows).map(move |row| (drawn_second + row, window.row + row)));
     let term = |(drawn, sensor_row): (u32, u32)| {
         let z = f64::from(standard_normal(hash(row_key(key, sensor_row), 0)));
         RowTerms {

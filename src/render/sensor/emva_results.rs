@@ -18,8 +18,8 @@
 
 use std::collections::BTreeMap;
 
-use super::data_sheet::Sensor;
 use super::dark_current::DarkCurrent;
+use super::data_sheet::Sensor;
 use super::spatial::SpatialShares;
 use crate::setting::SettingError;
 
@@ -62,7 +62,8 @@ impl EmvaResults {
         let mut figures = BTreeMap::new();
         for (path, value) in leaves {
             let Some(name) = figure_name(&path) else { continue };
-            let number: f64 = value.parse().map_err(|_| refused(format!("{name} is no number: {value:?}")))?;
+            let number: f64 =
+                value.parse().map_err(|_| refused(format!("{name} is no number: {value:?}")))?;
             // What an implementation could not find it writes as nan.
             if number.is_nan() {
                 continue;
@@ -109,10 +110,9 @@ impl EmvaResults {
         let [prnu_rel, prnu_row_rel, prnu_column_rel] = prnu.unwrap_or([base.prnu_rel, 0.0, 0.0]);
         let shares = SpatialShares { dsnu_row_e, dsnu_column_e, prnu_row_rel, prnu_column_rel };
         let dark = self.figure("u_I_mean").or_else(|| self.figure("u_I_var"));
-        let dark = dark.filter(|rate| *rate > 0.0).map(|electrons_per_s| DarkCurrent {
-            electrons_per_s,
-            ..base.dark_current.unwrap_or_default()
-        });
+        let dark = dark
+            .filter(|rate| *rate > 0.0)
+            .map(|electrons_per_s| DarkCurrent { electrons_per_s, ..base.dark_current.unwrap_or_default() });
         Sensor {
             electrons_per_count: self.electrons_per_count().unwrap_or(base.electrons_per_count),
             quantum_efficiency: self.figure("QE").map_or(base.quantum_efficiency, |percent| percent * 1e-2),

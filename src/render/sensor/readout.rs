@@ -49,8 +49,7 @@ impl Readout {
         within("sensor.readout.crosstalk_along_rel", self.crosstalk_along_rel, 0.0, 0.125)?;
         within("sensor.readout.crosstalk_down_rel", self.crosstalk_down_rel, 0.0, 0.125)?;
         if remainder(read_noise_e, [self.row_noise_e, 0.0]).is_none() {
-            let right =
-                format!("is a share of sensor.read_noise_e: at most its {read_noise_e} electrons");
+            let right = format!("is a share of sensor.read_noise_e: at most its {read_noise_e} electrons");
             return Err(RenderError::setting("sensor.readout.row_noise_e", &self.row_noise_e, right));
         }
         if self.least_slope() <= 0.0 {

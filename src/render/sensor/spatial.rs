@@ -82,8 +82,12 @@ mod tests {
 
     #[test]
     fn shares_add_up_in_quadrature_and_more_than_the_total_is_refused() {
-        let shares =
-            SpatialShares { dsnu_row_e: 2.0, dsnu_column_e: 3.0, prnu_row_rel: 0.003, prnu_column_rel: 0.004 };
+        let shares = SpatialShares {
+            dsnu_row_e: 2.0,
+            dsnu_column_e: 3.0,
+            prnu_row_rel: 0.003,
+            prnu_column_rel: 0.004,
+        };
         shares.check(7.0, 0.013).unwrap();
         assert!((shares.pixel_dsnu_e(7.0) - 6.0).abs() < 1e-12);
         assert!((shares.pixel_prnu_rel(0.013) - 0.012).abs() < 1e-15);
