@@ -48,8 +48,8 @@ pub fn frame_job<'a>(
         None => (None, None),
     };
     let levels = levels(&scene.setup, request, readout.is_some());
-    let request = means.as_ref().unwrap_or(request);
-    let frame = RequestedFrame::of(scene, request)?;
+    let (read, request) = (request, means.as_ref().unwrap_or(request));
+    let frame = RequestedFrame::of(scene, request, read)?;
     let exposed = exposure::expose(scene, request, &frame)?;
     let tables = column_tables(scene, &frame, &exposed);
     let seen = exposed.view(&frame, scene.esf.blur_px, &tables.bands);
