@@ -13,7 +13,7 @@ use super::sensor_readout::{SensorReadout, mean_levels};
 use super::true_optics::OpticalSetup;
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::{
-    Bands, Column, Depth, bands, fold_pixel, kernel_columns, steepest,
+    Bands, Column, ColumnEdges, Depth, bands, fold_pixel, kernel_columns, steepest,
 };
 use crate::render::kernel::job::Job;
 use crate::render::kernel::light_map::LightMap;
@@ -86,7 +86,7 @@ fn column_tables<'a>(
     exposed: &ExposedEdges<'_>,
 ) -> ColumnTables<'a> {
     let instants = &exposed.instants;
-    let depth = depth(scene, &instants[0], frame.window);
+    let depth = depth(scene, &instants[0], frame);
     let mut columns = kernel_columns(&exposed.mean, &depth, &scene.blur, &scene.esf);
     let mut quadrature = pixel_quadrature(scene.esf.sharp_px, steepest(&columns));
     let folded = fold_pixel(&scene.esf, &mut columns);
@@ -145,20 +145,27 @@ fn light_params(setup: &OpticalSetup, params: &mut Params, contamination: Option
     params.field.axis = [setup.centre_column() as f32, setup.centre_row() as f32];
 }
 
-/// Depth of the axis and radius of the surface of every column; empty where all edges share a
-/// table and its scale.
-fn depth(scene: &Scene, instant: &Instant<'_>, window: Window) -> Vec<Depth> {
+/// Distance of both edges from best focus and radius of the surface of every column; empty where
+/// all edges share a table and its scale.
+fn depth(scene: &Scene, instant: &Instant<'_>, frame: &RequestedFrame) -> Vec<Depth> {
     if scene.esf.is_even() || (scene.depth_mm == 0.0 && !scene.esf.has_radii()) {
         return Vec::new();
     }
-    let view = scene.view(instant.field_z_mm);
-    (window.column..window.column + window.columns)
-        .map(|c| scene.setup.column_z_mm(instant.field_z_mm, f64::from(c)))
-        .map(|z| Depth {
-            y_mm: instant.turned.axis_depth_mm(z, &view),
-            radius_mm: scene.outline.mean_radius_mm(z),
-        })
-        .collect()
+    let (setup, view, window) = (&scene.setup, scene.view(instant.field_z_mm), frame.window);
+    let size = (setup.rows(), setup.columns());
+    let curvature = setup.nominal.optics.field_curvature;
+    let focus_mm = |row: f64, column: f64| {
+        curvature.map_or(0.0, |c| c.focus_mm(f64::from(window.row) + row, column, size))
+    };
+    let own = &instant.edges[frame.halo..];
+    let of = |(column, e): (u32, &ColumnEdges)| {
+        let column = f64::from(column);
+        let z_mm = setup.column_z_mm(instant.field_z_mm, column);
+        let y_mm = instant.turned.axis_depth_mm(z_mm, &view);
+        let y_mm = [e.top_px, e.bottom_px].map(|row| y_mm - focus_mm(row, column));
+        Depth { y_mm, radius_mm: scene.outline.mean_radius_mm(z_mm) }
+    };
+    (window.column..window.column + window.columns).zip(own).map(of).collect()
 }
 
 fn flat_noise(params: &Params) -> FlatParams {
