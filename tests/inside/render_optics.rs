@@ -9,8 +9,9 @@ use shadowgauge::frame::PixelFormat;
 use shadowgauge::render::esf_families::{
     EdgeSpread, GaussianBlur, GrazingReflection, LaserShadow, MeasuredEsf, PartiallyCoherentEdge, Shifts,
 };
+use shadowgauge::render::lens::FieldCurvature;
 use shadowgauge::render::reference::StraightReference;
-use shadowgauge::render::settings::{Esf, SetupDeviations, SetupSettings};
+use shadowgauge::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
 use shadowgauge::render::{
     BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene, geometric_edges,
 };
