@@ -216,7 +216,7 @@ fn read_data_sheet(job: &mut Job, text: &str, folder: &Path) -> Result<(), Setti
     let sheet = std::fs::read_to_string(&path).map_err(|e| named(&format_args!("cannot be read: {e}")))?;
     let results = EmvaResults::read(&sheet).map_err(|e| named(&e.without_key()))?;
     let own: WithSensor = toml::from_str(text).map_err(|e| named(&e))?;
-    job.sensor = own.sensor.over(&results);
+    job.sensor = results.below(own.sensor);
     Ok(())
 }
 

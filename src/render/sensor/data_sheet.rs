@@ -20,7 +20,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::dark_current::{DarkCurrent, DarkSignal};
-use super::emva_results::EmvaResults;
 use super::readout::Readout;
 use super::spatial::SpatialShares;
 use crate::frame::PixelFormat;
@@ -276,15 +275,14 @@ pub(crate) struct SensorFile {
 }
 
 impl SensorFile {
-    /// The sensor of measured results, with the keys of this table over them.
-    pub(crate) fn over(self, results: &EmvaResults) -> Sensor {
+    /// What stands below the keys of this table: its preset, in its format.
+    pub(super) fn base(&self) -> Sensor {
         let base = self.preset.map_or_else(Sensor::default, SensorPreset::sensor);
-        let format = self.format.unwrap_or(base.format);
-        let base = results.sensor(&Sensor { format, ..base });
-        Self { data_sheet: None, ..self }.on(base)
+        Sensor { format: self.format.unwrap_or(base.format), ..base }
     }
 
-    fn on(self, base: Sensor) -> Sensor {
+    /// A sensor with the keys of this table over it.
+    pub(super) fn on(self, base: Sensor) -> Sensor {
         let file = self;
         Sensor {
             preset: file.preset,
@@ -308,7 +306,7 @@ impl SensorFile {
 
 impl From<SensorFile> for Sensor {
     fn from(file: SensorFile) -> Self {
-        let base = file.preset.map_or_else(Self::default, SensorPreset::sensor);
+        let base = file.base();
         file.on(base)
     }
 }

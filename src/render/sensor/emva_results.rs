@@ -19,7 +19,7 @@
 use std::collections::BTreeMap;
 
 use super::dark_current::DarkCurrent;
-use super::data_sheet::Sensor;
+use super::data_sheet::{Sensor, SensorFile};
 use super::spatial::SpatialShares;
 use crate::setting::SettingError;
 
@@ -102,8 +102,14 @@ impl EmvaResults {
         Some([total, row, column])
     }
 
+    /// The sensor of these figures, with the keys of a `[sensor]` table over them.
+    pub(crate) fn below(&self, own: SensorFile) -> Sensor {
+        let sensor = self.sensor(&own.base());
+        Sensor { data_sheet: None, ..own.on(sensor) }
+    }
+
     /// The sensor with these figures; what a file does not state stays as `base` has it.
-    pub(super) fn sensor(&self, base: &Sensor) -> Sensor {
+    fn sensor(&self, base: &Sensor) -> Sensor {
         let dsnu = self.non_uniformity("DSNU1288");
         let prnu = self.non_uniformity("PRNU1288").map(|parts| parts.map(|percent| percent * 1e-2));
         let [dsnu_e, dsnu_row_e, dsnu_column_e] = dsnu.unwrap_or([base.dsnu_e, 0.0, 0.0]);

@@ -91,6 +91,12 @@ impl Class {
     /// Outside the limits, and not detectable in any frame.
     pub(crate) const UNDETECTABLE: [Self; 2] = [Self::WarmPart, Self::OtherFinish];
 
+    /// NA of the light over that of the lens before round parts: that of a collimator that half
+    /// fills the pupil, and the widest of [`Self::LIMBS`], in which focus moves the edge least.
+    pub(super) const fn coherence_of_limbs(self) -> f64 {
+        if matches!(self, Self::LimbNarrow) { 0.5 } else { 0.85 }
+    }
+
     /// The declaration of the class and its scenes, as far as they differ from the others.
     pub(crate) fn declared(self) -> String {
         let text = match self {
@@ -121,7 +127,7 @@ impl Class {
             }
             Self::WarmPart => "part 8 K warmer than stated",
             Self::OtherFinish => "edges 1 um unlike the masters', 0.05 um stated",
-            Self::LimbNarrow | Self::LimbWide => return limb::in_words(self),
+            Self::LimbNarrow | Self::LimbWide => return limb::in_words(self.coherence_of_limbs()),
             Self::Clipped => "light of 0.9-1.5 times the end of the grey scale on the part",
         };
         text.to_owned()

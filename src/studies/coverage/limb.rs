@@ -6,7 +6,7 @@
 //! budget states; what follows is physics of the renderer. The declared `[limb]` table is the one
 //! that `optics limb` prints for the same head, masters and part.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::gauge::calibration::{Finish, LimbDifference};
 use crate::gauge::{EdgeRoom, GaugeSettings};
@@ -16,8 +16,6 @@ use crate::render::optics::edge_spread::cylinder::Material;
 use crate::render::settings::{Esf, SetupSettings};
 use crate::studies::calibration::Draws;
 use crate::studies::head::limb::{FittedEdge, LimbHead, Surfaces, Texture, compare};
-
-use super::class::Class;
 
 /// Diameters of the masters and of the middle of the parts, mm.
 pub(super) const MASTERS_MM: [f64; 2] = [4.0, 6.6];
@@ -45,12 +43,12 @@ pub(super) struct LimbPart {
 }
 
 impl LimbPart {
-    /// The part of a scene; none for classes that see thin edges.
-    pub(super) fn draw(class: Class, draws: &mut Draws) -> Option<Self> {
-        Class::LIMBS.contains(&class).then(|| Self {
+    /// The part of a scene.
+    pub(super) fn draw(draws: &mut Draws) -> Self {
+        Self {
             extinction: EXTINCTION + EXTINCTION_SPREAD * draws.even(),
             film_um: FILM_UM.0 + FILM_UM.1 * draws.even(),
-        })
+        }
     }
 
     /// The limb of this part, its axis `y_mm` before the plane of focus, in the light of `esf`.
@@ -66,38 +64,41 @@ impl LimbPart {
     }
 }
 
-/// The light of a class before dry steel: the cheapest illuminator, or one that flattens focus.
-pub(super) fn light(class: Class) -> CylinderEdge {
-    let coherence_ratio = if class == Class::LimbNarrow { 0.5 } else { 0.85 };
+/// Light of a ratio of coherence before dry steel.
+pub(super) fn light(coherence_ratio: f64) -> CylinderEdge {
     CylinderEdge { coherence_ratio, extra_sigma_um: 5.0, ..CylinderEdge::default() }
 }
 
-/// The light of a class in words.
-pub(super) fn in_words(class: Class) -> String {
-    let light = light(class);
+/// Light, masters and parts in words.
+pub(super) fn in_words(coherence_ratio: f64) -> String {
+    let light = light(coherence_ratio);
     format!(
-        "NA {}, coherence {}; masters of steel, extinction {EXTINCTION} +- {EXTINCTION_SPREAD}, film {} +- {} um, \
-         axis +- {LIMIT_DEPTH_MM} mm",
-        light.na, light.coherence_ratio, FILM_UM.0, FILM_UM.1
+        "NA {}, coherence {coherence_ratio}; masters of steel, extinction {EXTINCTION} +- {EXTINCTION_SPREAD}, \
+         film {} +- {} um, axis +- {LIMIT_DEPTH_MM} mm",
+        light.na, FILM_UM.0, FILM_UM.1
     )
 }
 
-/// Tables of the classes that were asked for: each is the same for every scene of its class.
-static TABLES: Mutex<Vec<(Class, LimbDifference)>> = Mutex::new(Vec::new());
+/// Tables by the ratio of coherence: each is the same for every scene of its class.
+static TABLES: Mutex<Vec<(f64, LimbDifference)>> = Mutex::new(Vec::new());
 
-/// The declared difference of the parts of a class from its masters, before this setup and gauge.
+fn tables() -> MutexGuard<'static, Vec<(f64, LimbDifference)>> {
+    TABLES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The declared difference of the parts from the masters, before this setup and gauge.
 ///
 /// # Errors
 /// Limbs that cannot be computed or fitted.
 pub(super) fn difference(
-    class: Class,
+    coherence_ratio: f64,
     setup: &SetupSettings,
     gauge: &GaugeSettings,
 ) -> Result<LimbDifference, RenderError> {
-    let mut kept = TABLES.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, limb)) = kept.iter().find(|(of, _)| *of == class) {
+    if let Some((_, limb)) = tables().iter().find(|(of, _)| *of == coherence_ratio) {
         return Ok(*limb);
     }
+    // Computed without the lock: a thread that waits for others' work may take up another scene.
     let half_px = EdgeRoom::of(gauge, 1.0).beside_px as usize;
     let surfaces = Surfaces {
         masters_mm: MASTERS_MM.to_vec(),
@@ -113,6 +114,6 @@ pub(super) fn difference(
     let failed = |e: crate::studies::head::HeadError| RenderError::Field { what: e.to_string() };
     let head = LimbHead::before(setup, PART_MM, half_px, FittedEdge::Optics).map_err(failed)?;
     let limb = compare(&head, &surfaces).map_err(failed)?.limb;
-    kept.push((class, limb));
+    tables().push((coherence_ratio, limb));
     Ok(limb)
 }

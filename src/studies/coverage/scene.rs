@@ -211,7 +211,8 @@ impl Setup {
     /// Round masters of steel in focus, parts of which only the limits of the limb's rows are known;
     /// the gauge fits the edge of these optics before a part of the middle diameter.
     fn before_limbs(&mut self, class: Class) -> Result<(), RenderError> {
-        let light = limb::light(class);
+        let ratio = class.coherence_of_limbs();
+        let light = limb::light(ratio);
         let in_focus = light.edge_spread(0.25 * (limb::MASTERS_MM[0] + limb::MASTERS_MM[1]), 0.0)?;
         self.simulate.optics.esf = Esf::Cylinder(light);
         self.in_focus();
@@ -219,7 +220,7 @@ impl Setup {
         self.gauge.esf = EsfModel::Table(samples_of(&in_focus, &self.simulate)?);
         self.conditions.limit_edge_um = 0.0;
         self.conditions.limit_axis_y_mm = limb::LIMIT_DEPTH_MM;
-        self.conditions.limb = Some(limb::difference(class, &nominal(&self.simulate), &self.gauge)?);
+        self.conditions.limb = Some(limb::difference(ratio, &nominal(&self.simulate), &self.gauge)?);
         Ok(())
     }
 
@@ -284,7 +285,7 @@ impl Planned {
         let drawn = draw(class, seed, &mut draws)?;
         let overexposure = (class == Class::Clipped).then(|| 1.2 + 0.3 * draws.even());
         let d20_mm = 5.3 + 1.5 * draws.even();
-        let surface = LimbPart::draw(class, &mut draws);
+        let surface = Class::LIMBS.contains(&class).then(|| LimbPart::draw(&mut draws));
         let film_mm = surface.map_or(0.0, |part| 2e-3 * part.film_um);
         let mut laid = lay(&drawn, d20_mm + film_mm, seed, &mut draws)?;
         // The limb's own table is that of its depth: one a scene in place of a stack.
