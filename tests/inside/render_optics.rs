@@ -399,7 +399,7 @@ fn full_well_clips_and_hot_pixels_stay() {
     assert!((first.len() as f64 - expected).abs() < 4.0 * f64::sqrt(expected), "{}", first.len());
 }
 
-// ---- field curvature: edges away from the middle are as far out of focus as the lens says
+// ---- field curvature: edges away from the middle are as far out of focus as the lens states
 
 #[test]
 fn an_edge_on_the_curved_surface_of_focus_is_sharp_and_one_in_the_plane_is_not() {

@@ -246,3 +246,26 @@ fn eight_bits_are_twelve_bits_shortened() {
     // Half a count of rounding, and half of one in sixteen.
     assert!(worst <= 0.5 + 0.5 / 16.0 + 0.01, "{worst}");
 }
+
+/// Figures of a file beside the config, under the keys that the config sets itself.
+#[test]
+fn a_data_sheet_beside_the_config_gives_what_the_config_leaves_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let load = || shadowgauge::config::load_scene(&folder.path().join("job.toml"));
+    write(
+        "results.xml",
+        "<results><sensitivity><K><Value>0.5</Value></K><sigma_d><Value>3.0</Value></sigma_d>\
+         <QE><Value>70</Value></QE></sensitivity><spatial><PRNU1288><Value>0.5</Value></PRNU1288>\
+         <PRNU1288_row><Value>0.3</Value></PRNU1288_row></spatial></results>",
+    );
+    write("job.toml", "[sensor]\ndata_sheet = \"results.xml\"\nread_noise_e = 9.0\n");
+    let sensor = load().unwrap().sensor;
+    assert_eq!((sensor.electrons_per_count, sensor.read_noise_e, sensor.quantum_efficiency), (2.0, 9.0, 0.7));
+    assert_eq!((sensor.prnu_rel, sensor.spatial.unwrap().prnu_row_rel), (0.005, 0.003));
+    // The resolved config needs no file.
+    assert_eq!(sensor.data_sheet, None);
+    write("results.xml", "<results></results>");
+    let refused = load().unwrap_err().to_string();
+    assert!(refused.contains("sensor.data_sheet") && refused.contains("no system gain"), "{refused}");
+}

@@ -23,7 +23,7 @@ use self::least_squares::{Family, Fitted, PARAMETERS, Prior, fit};
 use self::profile::{MasterProfile, profiles};
 
 /// What a data sheet leaves open of numerical aperture (share) and ratio of coherence: lenses are
-/// specified by an f-number that holds to a tenth and an iris that nobody measures.
+/// specified by an f-number that holds to a tenth and an iris that is not measured.
 const SD_NA: f64 = 0.1;
 const SD_RATIO: f64 = 0.15;
 

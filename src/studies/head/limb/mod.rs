@@ -5,8 +5,8 @@
 //! (`study optics`) and a [`Comparison`] with the table that a gauge corrects by (`optics limb`).
 //!
 //! `shift` fits the gauge's edge to the image of a limb; `comparison` takes the masters' line off
-//! and gives each cause its limits; `effects` varies one quantity at a time, `advice` says what of
-//! it a buyer of a lens can choose; `of_run` is the difference that `run` corrects by.
+//! and gives each cause its limits; `effects` varies one quantity at a time, `advice` states what
+//! of it a buyer of a lens can choose; `of_run` is the difference that `run` corrects by.
 
 mod advice;
 mod comparison;

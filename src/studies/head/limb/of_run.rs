@@ -2,7 +2,7 @@
 //! optics image limbs.
 //!
 //! Part and masters of a job have the one surface that its optics state, so that only the diameter
-//! sets them apart; what else a user knows stands in `[scan.limb]`.
+//! sets them apart; what else is known stands in `[scan.limb]`.
 
 use super::comparison::{Surfaces, Texture, compare};
 use super::shift::{FittedEdge, LimbHead};
