@@ -111,7 +111,7 @@ impl EmvaResults {
     /// The sensor with these figures; what a file does not state stays as `base` has it.
     fn sensor(&self, base: &Sensor) -> Sensor {
         let dsnu = self.non_uniformity("DSNU1288");
-        let prnu = self.non_uniformity("PRNU1288").map(|parts| parts.map(|percent| percent * 1e-2));
+        let prnu = self.non_uniformity("PRNU1288").map(|parts| parts.map(|percent| percent / 100.0));
         let [dsnu_e, dsnu_row_e, dsnu_column_e] = dsnu.unwrap_or([base.dsnu_e, 0.0, 0.0]);
         let [prnu_rel, prnu_row_rel, prnu_column_rel] = prnu.unwrap_or([base.prnu_rel, 0.0, 0.0]);
         let shares = SpatialShares { dsnu_row_e, dsnu_column_e, prnu_row_rel, prnu_column_rel };
@@ -121,7 +121,7 @@ impl EmvaResults {
             .map(|electrons_per_s| DarkCurrent { electrons_per_s, ..base.dark_current.unwrap_or_default() });
         Sensor {
             electrons_per_count: self.electrons_per_count().unwrap_or(base.electrons_per_count),
-            quantum_efficiency: self.figure("QE").map_or(base.quantum_efficiency, |percent| percent * 1e-2),
+            quantum_efficiency: self.figure("QE").map_or(base.quantum_efficiency, |percent| percent / 100.0),
             read_noise_e: self.figure("sigma_d").unwrap_or(base.read_noise_e),
             full_well_e: self.figure("u_e_sat").unwrap_or(base.full_well_e),
             dsnu_e,
