@@ -420,8 +420,9 @@ fn an_edge_on_the_curved_surface_of_focus_is_sharp_and_one_in_the_plane_is_not()
         let scene = Scene::new(&setup, shaft).unwrap();
         let request = FrameRequest { format: Some(PixelFormat::F32), ..Default::default() };
         let frame = counts(&twin.render(&scene, &request, None).unwrap());
-        let falls: Vec<(f64, f64)> =
-            (0..299).map(|r| (f64::from(r), frame[r as usize * 64 + 31] - frame[(r as usize + 1) * 64 + 31])).collect();
+        let falls: Vec<(f64, f64)> = (0..299)
+            .map(|r| (f64::from(r), frame[r as usize * 64 + 31] - frame[(r as usize + 1) * 64 + 31]))
+            .collect();
         let total: f64 = falls.iter().map(|f| f.1).sum();
         let mean = falls.iter().map(|(r, f)| r * f).sum::<f64>() / total;
         falls.iter().map(|(r, f)| (r - mean).powi(2) * f).sum::<f64>() / total

@@ -63,11 +63,8 @@ pub(super) fn fitted(
     um_per_px: f64,
 ) -> Result<FittedEdge, CalibrateError> {
     let fit = fit_limbs(plan, recordings, stated, um_per_px)?;
-    let optics = Optics {
-        esf: Esf::Cylinder(fit.optics.clone()),
-        reflection: None,
-        ..nominal.optics.clone()
-    };
+    let optics =
+        Optics { esf: Esf::Cylinder(fit.optics.clone()), reflection: None, ..nominal.optics.clone() };
     let masters = plan.masters.iter().map(|pin| 0.5 * pin.diameter_mm);
     let radius_mm = masters.sum::<f64>() / plan.masters.len().max(1) as f64;
     let model = NominalEdge::new(&optics, 1e-3 * um_per_px, radius_mm, 0.0)?.model(um_per_px);

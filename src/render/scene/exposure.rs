@@ -77,7 +77,11 @@ pub(crate) struct ExposedEdges<'a> {
 impl RequestedFrame {
     /// The windows and the format of a request; `read` is the request of the frame that it is
     /// drawn for.
-    pub(crate) fn of(scene: &Scene, request: &FrameRequest, read: &FrameRequest) -> Result<Self, RenderError> {
+    pub(crate) fn of(
+        scene: &Scene,
+        request: &FrameRequest,
+        read: &FrameRequest,
+    ) -> Result<Self, RenderError> {
         let (windows, read) = (scene.setup.windows(request)?, scene.setup.windows(read)?);
         let (format, halo) = (scene.setup.format(request), scene.blur.reach());
         Ok(Self { windows, window: windows.span(), format, read, halo })

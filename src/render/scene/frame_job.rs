@@ -17,9 +17,7 @@ use crate::render::kernel::column_edges::{
 };
 use crate::render::kernel::job::Job;
 use crate::render::kernel::light_map::LightMap;
-use crate::render::kernel::params::{
-    EdgeParams, FlatParams, FrameKeys, GreyLevels, Params, Window, pixels_per_word,
-};
+use crate::render::kernel::params::{EdgeParams, FlatParams, FrameKeys, GreyLevels, Params, pixels_per_word};
 use crate::render::kernel::shadowgraph::noise_polynomial;
 use crate::render::optics::esf_table::{EsfTable, Node, pixel_quadrature};
 

@@ -97,7 +97,12 @@ impl PartiallyCoherentEdge {
         within("optics.esf.partially_coherent.numerical_aperture", self.na, 1e-4, 0.5)?;
         within("optics.esf.partially_coherent.coherence_ratio", self.coherence_ratio, 0.0, 1e6)?;
         within("optics.esf.partially_coherent.wavelength_nm", self.wavelength_nm, 100.0, 20_000.0)?;
-        within("optics.esf.partially_coherent.bandwidth_nm", self.bandwidth_nm, 0.0, 0.4 * self.wavelength_nm)?;
+        within(
+            "optics.esf.partially_coherent.bandwidth_nm",
+            self.bandwidth_nm,
+            0.0,
+            0.4 * self.wavelength_nm,
+        )?;
         within("optics.esf.partially_coherent.reach", self.reach, 2.0, 200.0)?;
         within("optics.esf.partially_coherent.extra_sigma_um", self.extra_sigma_um, 0.0, 1e4)?;
         // Geometric blur of 2·z·λ/NA has to stay within the reach.
