@@ -144,12 +144,29 @@ fn load_checked(
     check: impl Fn(&Job, &str) -> Result<(), SettingError>,
 ) -> Result<Job, ConfigError> {
     let text = read_text(path)?;
-    let file = path.display().to_string();
-    let mut job: Job = parse_numbers(&text, &file)?;
-    read_named_files(&mut job, path.parent().unwrap_or(Path::new("")))
-        .and_then(|()| fill_tool(&mut job, &text))
-        .and_then(|()| check(&job, &text))
-        .map_err(|e| value_error(&text, &file, e))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    checked(&text, (&path.display().to_string(), folder), check)
+}
+
+/// A job from a text that the program has made, its files beside it in `folder`; `file` is its name
+/// in errors.
+///
+/// # Errors
+/// As [`load`].
+pub(crate) fn load_text(text: &str, file: &str, folder: &Path) -> Result<Job, ConfigError> {
+    checked(text, (file, folder), |job, _| job.check())
+}
+
+fn checked(
+    text: &str,
+    (file, folder): (&str, &Path),
+    check: impl Fn(&Job, &str) -> Result<(), SettingError>,
+) -> Result<Job, ConfigError> {
+    let mut job: Job = parse_numbers(text, file)?;
+    read_named_files(&mut job, folder)
+        .and_then(|()| fill_tool(&mut job, text))
+        .and_then(|()| check(&job, text))
+        .map_err(|e| value_error(text, file, e))?;
     Ok(job)
 }
 

@@ -65,6 +65,8 @@ pub mod process;
 pub mod render;
 pub mod source;
 #[cfg(feature = "render")]
+pub(crate) mod stl;
+#[cfg(feature = "render")]
 pub(crate) mod tool;
 // -- 2 composition: where stages meet
 pub mod cell;
@@ -75,6 +77,8 @@ pub mod job;
 pub mod measurement;
 #[cfg(feature = "render")]
 pub(crate) mod part_offsets;
+#[cfg(feature = "render")]
+pub(crate) mod part_program;
 #[cfg(feature = "render")]
 pub mod studies;
 #[cfg(feature = "render")]

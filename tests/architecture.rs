@@ -17,10 +17,19 @@ mod imports;
 /// only the vocabulary.
 const VOCABULARY: [&str; 10] =
     ["numerics", "setting", "frame", "shaft", "profile", "plan", "position", "outline", "nose", "conformity"];
-const STAGES: [&str; 9] =
-    ["process", "render", "gauge", "probe", "control", "source", "nc", "tool", "machine"];
-const COMPOSITION: [&str; 8] =
-    ["measurement", "truth", "identification", "job", "cell", "closed_loop", "part_offsets", "studies"];
+const STAGES: [&str; 10] =
+    ["process", "render", "gauge", "probe", "control", "source", "nc", "stl", "tool", "machine"];
+const COMPOSITION: [&str; 9] = [
+    "measurement",
+    "truth",
+    "identification",
+    "job",
+    "cell",
+    "closed_loop",
+    "part_offsets",
+    "part_program",
+    "studies",
+];
 const SURFACE: [&str; 7] = ["files", "config", "run_folder", "report", "publish", "cli", "main"];
 /// The instrument must not import the simulation or the truth.
 const INSTRUMENT: [&str; 5] = ["gauge", "probe", "control", "nc", "source"];

@@ -78,7 +78,7 @@ commands! {
     /// The main job with the built-in preset: cut, render, measure, correct, cut again.
     Demo(demo::DemoArgs) => demo::run,
     /// Run a config's job: pass after pass into a run folder, with a report.
-    Run(run::RunArgs) => run::run,
+    Run(Box<run::RunArgs>) => run::run,
     /// Render shadowgraph frames of a config's shaft with their truth.
     Render(render::RenderArgs) => render::run,
     /// Publish the head of a config as a GigE Vision camera.
@@ -103,8 +103,8 @@ commands! {
     /// A paper's figures beside ours.
     #[command(subcommand)]
     Reproduce(reproduce::Paper) => reproduce::run,
-    /// Write the offsets of a run as an NC program.
-    Nc(nc::NcArgs) => nc::run,
+    /// Write the offsets of a run, or a model of a part, as an NC program.
+    Nc(Box<nc::NcArgs>) => nc::run,
     /// The nose of a turning tool, and what it does to a part.
     #[command(subcommand)]
     Tool(tool::ToolCommand) => tool::run,

@@ -16,6 +16,7 @@ use super::error::NcError;
 use super::machine::{Direction, Spindle};
 use super::nose_words::{self, NoseRegister};
 use super::replay::{self, Convex, Deed, WorkingSpace};
+use super::roughing::Roughing;
 use super::route::{Route, Workpiece, round3};
 use super::settings::NcSettings;
 use super::skeleton::{self, Skeleton};
@@ -67,18 +68,23 @@ impl ContourProgram<'_> {
     /// Machine data that are missing, a register that the control cannot be given, a block that
     /// collides or that the control would stop at.
     pub(crate) fn write(&self, dialect: Dialect) -> Result<WrittenContour, NcError> {
-        let (text, skeleton) = self.text(dialect)?;
+        let (text, skeleton) = self.text(dialect, None)?;
         self.replayed(text, &skeleton)
     }
 
-    /// The text alone, and what it moves among.
-    fn text(&self, dialect: Dialect) -> Result<(String, Skeleton<'_>), NcError> {
+    /// The text alone, and what it moves among; with a roughing it begins at the bar.
+    pub(super) fn text(
+        &self,
+        dialect: Dialect,
+        roughing: Option<&Roughing<'_>>,
+    ) -> Result<(String, Skeleton<'_>), NcError> {
         let cut = self.in_order();
         let (Some(first), Some(last)) = (cut.first(), cut.last()) else {
             return Err(NcError::Plan("a path without a piece".into()));
         };
         let skeleton = self.skeleton(dialect, entry(first, self.lead_mm(), self.before_mm()).from)?;
-        let mut lines = self.head(&skeleton);
+        let mut lines = self.head(&skeleton, roughing);
+        lines.extend(roughing.iter().flat_map(|r| self.roughing(&skeleton, r)));
         lines.extend(self.approach(&skeleton));
         lines.extend(self.blocks(&skeleton, &cut));
         lines.extend(self.leave(last, &skeleton));
@@ -144,16 +150,21 @@ impl ContourProgram<'_> {
         })
     }
 
-    fn head(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
+    pub(super) fn head(&self, skeleton: &Skeleton<'_>, roughing: Option<&Roughing<'_>>) -> Vec<String> {
         let s = self.settings;
         let program = format!("shadowgauge {} for {}", env!("CARGO_PKG_VERSION"), skeleton.dialect.as_str());
         let mut texts = vec![program, self.about.to_owned()];
         match &self.bore {
             Some(bore) => texts.extend(bore.words(s)),
-            None => texts.push(format!(
-                "finishing cut in a bar of {} mm, roughed to the contour",
-                number(self.piece.before_mm, 3)
-            )),
+            None => texts.push(match roughing {
+                None => {
+                    format!(
+                        "finishing cut in a bar of {} mm, roughed to the contour",
+                        number(self.piece.before_mm, 3)
+                    )
+                }
+                Some(roughing) => roughing.about(self.piece),
+            }),
         }
         texts.extend([
             "X is a diameter, Z 0 the face that clamps the part".to_owned(),
@@ -174,13 +185,32 @@ impl ContourProgram<'_> {
         2.0 * end
     }
 
+    /// Tool and spindle at the change position.
+    fn started(&self, d: Dialect) -> Vec<String> {
+        let s = self.settings;
+        let mut lines = d.tool(s.tool, s.tool);
+        let sense = s.spindle.unwrap_or(Spindle::M03);
+        lines.extend(d.spindle(self.cutting.speed_m_per_min, s.speed_limit_per_min, sense));
+        lines
+    }
+
+    /// Facing and roughing with the same tool, without compensation.
+    pub(super) fn roughing(&self, skeleton: &Skeleton<'_>, roughing: &Roughing<'_>) -> Vec<String> {
+        let (d, route) = (skeleton.dialect, &skeleton.route);
+        let first_mm = round3(self.piece.length_mm + self.lead_mm());
+        let mut lines = self.retracted(skeleton);
+        lines.extend(self.started(d));
+        lines.extend(d.approach(route.change, first_mm, route.clear_mm));
+        lines.extend(roughing.blocks(d, route.clear_mm, first_mm));
+        lines.push(d.comment("finishing"));
+        lines
+    }
+
     fn approach(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
         let (d, s, route) = (skeleton.dialect, self.settings, &skeleton.route);
         let mut lines = self.retracted(skeleton);
         lines.extend(self.register.iter().flat_map(|r| nose_words::writing(d, s.tool, *r)));
-        lines.extend(d.tool(s.tool, s.tool));
-        let sense = s.spindle.unwrap_or(Spindle::M03);
-        lines.extend(d.spindle(self.cutting.speed_m_per_min, s.speed_limit_per_min, sense));
+        lines.extend(self.started(d));
         lines.extend(match self.bore {
             Some(_) => d.approach_into_bore(route.change, route.z_first, route.clear_mm),
             None => d.approach(route.change, route.z_first, route.clear_mm),
@@ -271,7 +301,7 @@ impl ContourProgram<'_> {
         Ok(WrittenContour { text, moves })
     }
 
-    fn working_space<'s>(&self, skeleton: &Skeleton<'s>) -> Result<WorkingSpace<'s>, NcError> {
+    pub(super) fn working_space<'s>(&self, skeleton: &Skeleton<'s>) -> Result<WorkingSpace<'s>, NcError> {
         let mut space = match &self.bore {
             Some(bore) => bore.working_space(skeleton, self.nose)?,
             None => self.around_a_shaft(skeleton),
@@ -283,13 +313,13 @@ impl ContourProgram<'_> {
     /// The text without its replay.
     #[cfg(test)]
     pub(crate) fn unproven(&self, dialect: Dialect) -> Result<String, NcError> {
-        Ok(self.text(dialect)?.0)
+        Ok(self.text(dialect, None)?.0)
     }
 
     /// Replays another text among the surroundings of this program.
     #[cfg(test)]
     pub(crate) fn replay_of(&self, text: &str, dialect: Dialect) -> Result<usize, NcError> {
-        let (_, skeleton) = self.text(dialect)?;
+        let (_, skeleton) = self.text(dialect, None)?;
         replay::check(text, &self.working_space(&skeleton)?)
     }
 

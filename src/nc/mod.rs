@@ -21,7 +21,8 @@
 //! `settings`, `machine`, `probe_settings` and `stated` hold the machine's data; `route`, `path`
 //! (`contour_path` of a stepped shaft) and `skeleton` plan, `dialect` writes the blocks
 //! (`sinumerik` those that are not ISO), `turning`, `air_cut`, `macro_program`, `probing_program`,
-//! `contour_program` (lines and arcs, with `bore`, `contour_entry` and `nose_words`) and
+//! `contour_program` (lines and arcs, with `bore`, `contour_entry` and `nose_words`; with `roughing`
+//! in front of it `from_bar`) and
 //! `scan_program` (the gauge head along the part, by `scan_settings`) are the programs,
 //! `surroundings` the solids. A new dialect is a variant of `Dialect` with its words and its match
 //! arms in `replay`; a new program is a file beside `turning`.
@@ -33,6 +34,7 @@ mod contour_path;
 mod contour_program;
 mod dialect;
 mod error;
+mod from_bar;
 mod header;
 mod line;
 mod machine;
@@ -44,6 +46,7 @@ mod probe_settings;
 mod probing_program;
 mod qualification;
 pub(crate) mod replay;
+mod roughing;
 mod route;
 mod scan_program;
 mod scan_settings;
@@ -68,6 +71,7 @@ pub(crate) use air_cut::AirCut;
 pub(crate) use bore::Bore;
 pub(crate) use contour_program::{ContourProgram, WrittenContour};
 pub(crate) use error::NcError;
+pub(crate) use from_bar::{FromBar, ToolMove};
 pub(crate) use line::{LineFit, fit_line};
 pub(crate) use machine::Direction;
 pub(crate) use macro_program::{MacroProgram, MacroValues};
@@ -75,6 +79,7 @@ pub(crate) use nose_words::NoseRegister;
 pub(crate) use path::{Path, dry_run};
 pub(crate) use probing_program::ProbingProgram;
 pub(crate) use qualification::Qualification;
+pub(crate) use roughing::Roughing;
 pub(crate) use route::Workpiece;
 pub(crate) use scan_program::{ScanProgram, stop_list};
 pub(crate) use turning::{TurningProgram, Written};

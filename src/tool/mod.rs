@@ -16,8 +16,8 @@
 //! holds e(a), `contact` and `biarc` move a piece by what touches it, `chain` joins the moved
 //! pieces, `ways` are the four, `left` measures a path against the outline apart from all of these,
 //! `sizes` turns that into diameters, faces, cones, arcs and corners. `nose_file` and `settings`
-//! read files, `precondition` compares the cut with the one that was measured. A further way is a
-//! variant of [`Way`] and its arm in `ways`.
+//! read files, `precondition` compares the cut with the one that was measured, `reachable` replaces
+//! what a tool cannot cut of an outline. A further way is a variant of [`Way`] and its arm in `ways`.
 
 mod biarc;
 mod chain;
@@ -27,6 +27,7 @@ mod error;
 mod left;
 mod nose_file;
 mod precondition;
+mod reachable;
 mod register;
 mod settings;
 mod sizes;
@@ -38,6 +39,7 @@ pub(crate) use error::ToolError;
 pub(crate) use left::{Remainder, Tool, largest, moves_of, remainders};
 pub(crate) use nose_file::read_nose;
 pub(crate) use precondition::MeasuredPass;
+pub(crate) use reachable::{LeftOut, OutOfReach, Reachable};
 pub(crate) use register::{Setting, Stated};
 #[cfg(test)]
 pub(crate) use settings::ImageAxes;

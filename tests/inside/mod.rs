@@ -55,6 +55,7 @@ mod ring_measure;
 mod run_truth;
 mod settled;
 mod stepped;
+mod stl;
 mod tool;
 mod uncertainty;
 #[cfg(feature = "camera")]

@@ -1,91 +1,37 @@
 //! `shadowgauge nc`: the offsets of a run, or of the next part, as an NC program.
 //!
-//! In: a run folder, or a job with the state of its offsets (`from_state`). Out: a program that has
-//! passed its replay, an air cut of it, or the list of a dry run.
+//! In: a run folder, a job with the state of its offsets (`from_state`), or a model of a part
+//! (`model`). Out: a program that has passed its replay, an air cut of it, or the list of a dry run.
 
+mod args;
+mod bar_args;
 mod from_state;
+mod machine_data;
+mod model;
 mod pass;
+
+pub(crate) use self::args::NcArgs;
 
 use std::path::{Path, PathBuf};
 
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
+use crate::cli::run::model::is_model;
 use crate::config;
 use crate::files::OutputFile;
 use crate::job::Job;
 use crate::nc::{
-    self, AirCut, Dialect, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification, ScanProgram,
+    self, AirCut, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification, ScanProgram,
     TurningProgram, Written,
 };
 use crate::run_folder::RunFolder;
 
+use self::args::Form;
+use self::machine_data::in_file;
 use self::pass::Pass;
-
-/// How the correction stands in the program.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Form {
-    /// Knots along z: any shape.
-    Knots,
-    /// Macro variables of a line: the least-squares paper's program.
-    Macro,
-    /// The least-squares paper's whole program: it probes the part, fits the line, cuts and probes
-    /// again; the offsets of the run are not used.
-    Probing,
-    /// Touches a reference of known diameter and leaves the probe's correction in macro variables;
-    /// of the run only the machine's data are used.
-    Qualify,
-}
-
-/// Arguments of `nc`.
-#[derive(Debug, clap::Args)]
-pub(crate) struct NcArgs {
-    /// A run folder; with --state the job (TOML).
-    run: PathBuf,
-    /// fanuc, linuxcnc, gsk or sinumerik.
-    #[arg(long, value_parser = dialect)]
-    dialect: Dialect,
-    /// The pass to be cut; the last one of the run by default.
-    #[arg(long, value_name = "N")]
-    pass: Option<u32>,
-    /// Knots along z, macro variables of a line, a program that measures its own correction with a
-    /// touch probe, or the qualification of that probe.
-    #[arg(long, value_enum, default_value = "knots")]
-    form: Form,
-    /// A TOML file with the machine's data (how the control reads offsets, tool, what stands around
-    /// the part, clearances, re-measurement; docs/nc.md); by default the run's own [nc.machine],
-    /// where it was made for this control.
-    #[arg(long, value_name = "FILE")]
-    machine: Option<PathBuf>,
-    /// The state of the offsets, as `measure --offsets JOB --state FILE` keeps it: the program cuts
-    /// the next part, or the trial cut that comes first.
-    #[arg(long, value_name = "FILE.toml")]
-    state: Option<PathBuf>,
-    /// Raises every diameter above the stock: the same moves, nothing is cut. For the first run of
-    /// a program.
-    #[arg(long)]
-    air: bool,
-    /// Takes the gauge head along the finished part: retract, coolant off, air blast, the spindle
-    /// at its measuring speed or held at every angle, a trigger a stop. Nothing is cut; the
-    /// machine's data need the table scan. With --dry-run: the stops as a table.
-    #[arg(long)]
-    scan: bool,
-    /// Number of the part: with the pass it makes the program run once only.
-    #[arg(long, value_name = "N")]
-    part: Option<u32>,
-    /// List old offsets, new offsets and the reason instead of the program.
-    #[arg(long)]
-    dry_run: bool,
-    /// Write into this file instead of to stdout.
-    #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
-}
 
 /// Largest residual of the offsets from a line, mm of diameter: half a micrometre.
 const LINE_TOLERANCE_MM: f64 = 0.0005;
-
-fn dialect(word: &str) -> Result<Dialect, String> {
-    word.parse()
-}
 
 /// Writes the program or lists the dry run.
 ///
@@ -93,6 +39,12 @@ fn dialect(word: &str) -> Result<Dialect, String> {
 /// Exit 2 for a pass, a machine file or offsets that are refused, 3 for a run folder that cannot be
 /// read.
 pub(crate) fn run(args: &NcArgs) -> CommandResult {
+    if is_model(&args.run) {
+        let (text, inputs) = model::program(args)?;
+        return put(args, &text, inputs);
+    }
+    args.model.only_for_models(&args.run)?;
+    args.bar.only_for_models(&args.run)?;
     let source = match &args.state {
         Some(state) => of_state(args, state)?,
         None => of_run(args)?,
@@ -110,6 +62,11 @@ pub(crate) fn run(args: &NcArgs) -> CommandResult {
         Form::Probing => probing(args, &job, &settings, &pass?)?,
         Form::Qualify => qualify(args, &settings)?,
     };
+    put(args, &text, inputs)
+}
+
+/// The program into its file, or to stdout.
+fn put(args: &NcArgs, text: &str, inputs: Vec<PathBuf>) -> CommandResult {
     match &args.out {
         Some(path) => {
             OutputFile::claim(path, inputs)?.write(text.as_bytes())?;
@@ -171,17 +128,6 @@ fn settings(args: &NcArgs, job: &Job, next: Option<u32>) -> Result<NcSettings, F
     let settings = part_number(file.parse()?);
     settings.validate().map_err(|error| in_file(&file, error.into()))?;
     Ok(settings)
-}
-
-/// An error that points at the key in the machine's file.
-fn in_file(file: &ConfigText, error: NcError) -> Failure {
-    match error {
-        NcError::Setting(mut at) => {
-            at.key = at.key.strip_prefix("nc.").unwrap_or(&at.key).to_owned();
-            Failure::refused(config::value_error(&file.text, &file.name, at))
-        }
-        other => file.refuse(other),
-    }
 }
 
 /// The text of a program, with a note on the uncut length. A dry run lists the offsets even where

@@ -6,10 +6,11 @@
 //! leaves, read back when a run is resumed) → report → `finished` (what is printed). `frames_from`
 //! is a renderer, a recording or a `wire_head`: a job that names a `source` takes its frames from
 //! there and, of a recording, ends `waiting` where the next pass is not there yet; `recording`
-//! writes such a folder.
+//! writes such a folder. `model` makes a job of a part's STL file.
 
 mod finished;
 pub(super) mod frames_from;
+pub(super) mod model;
 mod recorder;
 mod recording;
 mod tables;
@@ -40,7 +41,7 @@ pub(crate) const REFERENCE_FOLDER: &str = "without_control";
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RunArgs {
-    /// The job.
+    /// The job; or a model of a part (.stl), of which a job with default cutting and camera is made.
     config: PathBuf,
     /// Run folder: absent, empty, or an unfinished run of the same config, which is resumed.
     #[arg(long, value_name = "DIR")]
@@ -68,6 +69,8 @@ pub(crate) struct RunArgs {
     /// Print the passes as JSON on stdout.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    model: model::ModelArgs,
 }
 
 /// Runs the job of a config file.
@@ -104,9 +107,9 @@ pub(crate) fn run(args: &RunArgs) -> CommandResult {
 /// A refusal of a key of the config.
 fn refused(args: &RunArgs, error: crate::setting::SettingError) -> Failure {
     let name = args.config.display().to_string();
-    match config::read_text(&args.config) {
+    match text_of(args) {
         Ok(text) => Failure::refused(config::value_error(&text, &name, error)),
-        Err(unread) => Failure::refused(unread),
+        Err(unread) => unread,
     }
 }
 
@@ -125,11 +128,25 @@ fn claim_record(job: &Job, from: &FramesFrom, path: &Path) -> Result<OutputFolde
     Err(Failure::refuse(format!("--record: {why}")))
 }
 
+/// The text of a config, or that of the job that a model makes.
+fn text_of(args: &RunArgs) -> Result<String, Failure> {
+    if model::is_model(&args.config) {
+        return model::job_text(&args.config, &args.model);
+    }
+    args.model.only_for_models(&args.config)?;
+    config::read_text(&args.config).map_err(Failure::refused)
+}
+
 /// The checked job of a command line.
 fn job_of(args: &RunArgs) -> Result<Job, Failure> {
-    let text = config::read_text(&args.config).map_err(Failure::refused)?;
+    let text = text_of(args)?;
     let name = args.config.display().to_string();
-    let mut job = config::load(&args.config).map_err(Failure::refused)?;
+    let mut job = if model::is_model(&args.config) {
+        // files of the command line are named from where it was given
+        config::load_text(&text, &name, Path::new("")).map_err(Failure::refused)?
+    } else {
+        config::load(&args.config).map_err(Failure::refused)?
+    };
     job.passes = args.passes.or(job.passes);
     job.control.controller = args.controller.unwrap_or(job.control.controller);
     job.seed = args.seed.unwrap_or(job.seed);

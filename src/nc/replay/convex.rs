@@ -94,6 +94,22 @@ impl Convex {
         })
     }
 
+    /// Lowest radius at a Z; none beside it.
+    pub(crate) fn lowest_at(&self, z: f64) -> Option<f64> {
+        let n = self.points.len();
+        let on_edge = |i: usize| {
+            let (a, b) = (self.points[i], self.points[(i + 1) % n]);
+            let (low, high) = (a.0.min(b.0), a.0.max(b.0));
+            if !(low..=high).contains(&z) {
+                return None;
+            }
+            let share = if high > low { (z - a.0) / (b.0 - a.0) } else { 0.0 };
+            let other = if high > low { f64::INFINITY } else { b.1 };
+            Some((a.1 + share * (b.1 - a.1)).min(other))
+        };
+        (0..n).filter_map(on_edge).min_by(f64::total_cmp)
+    }
+
     fn has_separating_edge(&self, other: &Self) -> bool {
         let n = self.points.len();
         (0..n).any(|i| {

@@ -15,6 +15,7 @@
 //! - in a bore no rapid comes closer to the drilled hole than half the clearance, and the bar keeps
 //!   off the finished bore in feed as well,
 //! - no feed cuts below the commanded diameter (contours are judged by what they leave instead),
+//! - in a program from the bar no rapid touches what is left of it at that moment (`turned_stock`),
 //! - feeds at the commanded diameter cover the part from the stated end of the cut to its end face,
 //! - the gauge head is triggered at the planned places alone, each once and in order, with the tool
 //!   retracted, coolant and air off, the shutter open, carriage and spindle at rest; it
@@ -38,6 +39,7 @@ mod sinumerik;
 mod sinumerik_edge;
 mod surface;
 mod touch;
+mod turned_stock;
 
 pub(crate) use bore_space::BoreSpace;
 pub(crate) use commanded_scan::{CommandedScan, CommandedStop};
@@ -54,3 +56,4 @@ pub(crate) use run::run;
 pub(crate) use run::variables;
 pub(in crate::nc) use scan_state::frames_s;
 pub(crate) use surface::Surface;
+pub(crate) use turned_stock::TurnedStock;
