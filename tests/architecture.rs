@@ -43,11 +43,11 @@ const ROOMS: [(&str, &str); 4] = [
     ("publish", "gvcp gvsp head genicam camera server simulated"),
     (
         "gauge",
-        "limit form sensor settings edges edge width calibration diameter uncertainty ring nose thresholds instrument",
+        "limit form sensor settings edges edge width calibration diameter uncertainty ring nose flank thresholds instrument",
     ),
     (
         "render",
-        "error optics motion form silhouette kernel contamination sensor settings gpu scene renderer insert",
+        "error optics motion form silhouette kernel contamination sensor settings gpu scene renderer insert flank",
     ),
     (
         "cli",

@@ -13,6 +13,7 @@ use crate::identification::IdentificationConfig;
 use crate::job::Job;
 use crate::nc::NcSettings;
 use crate::part_offsets::OffsetState;
+use crate::render::flank::FlankScene;
 use crate::render::insert::InsertSettings;
 use crate::render::optics::lens_file::LensFile;
 use crate::studies::calibration::CalibrationPlan;
@@ -34,7 +35,7 @@ pub(crate) struct FileKind {
 }
 
 /// Config files, jobs first.
-pub(crate) const CONFIGS: [FileKind; 15] = [
+pub(crate) const CONFIGS: [FileKind; 16] = [
     FileKind { name: "job", title: "A job (`run`, `render`, most studies)", schema: || schema_for!(Job) },
     FileKind {
         name: "calibration",
@@ -91,6 +92,11 @@ pub(crate) const CONFIGS: [FileKind; 15] = [
         name: "tool",
         title: "A turning tool (`tool nose --tool`, `tool compensate --tool`)",
         schema: || schema_for!(ToolFile),
+    },
+    FileKind {
+        name: "flank",
+        title: "A front-lit flank (`tool render-flank`)",
+        schema: || schema_for!(FlankScene),
     },
     FileKind {
         name: "insert",

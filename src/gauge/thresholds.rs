@@ -71,6 +71,8 @@ use super::edge::wire::clipped::WireClipLimits;
 use super::edge::wire::frame::WireFrameLimits;
 use super::edge::wire::joint_fit::WireFitLimits;
 use super::edge::wire::rounding::WireRoundingLimits;
+use super::flank::limits::FlankLimits;
+use super::flank::paper::PaperFlankLimits;
 use super::limit::{Limit, Limits};
 use super::nose::axes::NoseAxesLimits;
 use super::nose::limits::NoseLimits;
@@ -112,6 +114,7 @@ pub(crate) fn every() -> Vec<Limit> {
         of_uncertainty(),
         of_ring(),
         of_nose(),
+        of_flank(),
     ];
     rooms.concat().concat()
 }
@@ -253,6 +256,11 @@ fn of_uncertainty() -> Vec<Vec<Limit>> {
 /// Thresholds of noses, a group an entry.
 fn of_nose() -> Vec<Vec<Limit>> {
     vec![NoseLimits::list(), NoseAxesLimits::list(), PaperNoseLimits::list()]
+}
+
+/// Thresholds of flanks, a group an entry.
+fn of_flank() -> Vec<Vec<Limit>> {
+    vec![FlankLimits::list(), PaperFlankLimits::list()]
 }
 
 /// Thresholds of rings, a group an entry.

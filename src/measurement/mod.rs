@@ -5,7 +5,8 @@
 //! the part, [`MeasureSettings`] and frames of any source. Out: a [`Measurement`] a frame, whose
 //! JSON is an element of `frames` of the command's document, and a `Series` over all of them
 //! (statistics, turn, warnings); [`Document`] is the whole. A part seen end-on is measured by
-//! `ring`; `nose` is the document of `tool nose`.
+//! `ring`; `nose` is the document of `tool nose`, `flank` that of `tool flank`,
+//! whose hand-drawn lands `flank_labels` reads.
 //!
 //! [`Gauge::measure`](crate::gauge::Gauge::measure) is one frame by itself, [`Stream`] many of one
 //! camera. From below: `settings`, `error`, `warning`, `flags`, `result` (a frame's) → `crests`,
@@ -22,6 +23,10 @@ mod crests;
 mod document;
 mod error;
 mod flags;
+#[cfg(feature = "cli")]
+pub(crate) mod flank;
+#[cfg(feature = "cli")]
+pub(crate) mod flank_labels;
 mod inspector;
 mod judged;
 pub(crate) mod nose;

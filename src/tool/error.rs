@@ -15,6 +15,14 @@ pub(crate) enum ToolError {
     /// The file of a nose.
     #[error("{0}")]
     Nose(String),
+    /// A row of a wear history.
+    #[error("line {line}: {what}")]
+    History {
+        /// Its line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        what: String,
+    },
     /// Support values that are no nose.
     #[error("image {image}: {cause}")]
     Profile {

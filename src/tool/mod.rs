@@ -18,6 +18,7 @@
 //! `sizes` turns that into diameters, faces, cones, arcs and corners. `nose_file` and `settings`
 //! read files, `precondition` compares the cut with the one that was measured, `reachable` replaces
 //! what a tool cannot cut of an outline. A further way is a variant of [`Way`] and its arm in `ways`.
+//! `wear` is the life of an edge by its flank: verdict, history, forecast.
 
 mod biarc;
 mod chain;
@@ -31,6 +32,7 @@ mod reachable;
 mod register;
 mod settings;
 mod sizes;
+pub(crate) mod wear;
 mod ways;
 
 pub(crate) use chain::Element;

@@ -15,6 +15,7 @@ mod deflected;
 mod deflected_golden;
 mod encoder_frames;
 mod field;
+mod flank;
 mod form_features;
 mod form_photon_transfer;
 mod form_turn;

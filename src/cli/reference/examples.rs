@@ -148,6 +148,22 @@ const EXAMPLES: &[Examples] = &[
         &["shadowgauge tool render configs/tool/insert.toml --out out/insert --frames 4 --seed 7"],
     ),
     (
+        "tool flank",
+        &[
+            "shadowgauge tool flank flank.png --um-per-px 2.415 --nose-radius-mm 0.4",
+            "shadowgauge tool flank flank.png --um-per-px 2.415 --cut 12 --history edge_3.csv --overlay land.png",
+            "shadowgauge tool flank images --um-per-px 2.415 --model paper --json",
+        ],
+    ),
+    (
+        "tool render-flank",
+        &[
+            "shadowgauge tool render-flank configs/tool/flank.toml --out out/flank",
+            "shadowgauge tool render-flank --random 20 --seed 7 --out out/flanks",
+        ],
+    ),
+    ("tool train", &["shadowgauge tool train labelled --um-per-px 1.725 --out flanks.forest --seed 1"]),
+    (
         "tool compensate",
         &[
             "shadowgauge tool compensate --nose nose.json --tool tool.toml --part outline.toml --out out/nose",

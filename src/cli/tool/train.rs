@@ -1,0 +1,130 @@
+//! `shadowgauge tool train`: a forest from flanks whose land was drawn by hand.
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use super::nose::{frames, scale};
+use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::files::OutputFile;
+use crate::gauge::flank::forest::file;
+use crate::gauge::flank::forest::training::Growth;
+use crate::gauge::flank::{Labelled, Raster, errors_um, locate, train};
+use crate::measurement::flank_labels::{grey_mask, labelme_mask};
+use crate::source::{Channel, listing};
+
+/// Images up to which each of them is left out once; more are left out in ten groups.
+const GROUPS: usize = 10;
+
+/// Arguments of `tool train`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct TrainArgs {
+    /// Folder of images, each with NAME.json (Labelme) or NAME_land.png (white where the land is).
+    dir: PathBuf,
+    /// Scale, µm per px in the plane of the flank.
+    #[arg(long, value_name = "S", value_parser = scale)]
+    um_per_px: f64,
+    /// File of the model, for `tool flank --model`.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Seed of the drawn pixels and features: the same bytes from the same images and seed.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Channel of colour images.
+    #[arg(long, default_value = "g")]
+    channel: Channel,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Exit 2 for a folder without labelled images, 3 for images and labels that cannot be read.
+pub(crate) fn run(args: &TrainArgs) -> CommandResult {
+    let images = listing(&args.dir).map_err(Failure::fail)?.images;
+    let stem = |p: &Path| p.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let paths: Vec<PathBuf> = images.into_iter().filter(|p| !stem(p).ends_with("_land")).collect();
+    let out = OutputFile::claim(&args.out, paths.iter().cloned())?;
+    let mut labelled = Vec::new();
+    for path in &paths {
+        labelled.extend(one(args, path)?);
+    }
+    if labelled.len() < 2 {
+        return Err(Failure::refuse(format!(
+            "{}: {} labelled images, at least 2 are needed: NAME.json of Labelme or NAME_land.png beside each image",
+            args.dir.display(),
+            labelled.len()
+        )));
+    }
+    let growth = Growth { seed: args.seed, ..Growth::default() };
+    let (vb, vb_max) = left_out(&labelled, &growth);
+    let mut forest = train(&labelled, &growth);
+    forest.facts.trained_on = format!("{} labelled images", labelled.len());
+    (forest.facts.vb_error_um, forest.facts.vb_max_error_um) = (vb, vb_max);
+    let bytes = file::write(&forest).map_err(Failure::fail)?;
+    say_line!(
+        "{} images; left out of the training their VB is off by {vb:.1} µm rms, VBmax by {vb_max:.1} µm; {} bytes",
+        labelled.len(),
+        bytes.len()
+    );
+    out.write(&bytes)?;
+    Ok(Outcome::Done)
+}
+
+/// A labelled image; none where neither file stands beside it.
+fn one(args: &TrainArgs, path: &Path) -> Result<Option<Labelled>, Failure> {
+    let named = |path: &Path, e: &dyn std::fmt::Display| Failure::fail(format!("{}: {e}", path.display()));
+    let (labels, mask) = (path.with_extension("json"), {
+        let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+        path.with_file_name(format!("{stem}_land.png"))
+    });
+    let read = |path: &Path| -> Result<(Raster, f32), Failure> {
+        let Some(read) = frames(vec![path.to_owned()], args.channel).next() else {
+            return Err(named(path, &"holds no image"));
+        };
+        let frame = read?.1;
+        let full = frame.view().full_scale().unwrap_or(1.0);
+        Ok((Raster::of(&frame.view()).map_err(|e| named(path, &e))?, full))
+    };
+    if !labels.is_file() && !mask.is_file() {
+        tracing::warn!("{}: no {} and no {}", path.display(), labels.display(), mask.display());
+        return Ok(None);
+    }
+    let (image, _) = read(path)?;
+    let land = if labels.is_file() {
+        let text = std::fs::read_to_string(&labels).map_err(|e| named(&labels, &e))?;
+        labelme_mask(&text, (image.rows, image.columns)).map_err(|e| named(&labels, &e))?
+    } else {
+        let (grey, full) = read(&mask)?;
+        if (grey.rows, grey.columns) != (image.rows, image.columns) {
+            let text = format!(
+                "{} x {} px, its image has {} x {}",
+                grey.rows, grey.columns, image.rows, image.columns
+            );
+            return Err(named(&mask, &text));
+        }
+        grey_mask(&grey, full)
+    };
+    let flank = locate(&image, args.um_per_px, None).map_err(|e| named(path, &e))?;
+    Ok(Some(Labelled::new(flank, &land)))
+}
+
+/// Root mean squares of the errors of VB and VBmax of images that are left out in turn, µm.
+fn left_out(labelled: &[Labelled], growth: &Growth) -> (f64, f64) {
+    let groups = labelled.len().min(GROUPS);
+    let errors: Vec<(f64, f64)> = (0..groups)
+        .into_par_iter()
+        .flat_map_iter(|group| {
+            let others = labelled.iter().enumerate().filter(|(k, _)| k % groups != group).map(|(_, l)| l);
+            let forest = train(others, growth);
+            labelled
+                .iter()
+                .enumerate()
+                .filter(|(k, _)| k % groups == group)
+                .map(move |(_, l)| errors_um(&forest, l))
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    let n = errors.len().max(1) as f64;
+    let rms = |of: fn(&(f64, f64)) -> f64| (errors.iter().map(|e| of(e).powi(2)).sum::<f64>() / n).sqrt();
+    (rms(|e| e.0), rms(|e| e.1))
+}

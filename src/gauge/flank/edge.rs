@@ -1,0 +1,112 @@
+//! The cutting edge inside its strip, and the reference curve of what it was before it wore.
+//!
+//! The edge is the border between air, which keeps its level, and whatever departs from it; the
+//! cheapest path through a strip about the straight line. Wear and chips displace it into the
+//! flank only: the reference is a cubic that follows the upper side of the path (deviations into
+//! the flank lose weight as 1/r², those into the air as 1/r).
+
+use nalgebra::{DMatrix, DVector};
+
+use super::limits::FlankLimits;
+use super::path::Costs;
+use super::raster::{Raster, quantile};
+use super::strip::Frame;
+
+/// Powers of the reference curve: ground edges of inserts are straight or slightly cambered.
+const POWERS: usize = 4;
+/// Rounds of reweighting.
+const ROUNDS: usize = 12;
+
+/// A traced edge.
+#[derive(Clone, Debug)]
+pub(crate) struct TracedEdge {
+    /// Depth of the edge below the straight line in every column, µm.
+    pub depth_um: Vec<f64>,
+}
+
+/// Follows the edge through a strip that was cut about the straight line.
+pub(crate) fn trace(strip: &Raster, frame: &Frame) -> TracedEdge {
+    let depart = departure(strip, frame);
+    let window = (20.0 / frame.row_um()) as usize;
+    let rows = strip.rows;
+    let column = |c: usize| {
+        let mut total = vec![0.0_f32; rows + 1];
+        for r in 0..rows {
+            total[r + 1] = total[r] + depart.at(r, c);
+        }
+        (0..rows).map(|u| total[u] - (total[(u + window).min(rows)] - total[u])).collect()
+    };
+    let costs = Costs { columns: (0..strip.columns).map(column).collect(), step: 2.0, most_step: 2 };
+    let depth = costs.cheapest().into_iter().map(|r| frame.depth_um(r) - 0.5 * frame.row_um());
+    TracedEdge { depth_um: depth.collect() }
+}
+
+/// How far pixels depart from the air: −1 none, up to 1.5.
+fn departure(strip: &Raster, frame: &Frame) -> Raster {
+    let limits = FlankLimits::get();
+    let near = (limits.air_um / frame.row_um()) as usize;
+    let air_rows = frame.above.saturating_sub(near).max(1);
+    let smooth = strip.blurred(0.0, 12.0);
+    let mut out = Raster::new(strip.rows, strip.columns);
+    let level = |c: usize| quantile((0..air_rows).map(|r| smooth.at(r, c)).collect(), 0.5);
+    let levels: Vec<f32> = (0..strip.columns).map(level).collect();
+    let off = |r: usize, c: usize| (strip.at(r, c) - levels[c]).abs();
+    let scatter = (0..air_rows).flat_map(|r| (0..strip.columns).map(move |c| (r, c))).map(|(r, c)| off(r, c));
+    let sigma = (1.4826 * quantile(scatter.collect(), 0.5)).max(1e-6);
+    for (k, value) in out.values.iter_mut().enumerate() {
+        *value = (off(k / strip.columns, k % strip.columns) / (4.0 * sigma) - 1.0).clamp(-1.0, 1.5);
+    }
+    out
+}
+
+/// A reference curve as fitted.
+#[derive(Clone, Debug)]
+pub(crate) struct ReferenceCurve {
+    /// Coefficients, px into the flank by powers of s/length.
+    pub curve: Vec<f64>,
+    /// Standard uncertainty of the curve's level, µm.
+    pub u_um: f64,
+}
+
+/// Fits the curve to a traced edge; `shape` is a curve whose bend is known (the baseline's), to
+/// which offset and slope are fitted then.
+pub(crate) fn reference(traced: &TracedEdge, frame: &Frame, shape: Option<&[f64]>) -> Option<ReferenceCurve> {
+    let powers = if shape.is_some() { 2 } else { POWERS };
+    let n = traced.depth_um.len();
+    if n < 4 * powers {
+        return None;
+    }
+    let t = |k: usize| frame.s_px(k as f64) / frame.line.length_px;
+    let known = |k: usize| {
+        shape.map_or(0.0, |c| c.iter().skip(2).rev().fold(0.0, |sum, c| sum * t(k) + c) * t(k).powi(2))
+    };
+    let y = DVector::from_fn(n, |k, _| traced.depth_um[k] / frame.um_per_px - known(k));
+    let x = DMatrix::from_fn(n, powers, |k, p| t(k).powi(p as i32));
+    let mut weights = DVector::from_element(n, 1.0);
+    let (mut c, mut spread) = (DVector::zeros(powers), 1.0);
+    for _ in 0..ROUNDS {
+        let weighted = DMatrix::from_fn(n, powers, |k, p| x[(k, p)] * weights[k]);
+        let normal = weighted.transpose() * &x;
+        c = normal.cholesky()?.solve(&(weighted.transpose() * &y));
+        let residual = &y - &x * &c;
+        spread = spread_above(residual.iter().copied());
+        for k in 0..n {
+            let r = residual[k] / spread;
+            weights[k] = if r > 1.0 { r.powi(-2) } else { (-r).max(1.0).recip() };
+        }
+    }
+    let mut curve: Vec<f64> = c.iter().copied().collect();
+    if let Some(shape) = shape {
+        curve.extend(shape.iter().skip(2));
+    }
+    // the path scatters over lengths of about twenty columns
+    let independent = (n as f64 / 20.0).max(1.0);
+    let u_um = spread * frame.um_per_px * (powers as f64 / independent).sqrt();
+    Some(ReferenceCurve { curve, u_um })
+}
+
+/// Standard deviation of what lies on the air's side, px: half a row at least.
+fn spread_above(residuals: impl Iterator<Item = f64>) -> f64 {
+    let above: Vec<f32> = residuals.filter(|r| *r <= 0.0).map(|r| -r as f32).collect();
+    (1.4826 * f64::from(quantile(above, 0.5))).max(0.5)
+}

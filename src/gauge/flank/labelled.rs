@@ -1,0 +1,99 @@
+//! Flanks whose land is known, pixel by pixel: what a forest is trained on, and what it is tried
+//! against.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+use super::features::{FEATURES, features};
+use super::forest::Forest;
+use super::forest::training::{Growth, Samples, grow};
+use super::land::land;
+use super::located::Located;
+use super::raster::Raster;
+use super::strip::normalised;
+
+/// Pixels that are drawn from an image near its border: as many of a class as there are, since the
+/// border's place follows from the odds of both.
+const PIXELS: usize = 9000;
+/// Pixels that are drawn from what is farther below.
+const FAR_PIXELS: usize = 3000;
+/// Least depth below the land that is near its border, rows.
+const NEAR: usize = 12;
+/// Depth below the land from which pixels are drawn, rows: what is far below is never near it.
+const BELOW: usize = 160;
+
+/// A located flank with the land of its mask.
+#[derive(Clone, Debug)]
+pub(crate) struct Labelled {
+    /// The flank.
+    pub flank: Located,
+    /// 1 on land, 0 elsewhere, over the strip.
+    pub land: Raster,
+}
+
+impl Labelled {
+    /// From a mask over the whole image (0 none, 1 land).
+    pub(crate) fn new(flank: Located, mask: &Raster) -> Self {
+        let (land, _) = flank.frame.cut(mask);
+        Self { flank, land: land.map(|v| f32::from(u8::from(v >= 0.5))) }
+    }
+
+    /// Width of the mask in every column, µm.
+    pub(crate) fn width_um(&self) -> Vec<f64> {
+        let frame = &self.flank.frame;
+        let sum = |c: usize| (0..self.land.rows).map(|r| f64::from(self.land.at(r, c))).sum::<f64>();
+        (0..self.land.columns).map(|c| sum(c) * frame.row_um()).collect()
+    }
+
+    /// Draws pixels on both sides of the border.
+    fn draw(&self, samples: &mut Samples, random: &mut Pcg64) {
+        let frame = &self.flank.frame;
+        let all = features(&normalised(&self.flank.strip, frame), frame);
+        let (columns, top) = (self.land.columns, frame.above);
+        let (mut near, mut far) = (Vec::new(), Vec::new());
+        for column in 0..columns {
+            let land = (top..self.land.rows).rev().find(|r| self.land.at(*r, column) > 0.5);
+            let last = land.map_or(top, |r| r + 1);
+            let reach = last + (last - top).max(NEAR);
+            for row in top..(last + BELOW).min(self.flank.inside[column]) {
+                // between edge and border everything is land, chips and gaps of the mask too
+                let pixel = (row * columns + column, row < last);
+                if row < reach { near.push(pixel) } else { far.push(pixel) }
+            }
+        }
+        for (pixels, count) in [(near, PIXELS), (far, FAR_PIXELS)] {
+            if pixels.is_empty() {
+                continue;
+            }
+            for _ in 0..count {
+                let (at, land) = pixels[random.random_range(0..pixels.len())];
+                samples.values.extend(all.iter().map(|f| f.values[at]));
+                samples.land.push(land);
+            }
+        }
+    }
+}
+
+/// A forest from labelled flanks.
+pub(crate) fn train<'a>(labelled: impl IntoIterator<Item = &'a Labelled>, growth: &Growth) -> Forest {
+    let mut samples = Samples { features: FEATURES, ..Samples::default() };
+    let mut random = Pcg64::seed_from_u64(growth.seed);
+    let mut images = 0;
+    for one in labelled {
+        one.draw(&mut samples, &mut random);
+        images += 1;
+    }
+    let mut forest = grow(&samples, growth);
+    forest.facts.images = images;
+    forest
+}
+
+/// Errors of VB and VBmax of a forest on a labelled flank, µm, over the worn length of its mask.
+pub(crate) fn errors_um(forest: &Forest, one: &Labelled) -> (f64, f64) {
+    let found = land(&one.flank.strip, &one.flank.frame, &one.flank.inside, forest);
+    let truth = one.width_um();
+    let over: Vec<usize> = (0..truth.len()).filter(|k| truth[*k] > 0.0).collect();
+    let mean = |values: &[f64]| over.iter().map(|k| values[*k]).sum::<f64>() / over.len().max(1) as f64;
+    let largest = |values: &[f64]| over.iter().map(|k| values[*k]).fold(0.0, f64::max);
+    (mean(&found.depth_um) - mean(&truth), largest(&found.depth_um) - largest(&truth))
+}

@@ -1,0 +1,78 @@
+//! The worn land: from probabilities of pixels to its border in every column.
+//!
+//! A border at a row makes all pixels above it land and all below it not: its cost is the sum of
+//! the log-odds against that, and the cheapest path through the strip is the border.
+
+use rayon::prelude::*;
+
+use super::features::features;
+use super::forest::Forest;
+use super::limits::FlankLimits;
+use super::path::Costs;
+use super::raster::Raster;
+use super::strip::{Frame, normalised};
+
+/// Log-odds of one pixel are worth no more: neighbours share what they are classified by.
+const MOST_LOG_ODDS: f32 = 3.0;
+/// Pixels that share their features: the log-odds of a column are divided by it where the spread
+/// of the border is estimated.
+const TEMPERATURE: f32 = 6.0;
+
+/// The border of the land.
+#[derive(Clone, Debug)]
+pub(crate) struct Land {
+    /// Depth of the border below the reference in every column, µm.
+    pub depth_um: Vec<f64>,
+    /// Its standard uncertainty in every column, µm.
+    pub u_um: Vec<f64>,
+    /// Probability of land of every pixel from the reference down.
+    pub probability: Raster,
+}
+
+/// Finds the border in a strip; `inside` are the rows of each column within the image.
+pub(crate) fn land(strip: &Raster, frame: &Frame, inside: &[usize], forest: &Forest) -> Land {
+    let probability = probability(strip, frame, forest);
+    let costs = costs(&probability, frame, inside);
+    let path = costs.cheapest();
+    let spread = costs.spread(&path, TEMPERATURE);
+    let row_um = frame.row_um();
+    Land {
+        depth_um: path.iter().map(|v| *v as f64 * row_um).collect(),
+        u_um: spread.iter().map(|s| (s * row_um).hypot(row_um / 12f64.sqrt())).collect(),
+        probability,
+    }
+}
+
+fn probability(strip: &Raster, frame: &Frame, forest: &Forest) -> Raster {
+    let all = features(&normalised(strip, frame), frame);
+    let mut out = Raster::new(frame.below, strip.columns);
+    out.values.par_chunks_mut(strip.columns).enumerate().for_each(|(row, line)| {
+        for (column, value) in line.iter_mut().enumerate() {
+            let at = (row + frame.above) * strip.columns + column;
+            *value = forest.probability(|k| all[k].values[at]);
+        }
+    });
+    out
+}
+
+fn costs(probability: &Raster, frame: &Frame, inside: &[usize]) -> Costs {
+    let limits = FlankLimits::get();
+    let column = |c: usize| {
+        let rows = inside[c].saturating_sub(frame.above).min(probability.rows);
+        let mut sum = 0.0;
+        let mut all = Vec::with_capacity(probability.rows + 1);
+        all.push(0.0);
+        for row in 0..probability.rows {
+            let p = probability.at(row, c).clamp(1e-3, 1.0 - 1e-3);
+            let odds = ((1.0 - p) / p).ln().clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS);
+            sum += if row < rows { odds } else { MOST_LOG_ODDS };
+            all.push(sum);
+        }
+        all
+    };
+    Costs {
+        columns: (0..probability.columns).map(column).collect(),
+        step: limits.step_cost as f32,
+        most_step: limits.most_step,
+    }
+}

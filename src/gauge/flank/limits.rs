@@ -1,0 +1,56 @@
+//! Thresholds of the flank measurement.
+
+use crate::gauge::limit::limits;
+
+limits! {
+    /// Where a flank is sought, and what of it counts.
+    FlankLimits = "flank";
+    /// Least side of an image, px: the search's strips and a land of a tenth of a millimetre.
+    least_side_px: usize = 128;
+    /// Cells over the longer side of the image in which the edge is sought: an edge a sixth of the
+    /// field long is a hundred cells, a flank of 0.3 mm ten cells deep in a field of 4 mm.
+    cells: usize = 600;
+    /// Standard deviation of the Gaussian that takes texture from shade, px: what is out of focus
+    /// has no detail below it.
+    detail_px: f64 = 2.0;
+    /// Detail of the flank's cells over the detail of the median cell, which is background: noise
+    /// alone has 1.3 at the quantile below.
+    least_detail: f64 = 2.0;
+    /// Quantile of the cells' detail that counts as the flank's full texture: a flank of a fiftieth
+    /// of the field reaches it.
+    full_detail: f64 = 0.98;
+    /// Depth of the strips on both sides of a line, cells.
+    side_cells: usize = 6;
+    /// Weight of detail beyond a line over that of detail on its flank: the air beside a cutting
+    /// edge is out of focus, the neighbour of a facet is not.
+    beyond_weight: f64 = 3.0;
+    /// Least length of a cutting edge, cells.
+    least_cells: f64 = 60.0;
+    /// Pitch of the rectified strip, µm: a land of 20 µm is ten rows.
+    pitch_um: f64 = 2.0;
+    /// Depth of the strip below the reference line, µm: above the limit of a notch, 600 µm, by half.
+    depth_um: f64 = 900.0;
+    /// Height of the strip above it, µm.
+    above_um: f64 = 120.0;
+    /// Depth from which the air's level beside the edge is taken, µm.
+    air_um: f64 = 40.0;
+    /// Least width of a worn land, µm: less is the rounding and the blur of a new edge.
+    least_land_um: f64 = 6.0;
+    /// Largest gap that a worn length bridges, µm.
+    bridge_um: f64 = 60.0;
+    /// Least worn length, µm.
+    least_length_um: f64 = 80.0;
+    /// Share of full scale from which a pixel counts as saturated.
+    saturated: f64 = 0.99;
+    /// Most of the border's length that may lie in glare, %: the path bridges short ones.
+    most_glare_percent: f64 = 20.0;
+    /// Depth of glare about the border that hides it, µm: on both sides, or the border is one side's.
+    glare_um: f64 = 12.0;
+    /// Largest step of the border from one column of the strip to the next, rows: steep ends of
+    /// notches pass.
+    most_step: usize = 6;
+    /// Cost of a step of one row in log-odds: a pixel whose class is as good as certain has 3.
+    step_cost: f64 = 1.5;
+    /// Share of the worn length at its far end that is zone N (ISO 3685: the last quarter).
+    notch_share: f64 = 0.25;
+}

@@ -1,0 +1,66 @@
+//! A flank found in its image: the reference curve and the strip along it.
+
+use super::edge::{reference, trace};
+use super::error::FlankError;
+use super::limits::FlankLimits;
+use super::raster::Raster;
+use super::reference::edge_line;
+use super::strip::Frame;
+
+/// A rectified flank.
+#[derive(Clone, Debug)]
+pub(crate) struct Located {
+    /// Where its strip lies.
+    pub frame: Frame,
+    /// The strip's grey values.
+    pub strip: Raster,
+    /// Rows of each column inside of the image.
+    pub inside: Vec<usize>,
+    /// Standard uncertainty of the reference curve's level, µm.
+    pub u_reference_um: f64,
+}
+
+/// Finds the cutting edge and cuts the strip along it; `shape` is the baseline's curve.
+///
+/// # Errors
+/// No flank; an image that is too small; an edge without a smooth reference.
+pub(crate) fn locate(image: &Raster, um_per_px: f64, shape: Option<&[f64]>) -> Result<Located, FlankError> {
+    let limits = FlankLimits::get();
+    if image.rows.min(image.columns) < limits.least_side_px {
+        let (rows, columns, least) = (image.rows, image.columns, limits.least_side_px);
+        return Err(FlankError::TooSmall { rows, columns, least });
+    }
+    let smooth;
+    let step_px = limits.pitch_um / um_per_px;
+    let sampled = if step_px > 1.0 {
+        // what a strip's pitch cannot carry is taken out before it is sampled
+        let sigma = 0.5 * (step_px * step_px - 1.0).sqrt();
+        smooth = image.blurred(sigma, sigma);
+        &smooth
+    } else {
+        image
+    };
+    let line = edge_line(image)?;
+    let mut frame = Frame::about(line, um_per_px, (2.0 * limits.above_um, 2.0 * limits.above_um));
+    let mut u_reference_um = 0.0;
+    // the second round follows an edge that bends out of the first strip's middle
+    for round in 0..2 {
+        let (strip, _) = frame.cut(sampled);
+        let mut traced = trace(&strip, &frame);
+        for (k, depth) in traced.depth_um.iter_mut().enumerate() {
+            *depth += frame.reference_px(frame.s_px(k as f64)) * um_per_px;
+        }
+        let found = reference(&traced, &frame, shape)
+            .ok_or_else(|| FlankError::Reference("no smooth curve passes along the edge".to_owned()))?;
+        frame.curve = found.curve;
+        u_reference_um = found.u_um;
+        if round == 0 {
+            frame.above = (limits.above_um / frame.row_um()) as usize;
+            frame.below = frame.above;
+        }
+    }
+    frame.above = (limits.above_um / frame.row_um()) as usize;
+    frame.below = (limits.depth_um / frame.row_um()) as usize;
+    let (strip, inside) = frame.cut(sampled);
+    Ok(Located { frame, strip, inside, u_reference_um })
+}

@@ -1,0 +1,48 @@
+//! The worn land of a front-lit flank: a frame to VB along the edge, and ISO 3685's zones.
+//!
+//! `reference` finds the cutting edge as the straight border of what is in focus, `edge` follows it
+//! and fits the curve of the new edge, `strip` rectifies the image along that curve (rows at right
+//! angles to it, 2 µm apart). A `forest` gives every pixel the probability of being land from its
+//! `features`; the cheapest `path` through these is the land's border (`land`), its distance from
+//! the reference VB(s). `zones` divides the worn length, `measurement` puts it together with u.
+//! `labelled` trains a forest on flanks with masks, `paper` measures as a published paper does.
+//!
+//! In: a frame, [`FlankSettings`], a [`Forest`] ([`shipped`]: trained on rendered flanks alone).
+//! Out: [`FlankMeasurement`] (`result`) in µm, or a [`FlankError`]. One more feature of a pixel is a
+//! line of `features`, and the shipped forest is trained anew.
+
+mod edge;
+mod error;
+mod features;
+pub(crate) mod forest;
+pub(crate) mod labelled;
+mod land;
+pub(crate) mod limits;
+mod located;
+mod measurement;
+pub(crate) mod paper;
+mod path;
+mod raster;
+mod reference;
+mod result;
+mod settings;
+mod strip;
+mod zones;
+
+pub(crate) use error::FlankError;
+pub(crate) use features::FEATURES;
+pub(crate) use forest::Forest;
+pub(crate) use labelled::{Labelled, errors_um, train};
+pub(crate) use located::locate;
+pub(crate) use measurement::measure_flank;
+pub(crate) use raster::Raster;
+pub(crate) use result::{FlankBudget, FlankMeasurement};
+pub(crate) use settings::{CornerSide, FlankSettings};
+
+/// The forest that the program brings along.
+///
+/// # Errors
+/// Its bytes are no forest of this program's features.
+pub(crate) fn shipped() -> Result<Forest, FlankError> {
+    forest::file::read(include_bytes!("flank.forest"), FEATURES).map_err(FlankError::Model)
+}

@@ -1,0 +1,58 @@
+//! Zones of ISO 3685:1993, 7.1: C is the curved part at the corner, N the quarter of the worn
+//! length b farthest from the corner, B what remains between them.
+
+use super::limits::FlankLimits;
+use super::result::Width;
+
+/// Ranges of columns, each `from..to`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Zones {
+    /// The straight part.
+    pub b: std::ops::Range<usize>,
+    /// The corner.
+    pub c: Option<std::ops::Range<usize>>,
+    /// The far end.
+    pub n: Option<std::ops::Range<usize>>,
+}
+
+/// Zones of a worn range; `corner_first` says at which end the corner is, `corner_columns` how many
+/// columns its curved part takes.
+pub(crate) fn zones(worn: (usize, usize), corner_first: Option<bool>, corner_columns: usize) -> Zones {
+    let (from, to) = (worn.0, worn.1 + 1);
+    let length = to - from;
+    let Some(corner_first) = corner_first else { return Zones { b: from..to, c: None, n: None } };
+    let far = (FlankLimits::get().notch_share * length as f64).round() as usize;
+    // a corner never takes what zone B needs to exist
+    let near = corner_columns.min((length - far).saturating_sub(1));
+    let c = |range: std::ops::Range<usize>| (corner_columns > 0).then_some(range);
+    if corner_first {
+        Zones { b: from + near..to - far, c: c(from..from + near), n: Some(to - far..to) }
+    } else {
+        Zones { b: from + far..to - near, c: c(to - near..to), n: Some(from..from + far) }
+    }
+}
+
+/// Mean of widths, µm: u of columns whose scatter is shared over `shared` of them.
+pub(crate) fn mean(widths: &[Width], shared: f64) -> Width {
+    let n = widths.len().max(1) as f64;
+    let um = widths.iter().map(|w| w.um).sum::<f64>() / n;
+    let variance = widths.iter().map(|w| w.u_um * w.u_um).sum::<f64>() / n;
+    Width { um, u_um: (variance / (n / shared).max(1.0)).sqrt() }
+}
+
+/// The largest width, with its own u.
+pub(crate) fn largest(widths: &[Width]) -> Width {
+    widths.iter().copied().max_by(|a, b| a.um.total_cmp(&b.um)).unwrap_or_default()
+}
+
+/// The longest run of columns that are at least so wide, over gaps of `bridge` columns.
+pub(crate) fn worn_range(widths_um: &[f64], least_um: f64, bridge: usize) -> Option<(usize, usize)> {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for k in (0..widths_um.len()).filter(|k| widths_um[*k] >= least_um) {
+        match runs.last_mut() {
+            Some(run) if k - run.1 <= bridge => run.1 = k,
+            _ => runs.push((k, k)),
+        }
+    }
+    runs.into_iter().max_by_key(|run| run.1 - run.0)
+}

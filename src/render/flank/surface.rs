@@ -1,0 +1,78 @@
+//! The light that a place sends into the camera, as a share of full scale.
+
+use super::noise::{corner, noise, rough};
+use super::settings::FlankScene;
+use super::wear::{chip_um, land_um};
+
+/// A scene with its seed.
+pub(super) struct Surface<'a> {
+    pub(super) scene: &'a FlankScene,
+    pub(super) seed: u64,
+}
+
+impl Surface<'_> {
+    /// Light of a place `s` µm from the corner along the edge and `v` µm below the new edge.
+    pub(super) fn light(&self, s: f64, v: f64) -> f64 {
+        let (scene, surface) = (self.scene, &self.scene.surface);
+        let end = -v * scene.edge.end_deg.to_radians().tan();
+        let chipped = chip_um(&scene.wear, s, self.seed);
+        if v < chipped || s < end {
+            return self.background(s, v);
+        }
+        let land = land_um(&scene.wear, s, self.seed);
+        let light = if v < land { self.land(s, v, v / land) } else { self.flank(s, v) };
+        let rim =
+            if land > 0.0 { surface.rim * self.broken(s, 25.0, 21) * bell((v - land) / 3.0) } else { 0.0 };
+        // the new edge is rounded by some micrometres and shines
+        let new = if land > 0.0 { 0.0 } else { 0.5 * surface.line * bell(v / 4.0) };
+        light + rim + new
+    }
+
+    /// What stands behind the edge, out of focus.
+    fn background(&self, s: f64, v: f64) -> f64 {
+        let wide = rough(s / 900.0, v / 900.0, self.seed ^ 31);
+        self.scene.surface.air * (1.0 + 0.8 * wide)
+    }
+
+    /// A factor that comes and goes along the edge, 0 to 1.
+    fn broken(&self, s: f64, um: f64, stream: u64) -> f64 {
+        (0.6 + 0.9 * rough(s / um, 0.5, self.seed ^ stream)).clamp(0.0, 1.0)
+    }
+
+    fn flank(&self, s: f64, v: f64) -> f64 {
+        let surface = &self.scene.surface;
+        let (sin, cos) = surface.grinding_deg.to_radians().sin_cos();
+        let (along, across) = (s * cos + v * sin, s * sin - v * cos);
+        let pitch = surface.grinding_um;
+        let lines = rough(across / pitch, along / (9.0 * pitch), self.seed ^ 41);
+        let grain = noise(s / 5.0, v / 5.0, self.seed ^ 42);
+        // facets that happen to lie in the direction of the light
+        let cell = corner((s / 5.0).floor() as i64, (v / 5.0).floor() as i64, self.seed ^ 43);
+        let sparkle = if cell > 0.94 { 1.2 } else { 0.0 };
+        let shade = 1.0 + 0.7 * rough(s / 700.0, v / 700.0, self.seed ^ 44);
+        let glare = surface.glare * (-0.5 * ((s - surface.glare_at_um) / 220.0).powi(2)).exp();
+        let facet = if v > self.scene.edge.depth_um { 0.35 } else { 1.0 };
+        let texture = 1.0 + surface.texture * (0.9 * lines + 0.8 * grain + sparkle);
+        (surface.flank * shade + glare) * facet * texture.max(0.1)
+    }
+
+    /// Land; `t` is the depth over its width.
+    fn land(&self, s: f64, v: f64, t: f64) -> f64 {
+        let surface = &self.scene.surface;
+        let streaks = rough(s / 7.0, v / 140.0, self.seed ^ 51);
+        let shade = 1.0 + 0.6 * rough(s / 350.0, v / 120.0, self.seed ^ 52);
+        let wanders = 0.35 + 0.3 * rough(s / 400.0, 1.0, self.seed ^ 53);
+        let width = 4.0 + 6.0 * self.broken(s, 200.0, 54);
+        let line = surface.line * self.broken(s, 300.0, 55) * bell((t - wanders) * 60.0 / width);
+        let grains = noise(s / 6.0, v / 6.0, self.seed ^ 56);
+        let adheres = rough(s / 90.0, v / 50.0, self.seed ^ 57) > 1.0 - 1.6 * surface.adhesion - 0.35;
+        if adheres && surface.adhesion > 0.0 {
+            return 1.4 * surface.land * (1.0 + 0.7 * grains) + 0.1;
+        }
+        (surface.land * shade * (1.0 + surface.streaks * streaks + 0.08 * grains)).max(0.0) + line
+    }
+}
+
+fn bell(x: f64) -> f64 {
+    (-0.5 * x * x).exp()
+}

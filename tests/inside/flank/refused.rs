@@ -1,0 +1,32 @@
+//! What shows no flank, or no whole land, gives no number.
+
+use super::settings;
+use shadowgauge::frame::{FrameView, PixelFormat, Pixels};
+use shadowgauge::gauge::flank::{FlankError, measure_flank, shipped};
+use shadowgauge::render::flank::{FlankScene, render_flank};
+
+fn measured(pixels: &[u8], columns: usize) -> Result<(), FlankError> {
+    let rows = pixels.len() / columns;
+    let view = FrameView::new(Pixels::U8(pixels), PixelFormat::Mono8, rows, columns, columns).unwrap();
+    measure_flank(&view, &settings(2.4), &shipped().unwrap()).map(|_| ())
+}
+
+#[test]
+fn an_empty_picture_has_no_flank() {
+    assert!(matches!(measured(&[80; 400 * 300], 400), Err(FlankError::NoFlank { .. })));
+    let noise: Vec<u8> =
+        (0..400_u32 * 300).map(|k| 80 + (k.wrapping_mul(2_654_435_761) >> 29) as u8).collect();
+    assert!(matches!(measured(&noise, 400), Err(FlankError::NoFlank { .. })));
+    assert!(matches!(measured(&[80; 64 * 64], 64), Err(FlankError::TooSmall { .. })));
+}
+
+#[test]
+fn a_land_that_leaves_the_field_is_refused() {
+    let mut scene = FlankScene::default();
+    scene.wear.vb_um = 400.0;
+    scene.edge.depth_um = 2000.0;
+    scene.rows = 300;
+    let (frame, _, _) = render_flank(&scene, 2).unwrap();
+    let found = measure_flank(&frame.view(), &settings(scene.um_per_px), &shipped().unwrap());
+    assert!(matches!(found, Err(FlankError::LeavesField { .. })), "{found:?}");
+}
