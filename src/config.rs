@@ -26,7 +26,7 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 use toml::de::DeTable;
 
-use crate::identification::{IdentifiedMachine, MachineIdentity};
+use crate::identification::{IdentifiedMachine, MachineIdentity, head_geometry};
 use crate::job::{Job, RunMachine};
 use crate::machine::{Conditions, MachineSettings};
 use crate::render::form::read_contour;
@@ -267,14 +267,15 @@ fn read_machine(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
         if machine.table_stated.is_some() {
             return Err(SettingError { key: "machine.table".to_owned(), ..twice("machine.table_stated") });
         }
-        machine.table_stated = Some(read_table(machine, &folder.join(name))?);
+        let table = read_table(machine, &folder.join(name))?;
+        machine.table_stated = Some(table);
     }
     Ok(())
 }
 
 /// The machine of a control's table: `machine.json` of `calibrate machine`, or a file like that of
 /// the machine itself.
-fn read_table(own: &RunMachine, path: &Path) -> Result<MachineSettings, SettingError> {
+fn read_table(own: &mut RunMachine, path: &Path) -> Result<MachineSettings, SettingError> {
     const KEY: &str = "machine.table";
     let shown = path.display().to_string();
     let text = std::fs::read_to_string(path)
@@ -288,6 +289,8 @@ fn read_table(own: &RunMachine, path: &Path) -> Result<MachineSettings, SettingE
     if let Some(machine) = &own.stated {
         found.fits(&identity, machine).map_err(refuse)?;
     }
+    let geometry = head_geometry::of_identified(&found).map_err(|e| refuse(e.to_string()))?;
+    own.take_identified(&geometry, found.temperature_c, head_geometry::unread(&found));
     Ok(found.machine)
 }
 

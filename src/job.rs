@@ -62,7 +62,7 @@ pub(crate) use error::from_render;
 #[cfg(feature = "render")]
 pub use machine::RunMachine;
 #[cfg(feature = "render")]
-pub(crate) use machine::{HeadView, Lathe, MachineRow};
+pub(crate) use machine::{HeadView, Lathe, MachineRow, ProbeRow};
 #[cfg(feature = "render")]
 pub(crate) use run_tool::CuttingTruth;
 #[cfg(feature = "render")]

@@ -7,6 +7,7 @@ use super::evidence::Stamp;
 use crate::cell::TurningCell;
 use crate::frame::{Frame, FrameMeta, FrameSource, SourceError};
 use crate::gauge::axis_line::{AxisAverager, AxisLine};
+use crate::gauge::calibration::{Conditions, HeadGeometry};
 use crate::gauge::diameter::sections::{PartForm, TurnAverager};
 use crate::gauge::diameter::turning_depth::{Telecentricity, correct_profile};
 use crate::gauge::form::Cutoff;
@@ -137,6 +138,8 @@ impl<'c> Measured<'c> {
 /// Sums over settled frames.
 pub(super) struct Sums<'c> {
     calibration: &'c Calibration,
+    /// Where the machine carries the head, as far as that is known.
+    geometry: Option<HeadGeometry>,
     pub(super) averager: StationAverager,
     turns: TurnAverager,
     axis: AxisAverager,
@@ -151,6 +154,7 @@ impl<'c> Sums<'c> {
         let zero = calibration.axis_zero(job.field.rows_about_axis);
         Self {
             calibration,
+            geometry: job.head_geometry.clone(),
             averager: StationAverager::new(&job.gauge.station, z_mm.clone(), station_mm),
             turns: TurnAverager::new(z_mm.clone(), station_mm),
             axis: AxisAverager::new(z_mm, station_mm, zero),
@@ -162,7 +166,11 @@ impl<'c> Sums<'c> {
     }
 
     pub(super) fn add(&mut self, meta: &FrameMeta, edges: &FrameEdges) {
-        let columns = self.calibration.diameters(edges);
+        let place = self.geometry.as_ref().and_then(|geometry| geometry.at(meta.z_mm));
+        let conditions = Conditions { machine: place, ..self.calibration.conditions() };
+        let columns = self.calibration.diameters_under(edges, &conditions);
+        let axial_mm = place.map_or(0.0, |place| place.axial_mm);
+        let meta = &FrameMeta { z_mm: meta.z_mm + axial_mm, ..meta.clone() };
         self.averager.add(meta, &columns);
         self.turns.add(meta, &columns);
         self.axis.add(meta, &columns);

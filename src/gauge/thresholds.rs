@@ -7,6 +7,7 @@ use super::calibration::adjustment::AdjustmentLimits;
 use super::calibration::error::CalibrationLimits;
 use super::calibration::file_checks::FileLimits;
 use super::calibration::finish::FinishLimits;
+use super::calibration::head_geometry::HeadGeometryLimits;
 use super::calibration::limb_difference::LimbLimits;
 use super::calibration::observation::ObservationLimits;
 use super::calibration::optical_setup::SetupLimits;
@@ -227,6 +228,7 @@ fn of_calibration() -> Vec<Vec<Limit>> {
         CalibrationLimits::list(),
         FileLimits::list(),
         FinishLimits::list(),
+        HeadGeometryLimits::list(),
         LimbLimits::list(),
         ObservationLimits::list(),
         SetupLimits::list(),

@@ -3,8 +3,8 @@
 //! In: the geometry of a machine, the errors that are sought, sets of readings
 //! ([`IdentificationConfig`]) and the texts of their files ([`checked_set`]). Out: [`identify`], an
 //! [`IdentifiedMachine`] (`machine.json`) with tables, uncertainties and covariance, and what
-//! cannot be separated in words; [`export`] makes tables of a control from it. The truth of a
-//! simulated machine is not read here.
+//! cannot be separated in words; [`export`] makes tables of a control from it, [`head_geometry`]
+//! what readings of a head are corrected by. The truth of a simulated machine is not read here.
 //!
 //! Bottom to top: `instrument`, `reading`, `reading_set`, `settings`; `reading_file` with
 //! `reading_order` and `turn_mean` (text to readings); `observation` (what a reading holds of each
@@ -18,6 +18,7 @@ pub(crate) mod assemble;
 mod checked_sets;
 mod equations;
 pub(crate) mod export;
+pub(crate) mod head_geometry;
 pub(crate) mod identified;
 mod inseparable;
 pub(crate) mod instrument;

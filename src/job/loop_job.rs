@@ -9,7 +9,7 @@ use super::sections::{self, Drawing};
 use super::{probe, stations};
 use crate::control::{ControlSettings, ControllerName, Workpiece};
 use crate::gauge::GaugeSettings;
-use crate::gauge::calibration::Conditions;
+use crate::gauge::calibration::{Conditions, HeadGeometry};
 use crate::plan::{
     Contour, CuttingData, DiameterOffset, FeedDirection, PassPlan, PlannedForm, ScanPlan, StationLayout,
 };
@@ -50,6 +50,9 @@ pub struct LoopJob {
     pub gauge: GaugeSettings,
     /// A touch probe: where it stands, the loop takes its diameters from it in place of the camera.
     pub probe: Option<ProbeSettings>,
+    /// Where the machine carries the head, as far as it was identified: the readings are corrected
+    /// by it. None where it counts as standing as commanded.
+    pub head_geometry: Option<HeadGeometry>,
     /// The controller.
     pub control: ControlSettings,
     /// The control that the offsets go to: the controller is given what its rounding leaves
@@ -74,6 +77,7 @@ impl Default for LoopJob {
             field: FieldOfView::default(),
             gauge: GaugeSettings::default(),
             probe: None,
+            head_geometry: None,
             control: ControlSettings::default(),
             nc: None,
         }

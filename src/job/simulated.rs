@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::error::from_render;
 use super::field_of_view::FieldOfView;
 use super::loop_job::LoopJob;
-use super::machine::{Lathe, MachineRow, OnMachine, RunMachine};
+use super::machine::{Lathe, MachineRow, OnMachine, ProbeRow, RunMachine, TruePlace};
 use super::nc_job::NcJob;
 use super::part::Part;
 use super::run_tool::{self, RunTool};
@@ -147,6 +147,7 @@ impl Job {
             field: self.field_of_view(),
             gauge: self.gauge.clone(),
             probe: self.probe.clone(),
+            head_geometry: self.machine.as_ref().and_then(RunMachine::head_geometry),
             control: self.control.clone(),
             nc: self.nc.clone(),
         }
@@ -205,6 +206,27 @@ impl Job {
         Ok((1..=passes).flat_map(|pass| lathe.contributions(&plan(pass))).collect())
     }
 
+    /// What the displacement probe of `[machine]` indicates of a pass, of its stations' true
+    /// diameters, mm; empty without one.
+    ///
+    /// # Errors
+    /// As [`Self::lathe`].
+    pub(crate) fn probe_rows(&self, pass: u32, true_mm: &[f64]) -> Result<Vec<ProbeRow>, SettingError> {
+        let Some(probe) = self.machine.as_ref().and_then(|machine| machine.probe) else {
+            return Ok(Vec::new());
+        };
+        let Some(lathe) = self.lathe()? else { return Ok(Vec::new()) };
+        let order = self.loop_job();
+        let plan = order.pass_plan(pass, DiameterOffset::zero(order.station_z_mm().len()));
+        let places = plan.station_z_mm.iter().zip(plan.station_nominal_mm()).zip(true_mm);
+        let place = |((z_mm, nominal_mm), true_mm): ((&f64, f64), &f64)| TruePlace {
+            z_mm: *z_mm,
+            nominal_mm,
+            true_mm: *true_mm,
+        };
+        Ok(probe.rows(&lathe, pass, &places.map(place).collect::<Vec<_>>(), self.seed))
+    }
+
     /// The camera's data sheet.
     fn field_of_view(&self) -> FieldOfView {
         FieldOfView {
@@ -238,7 +260,8 @@ impl Job {
         let force =
             if model { workpiece::workpiece(&self.part, &self.process, &self.cutting).1 } else { None };
         let tool = self.tool.as_ref().and_then(RunTool::caution);
-        force.into_iter().chain(tool).chain(self.loop_job().cautions()).collect()
+        let machine = self.machine.as_ref().map_or(Vec::new(), RunMachine::cautions);
+        force.into_iter().chain(tool).chain(machine).chain(self.loop_job().cautions()).collect()
     }
 
     /// Checks every stage's settings and the conditions across stages.

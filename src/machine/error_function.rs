@@ -55,12 +55,20 @@ impl ErrorFunction {
     /// What does not drift.
     pub(crate) fn lasting(&self, position: f64, direction: Direction) -> f64 {
         let waves = self.waves.iter().map(|w| w.amplitude * (w.frequency * position + w.phase).cos());
-        let s = (position - self.middle) / self.half.max(f64::MIN_POSITIVE);
-        let polynomial = self.polynomial.iter().rev().fold(0.0, |sum, c| sum * s + c);
+        let polynomial = self.polynomial(position);
         let is_backward = direction == Direction::Backward;
         let table = self.table.as_ref().map_or(0.0, |table| table.value(position, is_backward));
         let reversal = if is_backward { -0.5 * self.reversal } else { 0.5 * self.reversal };
         waves.sum::<f64>() + polynomial + table + reversal
+    }
+
+    /// The polynomial; without one no division.
+    fn polynomial(&self, position: f64) -> f64 {
+        if self.polynomial.is_empty() {
+            return 0.0;
+        }
+        let s = (position - self.middle) / self.half.max(f64::MIN_POSITIVE);
+        self.polynomial.iter().rev().fold(0.0, |sum, c| sum * s + c)
     }
 
     /// What drifts.

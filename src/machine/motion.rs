@@ -17,9 +17,16 @@ impl Motion {
     /// The values with the slides at a position (mm), in a state.
     pub(crate) fn values(&self, x_mm: f64, z_mm: f64, state: &Conditions) -> ErrorValues {
         let mut values = [0.0; COUNT];
-        for (value, name) in values.iter_mut().zip(ErrorName::ALL) {
-            *value = self.value(name, [x_mm, z_mm], state);
+        let c = state.c_deg.to_radians();
+        let axes = [(x_mm, state.x_direction), (z_mm, state.z_direction), (c, Direction::Forward)];
+        // six of each axis, in the order of the names
+        let of_motion = values.chunks_mut(6).zip(self.functions.chunks(6)).zip(axes);
+        for ((values, functions), (position, direction)) in of_motion {
+            for (value, function) in values.iter_mut().zip(functions) {
+                *value = function.value(position, direction, state);
+            }
         }
+        values[self.functions.len()..].copy_from_slice(&self.orientations_rad);
         ErrorValues(values)
     }
 

@@ -239,6 +239,24 @@ impl MachineSettings {
         Station { point_mm, x_mm, z_mm, x_lever_mm: Some(Vector3::from(self.tool_mm)), z_lever_mm }
     }
 
+    /// What stands on the X slide at a lever from its reference, mm, with its point at x and z of the
+    /// part: both slides stand off the tool's positions by the difference of the levers.
+    pub(crate) fn on_x_slide(&self, lever_mm: [f64; 3], x_mm: f64, z_mm: f64) -> Station {
+        let [tool, lever, carriage] = [self.tool_mm, lever_mm, self.carriage_mm].map(Vector3::from);
+        let beside = lever - tool;
+        let z_lever_mm = match self.chain {
+            Topology::TShaped => carriage,
+            Topology::Carriage => carriage + Vector3::new(x_mm, beside.y, beside.z),
+        };
+        Station {
+            point_mm: Vector3::new(x_mm, 0.0, z_mm),
+            x_mm: x_mm - beside.x,
+            z_mm: z_mm - beside.z,
+            x_lever_mm: Some(lever),
+            z_lever_mm,
+        }
+    }
+
     /// The head on the axis with the Z slide at a position, mm: the point that it measures lies off
     /// the tool's by the difference of their levers along z.
     pub(crate) fn head(&self, z_mm: f64) -> Station {

@@ -87,6 +87,21 @@ pub enum MeasureError {
         /// What was seen of the pin and what would be right.
         why: String,
     },
+    /// A frame outside the range in which the machine that carries the head was identified.
+    #[error(
+        "frame {frame}: its field at z = {z_mm:.3} mm lies outside {from_mm:.3} to {to_mm:.3} mm, where the machine was identified; beyond it \
+         nothing is known of the head's place"
+    )]
+    BeyondMachine {
+        /// Name of the frame.
+        frame: String,
+        /// Where it is, mm.
+        z_mm: f64,
+        /// From where the machine is known, mm.
+        from_mm: f64,
+        /// To where, mm.
+        to_mm: f64,
+    },
     /// A frame whose largest diameter, or its u, is no number.
     #[error("frame {frame}: its diameter or uncertainty is no number: it has no diameter")]
     NoNumber {

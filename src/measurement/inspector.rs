@@ -15,7 +15,7 @@ use super::warning::Warning;
 use crate::conformity::{Judge, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
 use crate::gauge::budget::{Budget, Texts, WidthReading};
-use crate::gauge::calibration::Conditions;
+use crate::gauge::calibration::{Conditions, HeadGeometry};
 use crate::gauge::diameter::reading_series::Average;
 use crate::gauge::form::Cutoff;
 use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
@@ -60,6 +60,8 @@ pub(super) struct Inspector {
     pub(super) settings: MeasureSettings,
     pub(super) calibration: Calibration,
     pub(super) conditions: Conditions,
+    /// Where a machine carries the head, over z.
+    pub(super) geometry: Option<HeadGeometry>,
     pub(super) judge: Option<(Judge, (f64, f64))>,
     average: Average,
     pub(super) means: FrameMeans,
@@ -121,6 +123,7 @@ impl Inspector {
         Ok(Self {
             calibration,
             conditions,
+            geometry: None,
             judge,
             average: Average::new(settings.average)?,
             means: FrameMeans::default(),
@@ -138,6 +141,25 @@ impl Inspector {
             buffers: Buffers::default(),
             settings,
         })
+    }
+
+    /// Takes where the machine carries the head in the next frame; its metadata at the place that
+    /// it then shows, none where no machine is given.
+    ///
+    /// # Errors
+    /// A frame outside the range in which the machine is known.
+    pub(super) fn take_place(
+        &mut self,
+        name: &str,
+        meta: &FrameMeta,
+    ) -> Result<Option<FrameMeta>, MeasureError> {
+        let Some(geometry) = &self.geometry else { return Ok(None) };
+        let Some(place) = geometry.at(meta.z_mm) else {
+            let ((from_mm, to_mm), z_mm) = (geometry.range_mm(), meta.z_mm);
+            return Err(MeasureError::BeyondMachine { frame: name.to_owned(), z_mm, from_mm, to_mm });
+        };
+        self.conditions.machine = Some(place);
+        Ok(Some(FrameMeta { z_mm: meta.z_mm + place.axial_mm, ..meta.clone() }))
     }
 
     /// Takes back the memory of a frame's results.

@@ -13,7 +13,7 @@ use super::settings::MeasureSettings;
 use super::stated::is_uncalibrated;
 use super::warning::Warning;
 use crate::frame::{Buffer, Frame, FrameMeta, FrameView};
-use crate::gauge::calibration::Conditions;
+use crate::gauge::calibration::{Conditions, HeadGeometry};
 use crate::gauge::{
     Calibration, EdgeStream, EsfModel, FrameEdges, Gauge, Rejection, Which, largest_caliper_over,
 };
@@ -128,6 +128,17 @@ impl Stream {
         Ok(self)
     }
 
+    /// With the place of the head on a machine over z: every frame is corrected by that at its own
+    /// z, which a displacement along the spindle moves. A frame outside the geometry's range has no
+    /// diameter.
+    #[must_use]
+    pub fn with_head_geometry(mut self, geometry: Option<HeadGeometry>) -> Self {
+        if let Some(inspector) = &mut self.inspector {
+            inspector.geometry = geometry;
+        }
+        self
+    }
+
     /// Measures a frame, as the camera gives it, by its number.
     ///
     /// # Errors
@@ -238,6 +249,12 @@ impl Stream {
         view: &FrameView<'_>,
     ) -> Result<&Measurement, MeasureError> {
         self.begin(name, meta.frame_id, view.columns());
+        let placed = self.inspector.as_mut().map_or(Ok(None), |i| i.take_place(name, meta));
+        let placed = match placed {
+            Ok(placed) => placed,
+            Err(error) => return self.refuse(error),
+        };
+        let meta = placed.as_ref().unwrap_or(meta);
         if let Err(error) = self.measure_edges(name, meta, view) {
             return self.refuse(error);
         }

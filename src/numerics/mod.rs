@@ -1,6 +1,7 @@
 //! Mathematics without state, for every module: distributions, lines (also through points that are
 //! uncertain both ways), neighbours in a list, normal
-//! equations, a smoothing spline, robust statistics, a median network.
+//! equations, splines (smoothing, penalised, through all samples), polynomials, a neural net, robust
+//! statistics, a median network.
 //!
 //! In: numbers and slices of them. Out: numbers, or a fit that can be evaluated. No type here has a
 //! unit, keeps state between calls or depends on another module, and the same arguments give the
@@ -12,11 +13,15 @@
 //! so that a fault here cannot be in both.
 
 pub(crate) mod both_uncertain;
+pub(crate) mod chebyshev;
+pub(crate) mod cubic_spline;
 pub(crate) mod distributions;
 pub(crate) mod line;
 pub(crate) mod median_network;
 pub(crate) mod neighbours;
+pub(crate) mod neural_net;
 pub(crate) mod normal_equations;
 pub(crate) mod normal_table;
+pub(crate) mod p_spline;
 pub(crate) mod robust;
 pub(crate) mod smoothing_spline;

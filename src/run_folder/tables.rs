@@ -4,7 +4,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::folder::{RunFolder, RunFolderError};
-use crate::job::MachineRow;
+use crate::job::{MachineRow, ProbeRow};
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 
 /// A row of `passes.csv`: one finished pass. The `true_` columns are for comparison only; they and
@@ -168,6 +168,14 @@ impl RunFolder {
     /// Where it cannot be written.
     pub(crate) fn write_machine(&self, rows: &[MachineRow]) -> Result<(), RunFolderError> {
         self.write_csv("truth_machine.csv", rows)
+    }
+
+    /// Writes `machine_probe.csv`: what a displacement probe on the lathe indicates.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub(crate) fn write_machine_probe(&self, rows: &[ProbeRow]) -> Result<(), RunFolderError> {
+        self.write_csv("machine_probe.csv", rows)
     }
 
     /// Writes `passes.csv`.

@@ -27,6 +27,7 @@ pub(crate) mod noses;
 pub mod optimize;
 pub(crate) mod parts;
 pub(crate) mod reproduce_000;
+pub(crate) mod reproduce_001;
 pub(crate) mod reproduce_003;
 pub(crate) mod reproduce_004;
 pub(crate) mod reproduction;

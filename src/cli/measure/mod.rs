@@ -26,6 +26,7 @@ pub(super) mod instrument_args;
 mod judge_args;
 mod leaves;
 mod legend;
+mod machine_args;
 pub(super) mod offsets;
 pub(super) mod reference_pin_args;
 mod results;
@@ -56,6 +57,7 @@ use self::instrument_args::InstrumentArgs;
 use self::judge_args::JudgeArgs;
 use self::leaves::{Inputs, Leaves, LeavesArgs, MeasuredBy};
 use self::legend::Legend;
+use self::machine_args::MachineArgs;
 use self::offsets::{OffsetArgs, OffsetJob};
 use self::reference_pin_args::ReferencePinArgs;
 use self::results::{Beside, Printed, Results, head};
@@ -65,7 +67,7 @@ use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::terminal::output;
 use crate::files::OutputFile;
 use crate::frame::{Frame, FrameView};
-use crate::gauge::calibration::Conditions;
+use crate::gauge::calibration::{Conditions, HeadGeometry};
 use crate::gauge::ring::RingSettings;
 use crate::gauge::{Calibration, EsfModel, Gauge, GaugeSettings, Polarity};
 use crate::measurement::{MeasureError, MeasureSettings, ReferencePin, Series, Stream, edge_model, prepared};
@@ -84,6 +86,8 @@ pub(crate) struct MeasureArgs {
     encoder: EncoderArgs,
     #[command(flatten)]
     pin: ReferencePinArgs,
+    #[command(flatten)]
+    machine: MachineArgs,
     #[command(flatten)]
     frames: FrameArgs,
     #[command(flatten)]
@@ -161,6 +165,7 @@ struct Instrument {
     conditions: Conditions,
     settings: MeasureSettings,
     pin: Option<ReferencePin>,
+    geometry: Option<HeadGeometry>,
 }
 
 impl Instrument {
@@ -174,6 +179,7 @@ impl Instrument {
             Some(pin) => stream.with_reference_pin(&self.gauge, pin),
             None => Ok(stream),
         })
+        .map(|stream| stream.with_head_geometry(self.geometry.clone()))
         .map_err(failure)
     }
 }
@@ -182,6 +188,7 @@ impl MeasureArgs {
     /// Files read beside the frames.
     fn other_inputs(&self) -> Vec<PathBuf> {
         let named = self.instrument.files().chain(self.temperatures.file()).chain(self.encoder.file());
+        let named = named.chain(self.machine.file());
         named.chain(self.esf.as_ref().map(PathBuf::from)).chain(self.offsets.inputs()).collect()
     }
 
@@ -229,7 +236,8 @@ pub(crate) fn run(args: &MeasureArgs) -> CommandResult {
     let budget = args.judge.shows_budgets() || args.leaves.has_report() && calibration.is_some();
     let settings = MeasureSettings { budget, ..args.settings() };
     let pin = args.pin.reference_pin;
-    let instrument = Instrument { gauge, calibration, conditions, settings, pin };
+    let geometry = args.machine.geometry()?;
+    let instrument = Instrument { gauge, calibration, conditions, settings, pin, geometry };
     if args.shape == Shape::Ring {
         return rings(args, &instrument, input);
     }
@@ -266,6 +274,9 @@ fn check_offsets(args: &MeasureArgs, input: &Input) -> Result<(), Failure> {
         () if input.is_stream() => "decides on the frames of one part, not on a stream (--follow, -)",
         () if args.shape == Shape::Ring => "belongs to --shape shaft",
         () if args.bench.is_some() => "moves offsets, --bench takes times: give one of them",
+        () if args.machine.given().is_some() => {
+            "corrects its readings by the job's [machine] (correct_readings), without --machine"
+        }
         () if args.vertical => "needs frames whose columns lie along the spindle's axis, without --vertical",
         () if args.bright_on_dark => "takes the polarity from the job ([gauge]), without --bright-on-dark",
         () => return Ok(()),
@@ -433,6 +444,7 @@ fn bench(
         conditions: instrument.conditions,
         settings,
         pin: instrument.pin,
+        geometry: instrument.geometry.clone(),
     };
     Ok(timing::benchmark(&instrument.gauge, level.stream()?, &views, count))
 }
@@ -447,7 +459,7 @@ fn rings(args: &MeasureArgs, instrument: &Instrument, input: Input) -> CommandRe
         return Err(Failure::refuse("--edges, --bench, --vertical and --esf belong to --shape shaft"));
     }
     let of_shaft = args.judge.needs_scale().or(args.choice.given()).or(args.leaves.given());
-    if let Some(name) = of_shaft.or(args.pin.given()) {
+    if let Some(name) = of_shaft.or(args.pin.given()).or(args.machine.given()) {
         return Err(Failure::refuse(format!("{name} belongs to --shape shaft")));
     }
     let mut settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };

@@ -116,6 +116,7 @@ const EXAMPLES: &[Examples] = &[
         "reproduce 000",
         &["shadowgauge reproduce 000 --no-frames --json", "shadowgauge reproduce 000 --out out/000"],
     ),
+    ("reproduce 001", &["shadowgauge reproduce 001", "shadowgauge reproduce 001 --json --out out/001"]),
     ("reproduce 003", &["shadowgauge reproduce 003 --json", "shadowgauge reproduce 003 --out out/003"]),
     (
         "reproduce 004",

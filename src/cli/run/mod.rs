@@ -168,6 +168,22 @@ pub(crate) struct Execution<'a> {
     pub(crate) record: Option<&'a OutputFolder>,
 }
 
+/// Writes what the displacement probe of `[machine]` indicates of the passes whose truth is known.
+fn write_probe(job: &Job, folder: &RunFolder) -> Result<(), Failure> {
+    if job.machine.as_ref().is_none_or(|machine| machine.probe.is_none()) {
+        return Ok(());
+    }
+    let stations = folder.stations().map_err(folder_failure)?;
+    let mut rows = Vec::new();
+    for of_pass in stations.chunk_by(|a, b| a.pass == b.pass) {
+        let truth: Option<Vec<f64>> = of_pass.iter().map(|station| station.true_d_mm).collect();
+        if let (Some(truth), Some(first)) = (truth, of_pass.first()) {
+            rows.extend(job.probe_rows(first.pass, &truth).map_err(Failure::refuse)?);
+        }
+    }
+    if rows.is_empty() { Ok(()) } else { folder.write_machine_probe(&rows).map_err(folder_failure) }
+}
+
 /// Runs a checked job into `out`, and the same without control into a folder below it. A run that
 /// waits for frames has no report yet: its folder is unfinished, and the same command resumes it.
 ///
@@ -184,6 +200,7 @@ pub(crate) fn execute(job: &Job, out: &Path, how: &Execution<'_>) -> Result<Fini
         if !machine.is_empty() {
             folder.write_machine(&machine).map_err(folder_failure)?;
         }
+        write_probe(job, &folder)?;
         let adapter = how.from.adapter();
         let page = report::run_report(&main.view(job, (&folder, reference.as_ref()), (how.from, &adapter)));
         let page = page.map_err(Failure::fail)?;

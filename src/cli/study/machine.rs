@@ -3,12 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
+use super::machine_models;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text, say_study};
 use crate::config::machine_tables::read_error_tables;
 use crate::report::{MachinePage, machine_page};
 use crate::studies::machine::{
-    Budget, Comparison, Extent, MachineStudy, MachineStudyConfig, MachineStudyError, MapPoint,
+    Budget, Comparison, Extent, MachineStudy, MachineStudyConfig, MachineStudyError, MapPoint, ModelsAsked,
 };
 
 /// Arguments of `study machine`.
@@ -19,6 +20,19 @@ pub(crate) struct StudyMachineArgs {
     /// A position of both slides, mm (X is radial): prints the errors there alone. May be repeated.
     #[arg(long, value_name = "X,Z", value_parser = position, allow_hyphen_values = true)]
     at: Vec<[f64; 2]>,
+    /// Compares models of the errors instead: the paper's nets, splines, polynomials and the errors
+    /// through the chain, by their error between the samples.
+    #[arg(long, conflicts_with_all = ["at", "out"])]
+    models: bool,
+    /// Standard deviation of a sample of the models, µm.
+    #[arg(long, value_name = "UM", default_value_t = 0.01, requires = "models")]
+    noise_um: f64,
+    /// Positions of either slide at which the models are given samples.
+    #[arg(long, value_name = "N", default_value_t = 51, requires = "models")]
+    positions: usize,
+    /// Hidden units of the net of two inputs.
+    #[arg(long, value_name = "N", default_value_t = 20, requires = "models")]
+    hidden: usize,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -83,6 +97,12 @@ pub(crate) fn run(args: &StudyMachineArgs) -> CommandResult {
     if !args.at.is_empty() {
         let points = config.at(&args.at).map_err(|e| refuse(&text, e))?;
         return say_points(&points, args.json);
+    }
+    if args.models {
+        let StudyMachineArgs { noise_um, positions, hidden, .. } = *args;
+        let asked = ModelsAsked { noise_um, positions, hidden, ..ModelsAsked::default() };
+        let models = config.models(&asked).map_err(|e| refuse(&text, e))?;
+        return say_study(&models, args.json, machine_models::print);
     }
     let study = config.run().map_err(|e| match e {
         MachineStudyError::Setting(e) => text.refuse_at(e),

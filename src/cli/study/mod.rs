@@ -14,6 +14,7 @@ mod in_process;
 mod limits;
 mod line_camera;
 mod machine;
+mod machine_models;
 mod nose;
 mod nose_frames;
 mod optics;

@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::finish::Finish;
+use super::head_geometry::HeadPlace;
 use super::limb_difference::{LimbDifference, LimbRow};
 use super::unstated::{Unstated, UnstatedLimits};
 use crate::setting::{SettingError, within};
@@ -49,6 +50,10 @@ pub struct Conditions {
     /// What of these nobody stated.
     #[serde(skip_serializing_if = "Unstated::is_empty")]
     pub unstated: Unstated,
+    /// Where a machine carries the head in this frame; it is of the frame, not of the part, and in
+    /// no file.
+    #[serde(skip)]
+    pub machine: Option<HeadPlace>,
 }
 
 impl Default for Conditions {
@@ -67,6 +72,7 @@ impl Default for Conditions {
             finish_of_part: None,
             limb: None,
             unstated: Unstated::default(),
+            machine: None,
         }
     }
 }
@@ -130,6 +136,7 @@ impl GivenConditions {
             finish_of_part: self.finish_of_part.or(known.finish_of_part),
             limb: self.limb.or(known.limb),
             unstated: known.unstated,
+            machine: known.machine,
         };
         if self.temperature_c.is_some() && known.unstated.temperature {
             c.limit_temperature_k = UnstatedLimits::get().reading_k;
@@ -211,6 +218,12 @@ impl Conditions {
         self.limb.map_or(Ok(()), |limb| limb.validate())
     }
 
+    /// Distance of the axis from the plane of the masters in this frame, towards the camera, mm: as
+    /// stated, and by what a machine does to the head.
+    pub(crate) fn axis_in_frame_mm(&self) -> f64 {
+        self.axis_y_mm + self.machine.map_or(0.0, |place| place.axis_y_mm)
+    }
+
     /// D₂₀/D_T.
     pub fn to_reference(&self) -> f64 {
         1.0 / (1.0 + 1e-6 * self.expansion_um_per_m_k * (self.temperature_c - REFERENCE_C))
@@ -225,7 +238,7 @@ impl Conditions {
 
     /// Rows of the part's limbs, where they are stated.
     pub(crate) fn limb_rows(&self, diameter_mm: f64) -> Option<[LimbRow; 6]> {
-        self.limb.map(|limb| limb.rows(diameter_mm, self.axis_y_mm, self.limit_axis_y_mm))
+        self.limb.map(|limb| limb.rows(diameter_mm, self.axis_in_frame_mm(), self.limit_axis_y_mm))
     }
 
     /// Standard uncertainty by what is not known of the part's limbs, mm.
@@ -252,6 +265,12 @@ impl Conditions {
     /// 1/mm.
     pub(crate) fn u_focus_mm(&self, diameter_mm: f64, t_per_mm: f64, u_t_per_mm: f64) -> f64 {
         diameter_mm * t_per_mm.hypot(u_t_per_mm) * self.limit_axis_y_mm / 3.0_f64.sqrt()
+    }
+
+    /// Standard uncertainty by where a machine carries the head, mm: t·û_y with t known to `u_t`,
+    /// 1/mm. The square of the sum of all errors of the product (GUM 5.1.2, note).
+    pub(crate) fn u_machine_mm(&self, diameter_mm: f64, t_per_mm: f64, u_t_per_mm: f64) -> f64 {
+        self.machine.map_or(0.0, |place| diameter_mm * t_per_mm.hypot(u_t_per_mm) * place.u_axis_y_mm)
     }
 
     /// Standard uncertainty by edges unlike the masters', mm of diameter: both edges are of one

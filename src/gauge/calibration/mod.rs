@@ -7,7 +7,7 @@
 //!
 //! `observation` → `masters` → `adjustment` over the parameters of `imaging_model`; `conditions`,
 //! `thermometer`, `finish` and `limb_difference` state what is known of a part and of masters,
-//! `unstated` what is taken where nothing is; `bound` compares with the camera that it was made
+//! `unstated` what is taken where nothing is; `head_geometry` where a machine carries the head; `bound` compares with the camera that it was made
 //! with; `verification` is a check pin, `file_checks` refuses damaged files. One more parameter of
 //! the lens goes into `imaging_model` (its derivative with it); one more source of uncertainty is a
 //! part of `adjustment`'s covariance and a row of the budget.
@@ -22,6 +22,7 @@ pub(crate) mod error;
 pub(crate) mod file_checks;
 pub(crate) mod finish;
 pub(crate) mod gauge_calibration;
+pub(crate) mod head_geometry;
 mod imaging_model;
 pub(crate) mod limb_difference;
 pub(crate) mod masters;
@@ -38,6 +39,7 @@ pub use self::{
     error::CalibrationError,
     finish::Finish,
     gauge_calibration::Calibration,
+    head_geometry::{HeadGeometry, HeadPlace},
     imaging_model::LensModel,
     limb_difference::{KnownMaterial, LimbDifference},
     masters::{MasterCertificate, MasterFigure, MasterMeasurement},

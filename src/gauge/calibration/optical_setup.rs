@@ -221,7 +221,7 @@ impl SetupCalibration {
     /// The blur that is not the calibrated one.
     pub(crate) fn check_focus(&self, sigma_px: [f64; 2], conditions: &Conditions) -> Result<(), BenchError> {
         let limits = SetupLimits::get();
-        let farthest = conditions.axis_y_mm.abs() + conditions.limit_axis_y_mm;
+        let farthest = conditions.axis_in_frame_mm().abs() + conditions.limit_axis_y_mm;
         let (low, high) = (self.sigma_px, self.sigma_px.hypot(self.defocus_px_per_mm * farthest));
         let inside = |s: f64| (s / low).ln() >= -limits.focus && (s / high).ln() <= limits.focus;
         match sigma_px.into_iter().find(|s| !inside(*s)) {

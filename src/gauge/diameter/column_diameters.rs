@@ -174,7 +174,7 @@ impl<'a> Reader<'a> {
         let factor = self.slope.factor(column);
         let Some(setup) = &self.calibration.setup else { return (bottom_px - top_px) * factor };
         let row = |row_px| setup.lens.ideal_row(column as f64, row_px);
-        let near = 1.0 + setup.lens.telecentricity_per_mm * self.conditions.axis_y_mm;
+        let near = 1.0 + setup.lens.telecentricity_per_mm * self.conditions.axis_in_frame_mm();
         (row(bottom_px) - row(top_px)) * factor * near
     }
 
@@ -207,7 +207,7 @@ impl<'a> Reader<'a> {
             columns: ColumnSpread::at(column as f64),
             rows_px,
             chord: self.slope.factor(column),
-            axis_y_mm: self.conditions.axis_y_mm,
+            axis_y_mm: self.conditions.axis_in_frame_mm(),
         };
         let by = setup.diameter_by(scale, &read);
         (self.covariance.variance(&by) + conditions).sqrt()
@@ -224,6 +224,7 @@ fn conditions_variance(calibration: &Calibration, conditions: &Conditions, d_mm:
         conditions.u_temperature_mm(d_mm),
         conditions.u_expansion_mm(d_mm),
         conditions.u_focus_mm(d_mm, t, u_t),
+        conditions.u_machine_mm(d_mm, t, u_t),
         conditions.u_edges_mm(),
         conditions.u_limb_mm(d_mm),
         conditions.u_drift_mm(d_mm),

@@ -268,7 +268,7 @@ impl WidthReading {
             Some(setup) => {
                 let columns =
                     ColumnSpread { mean_px: self.column_px, variance_px2: self.column_variance_px2 };
-                let (rows_px, chord, axis_y_mm) = (self.rows_px, self.chord, conditions.axis_y_mm);
+                let (rows_px, chord, axis_y_mm) = (self.rows_px, self.chord, conditions.axis_in_frame_mm());
                 let by = setup.diameter_by(scale, &ReadWidth { columns, rows_px, chord, axis_y_mm });
                 (by[0], Some(by))
             }
@@ -424,6 +424,13 @@ pub(crate) fn add_conditions(
         let source = texts.of(format_args!("{source}"));
         let shape = factor.map_or(Shape::Rectangular, |known| Shape::Product { known });
         budget.push(Contribution { source, input, shape, share: Share::Common, freedom: None, u_mm });
+    }
+    if let Some(Row { source, input, u_mm, .. }) =
+        budget_conditions::machine_row(calibration, conditions, at_t, texts)
+    {
+        let source = texts.of(format_args!("{source}"));
+        let (shape, share) = (Shape::Normal, Share::Common);
+        budget.push(Contribution { source, input, shape, share, freedom: None, u_mm });
     }
     for row in conditions.limb_rows(at_t).iter().flatten() {
         budget.push(Contribution {

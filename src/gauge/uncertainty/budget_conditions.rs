@@ -14,9 +14,12 @@ pub(crate) const OF_CONDITIONS: [&str; 5] = [
     "drift of the scale",
 ];
 
+/// Source of the row of [`machine_row`].
+const MACHINE_GEOMETRY: &str = "machine geometry: place of the head";
+
 /// A row: limits of a rectangular distribution.
 pub(crate) struct Row {
-    /// One of [`OF_CONDITIONS`].
+    /// One of [`OF_CONDITIONS`], or the machine's.
     pub(crate) source: &'static str,
     /// Estimate or limits of the input, with its unit.
     pub(crate) input: String,
@@ -27,12 +30,38 @@ pub(crate) struct Row {
     pub(crate) u_mm: f64,
 }
 
+/// The telecentricity of a calibration and its standard uncertainty, 1/mm.
+fn telecentricity(calibration: &Calibration) -> (f64, f64) {
+    let setup = calibration.setup.as_ref();
+    setup.map_or((0.0, 0.0), |b| (b.lens.telecentricity_per_mm, b.u_telecentricity_per_mm()))
+}
+
+/// The row of where a machine carries the head, normally distributed; none where no machine is
+/// given. `at_t` as in [`rows`].
+pub(crate) fn machine_row(
+    calibration: &Calibration,
+    conditions: &Conditions,
+    at_t: f64,
+    texts: Texts,
+) -> Option<Row> {
+    let place = conditions.machine?;
+    let (t, u_t) = telecentricity(calibration);
+    Some(Row {
+        source: MACHINE_GEOMETRY,
+        input: texts.of(format_args!(
+            "{:.2} ± {:.2} um at z {:.1} mm",
+            1e3 * place.axis_y_mm,
+            1e3 * place.u_axis_y_mm,
+            place.z_mm
+        )),
+        factor: None,
+        u_mm: conditions.u_machine_mm(at_t, t, u_t),
+    })
+}
+
 /// The rows of the conditions of use; `at_t` is the diameter at the part's temperature, mm.
 pub(crate) fn rows(calibration: &Calibration, conditions: &Conditions, at_t: f64, texts: Texts) -> [Row; 5] {
-    let (t, u_t) = calibration
-        .setup
-        .as_ref()
-        .map_or((0.0, 0.0), |b| (b.lens.telecentricity_per_mm, b.u_telecentricity_per_mm()));
+    let (t, u_t) = telecentricity(calibration);
     let unstated = conditions.unstated;
     let said = |open: bool| if open { ", not stated" } else { "" };
     let rows = [

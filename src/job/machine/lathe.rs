@@ -128,10 +128,14 @@ impl Lathe {
         (self.pose(station, values), values)
     }
 
+    /// The mean pose over a turn of what stands at a station while the part is looked at.
+    pub(super) fn scan_pose(&self, station: &Station) -> Pose {
+        self.pose(station, self.values(station, &self.scanning, &self.scanning.mean))
+    }
+
     /// The mean pose of the head over a turn, with Z where it sees the field at `field_z_mm`.
     pub(super) fn head_pose(&self, field_z_mm: f64) -> Pose {
-        let station = self.at_head(field_z_mm);
-        self.pose(&station, self.values(&station, &self.scanning, &self.scanning.mean))
+        self.scan_pose(&self.at_head(field_z_mm))
     }
 
     /// The poses of the head at the angles of a turn; none where the spindle runs true.

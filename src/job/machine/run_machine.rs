@@ -1,9 +1,8 @@
-//! The settings of `[machine]` in a job, and what they must agree with.
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+//! The lathe of `[machine]` in a job, and what it must agree with.
 
 use super::lathe::{Lathe, Ways};
+use super::reading_correction::check_known;
+use super::run_settings::RunMachine;
 use crate::job::loop_job::LoopJob;
 use crate::job::scan::ScanWhen;
 use crate::machine::conditions::Direction;
@@ -12,42 +11,6 @@ use crate::plan::FeedDirection;
 use crate::process::ProcessSettings;
 use crate::setting::{SettingError, require};
 use crate::shaft::SpindleMotion;
-
-/// The `[machine]` table of a job.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct RunMachine {
-    /// File of the machine with its errors, as `study machine` reads it (docs/machine.md), from the
-    /// folder of this file.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub file: Option<String>,
-    /// Whether the control compensates the machine's static errors by a table of its own: at every
-    /// station the command is less by what they add to the diameter there.
-    pub compensate: bool,
-    /// File of the machine as the control's table has it: the `machine.json` of `calibrate
-    /// machine`, or a file like `file`; that of `file` itself where it is left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub table: Option<String>,
-    /// Name of the machine; the file's where it is left out. A `machine.json` of another one is
-    /// refused.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
-    /// Name of the head. A `machine.json` that another head's readings have part in is refused.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub head: Option<String>,
-    /// Temperature of the machine, °C; the file's where it is left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub temperature_c: Option<f64>,
-    /// Time since spindle and slides started from cold, minutes; the file's where it is left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub minutes: Option<f64>,
-    /// What `[machine]` of that file holds, in its place.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) stated: Option<MachineSettings>,
-    /// What `[machine]` of that file holds, in its place.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) table_stated: Option<MachineSettings>,
-}
 
 /// What of a job a machine must agree with.
 pub(crate) struct OnMachine<'a> {
@@ -62,15 +25,6 @@ pub(crate) struct OnMachine<'a> {
 }
 
 impl RunMachine {
-    /// Takes the contents of a machine's file in place of its name; its state counts where this
-    /// table has none.
-    pub(crate) fn take(&mut self, machine: MachineSettings, state: &Conditions) {
-        self.file = None;
-        self.stated = Some(machine);
-        self.temperature_c = self.temperature_c.or(Some(state.temperature_c));
-        self.minutes = self.minutes.or(Some(state.minutes));
-    }
-
     /// The machine under a job.
     ///
     /// # Errors
@@ -90,9 +44,13 @@ impl RunMachine {
         // fields of a scan ascend along z; a followed pass is looked at while it is cut
         let ways = Ways { cut, scan: if followed { cut } else { Direction::Forward } };
         let mut lathe = Lathe::new(settings, motion, &state, ways)?;
-        if let Some(table) = self.table_of(settings, on.part)? {
+        if let Some(table) = self.table_of(settings, on.part)?.filter(|_| self.compensate) {
             let table = Lathe::new(table, table.motion().map_err(in_table)?, &Conditions::default(), ways);
             lathe = lathe.compensated_by(table.map_err(in_table)?);
+        }
+        self.check_head()?;
+        if let Some(probe) = &self.probe {
+            probe.check(&lathe, radii_mm(on.part))?;
         }
         if lathe.spindle_errs() && !on.spindle.synchronous.is_empty() {
             let why = "stands beside the errors of C in [machine], which move the part in the same way: one of them";
@@ -118,11 +76,12 @@ impl RunMachine {
         own: &'a MachineSettings,
         part: &LoopJob,
     ) -> Result<Option<&'a MachineSettings>, SettingError> {
-        let table = match (&self.table_stated, self.compensate) {
+        let uses = self.compensate || self.correct_readings;
+        let table = match (&self.table_stated, uses) {
             (None, false) => return Ok(None),
             (None, true) => return Ok(Some(own)),
             (Some(_), false) => {
-                let why = "is not used where the control does not compensate: machine.compensate = true";
+                let why = "is not used where the control does not compensate: machine.compensate = true (or correct_readings = true)";
                 return Err(SettingError::at("machine.table", why));
             }
             (Some(table), true) => table,
@@ -193,6 +152,14 @@ fn check_beside(on: &OnMachine<'_>) -> Result<(), SettingError> {
     require(tool_deg == 0.0, "process.bending.tool_deg", tool_deg, right)
 }
 
+/// Least and largest radius of a part, mm.
+fn radii_mm(part: &LoopJob) -> [f64; 2] {
+    let stock = part.part.stock_diameter_mm;
+    let drawn = part.contour.iter().map(|p| p.diameter_mm);
+    let least = drawn.chain(part.part.nominal_diameter_mm.iter().copied()).fold(stock, f64::min);
+    [0.5 * least, 0.5 * stock]
+}
+
 /// Refuses a part that the tool does not reach in the travels: beyond them no error is given.
 fn check_travels(machine: &MachineSettings, part: &LoopJob) -> Result<(), SettingError> {
     let [from, to] = machine.z_travel_mm;
@@ -205,10 +172,8 @@ fn check_travels(machine: &MachineSettings, part: &LoopJob) -> Result<(), Settin
     let right = format!(
         "such that its radius lies in {from} to {to} mm, the travel of X (x_travel_mm of the machine)"
     );
-    let stock = part.part.stock_diameter_mm;
+    let [least, stock] = radii_mm(part).map(|radius| 2.0 * radius);
     require((from..=to).contains(&(0.5 * stock)), "part.stock_diameter_mm", stock, &right)?;
-    let drawn = part.contour.iter().map(|p| p.diameter_mm);
-    let least = drawn.chain(part.part.nominal_diameter_mm.iter().copied()).fold(stock, f64::min);
     require((from..=to).contains(&(0.5 * least)), "part.nominal_diameter_mm", least, &right)?;
     let tip = machine.tip_above_axis_mm;
     let right = format!("closer to the axis than half the part's least radius, {} mm", 0.5 * least);
@@ -224,6 +189,7 @@ impl RunMachine {
         let machine = self.needed()?;
         let beside = machine.head_beside_tool_mm();
         let [from, to] = machine.z_travel_mm;
+        check_known(part)?;
         let out = |z: &f64| !(from..=to).contains(&(z - beside));
         let Some(z_mm) = part.scan_plan().field_z_mm.into_iter().find(out) else { return Ok(()) };
         let why = format!(

@@ -6,6 +6,7 @@ mod config;
 mod form;
 mod heads;
 mod map;
+pub(crate) mod models;
 mod prepared;
 mod separation;
 mod spiral;
@@ -19,8 +20,9 @@ pub(crate) use config::MachineStudyConfig;
 pub(crate) use form::FormRow;
 pub(crate) use heads::{Comparison, Reading, ReadingPoint, Sensitivity};
 pub(crate) use map::{Extent, MapFigures, MapPoint};
+pub(crate) use models::{Models, ModelsAsked};
 pub(crate) use separation::SeparationRow;
-pub(crate) use spiral::Alias;
+pub(crate) use spiral::{Alias, Spiral};
 pub(crate) use warm_up::WarmUpPoint;
 
 use crate::gauge::form::FormError;

@@ -4,9 +4,14 @@
 mod bad_input;
 mod chain;
 mod cli;
+mod displacement_probe;
+mod each_alone;
 mod functions;
 mod identification;
 mod identified_run;
+mod models;
+mod reading_correction;
+mod reproduce_001;
 mod response;
 mod run;
 mod spindle;

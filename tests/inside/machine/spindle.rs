@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Draws;
-use crate::machine::spindle::{donaldson, multi_step, rechucked};
+use crate::machine::spindle::{donaldson, multi_step, rechucked, three_probe, three_probe_weights};
 
 const N: usize = 360;
 
@@ -110,4 +110,36 @@ fn noise_falls_as_stated() {
     ] {
         assert!((found / right - 1.0).abs() < 0.05, "{what}: {found}, not {right}");
     }
+}
+
+/// Readings of a probe some readings round the part: the form that passes it, the axis towards it.
+fn probe_at(steps: usize, [form, s_x, s_y]: [&[f64]; 3]) -> Vec<f64> {
+    let alpha = TAU * steps as f64 / N as f64;
+    let passing = begun(form, steps);
+    (0..N).map(|i| passing[i] + s_x[i] * alpha.cos() + s_y[i] * alpha.sin()).collect()
+}
+
+#[test]
+fn three_probes_separate_all_orders_with_a_weight_and_name_the_others() {
+    let (p, s_x) = (form(), waves(&[(1, 0.3, 0.2), (2, 0.4, 1.4), (3, 0.3, -1.0), (7, 0.2, 0.3)]));
+    let s_y = waves(&[(1, 0.2, 0.9), (2, 0.1, 0.4), (4, 0.3, -1.0)]);
+    let turns = |steps: [usize; 2]| [0, steps[0], steps[1]].map(|step| probe_at(step, [&p, &s_x, &s_y]));
+    let steps = [47, 146];
+    let [a, b, c] = turns(steps);
+    let found = three_probe([&a, &b, &c], steps).unwrap();
+    assert!(rms(&found.separation.form, &p) < 1e-10, "{}", rms(&found.separation.form, &p));
+    assert!(rms(&found.separation.motion, &s_x) < 1e-10, "{}", rms(&found.separation.motion, &s_x));
+    assert_eq!(found.hidden, [1]);
+    // thirds of a turn: 1 + e^{in120°} + e^{in240°} is zero but for multiples of 3
+    let steps = [120, 240];
+    let [a, b, c] = turns(steps);
+    let found = three_probe([&a, &b, &c], steps).unwrap();
+    assert!(found.hidden.contains(&2) && found.hidden.contains(&8) && !found.hidden.contains(&3));
+    assert!((three_probe_weights(steps, N, 3).unwrap() - 3.0).abs() < 1e-12);
+    assert!(three_probe_weights(steps, N, 2).unwrap() < 1e-12);
+    let held = waves(&[(0, 0.3, 0.0), (3, 0.5, 1.0)]);
+    assert!(rms(&found.separation.form, &held) < 1e-10, "{}", rms(&found.separation.form, &held));
+    // in line, of different length
+    assert!(three_probe([&a, &b, &c], [0, 180]).is_none());
+    assert!(three_probe([&a, &b, &c[1..]], steps).is_none());
 }

@@ -2,6 +2,7 @@
 //! separated, the report of ISO 230-2, refusals.
 
 mod compensation;
+mod head_place;
 mod iso230_2;
 mod recovery;
 mod refusals;
