@@ -31,7 +31,7 @@ use crate::job::{Job, RunMachine};
 use crate::machine::{Conditions, MachineSettings};
 use crate::render::form::read_contour;
 use crate::render::optics::lens_file::LensFile;
-use crate::render::settings::Esf;
+use crate::render::settings::{EmvaResults, Esf, SensorFile};
 use crate::setting::SettingError;
 use crate::studies::machine::MachineStudyConfig;
 use machine_tables::read_error_tables;
@@ -164,6 +164,7 @@ fn checked(
 ) -> Result<Job, ConfigError> {
     let mut job: Job = parse_numbers(text, file)?;
     read_named_files(&mut job, folder)
+        .and_then(|()| read_data_sheet(&mut job, text, folder))
         .and_then(|()| fill_tool(&mut job, text))
         .and_then(|()| check(&job, text))
         .map_err(|e| value_error(text, file, e))?;
@@ -215,6 +216,24 @@ fn read_lens(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
     let um_per_px = 1e3 * job.setup_settings().nominal_pixel_mm();
     let size = (job.camera.rows, job.camera.columns);
     lens.put_into(&mut job.optics, size, um_per_px)
+}
+
+/// Reads the results of EMVA 1288 that `[sensor]` names, beside the config; they stand under the
+/// keys that the text sets itself.
+fn read_data_sheet(job: &mut Job, text: &str, folder: &Path) -> Result<(), SettingError> {
+    const KEY: &str = "sensor.data_sheet";
+    #[derive(serde::Deserialize)]
+    struct WithSensor {
+        sensor: SensorFile,
+    }
+    let Some(name) = job.sensor.data_sheet.take() else { return Ok(()) };
+    let path = folder.join(&name);
+    let named = |e: &dyn std::fmt::Display| SettingError::at(KEY, format!("{}: {e}", path.display()));
+    let sheet = std::fs::read_to_string(&path).map_err(|e| named(&format_args!("cannot be read: {e}")))?;
+    let results = EmvaResults::read(&sheet).map_err(|e| named(&e.without_key()))?;
+    let own: WithSensor = toml::from_str(text).map_err(|e| named(&e))?;
+    job.sensor = results.below(own.sensor);
+    Ok(())
 }
 
 /// Reads the files of `[tool]`, beside the config that names them; their contents replace the

@@ -127,7 +127,7 @@ impl LoopJob {
     /// where that matters.
     pub(crate) fn part_conditions(&self) -> Conditions {
         let (rise, limit) = (self.scan.part_rise_k, self.scan.limit_part_rise_k);
-        let exact = Conditions::default();
+        let exact = Conditions { limb: self.scan.limb, ..Conditions::default() };
         if rise == 0.0 && limit == 0.0 {
             return exact;
         }
@@ -143,6 +143,10 @@ impl LoopJob {
     /// Whether a gauge can follow the tool.
     pub(super) fn check_follow(&self) -> Result<(), SettingError> {
         let (rise, limit) = (self.scan.part_rise_k, self.scan.limit_part_rise_k);
+        if let Some(limb) = self.scan.limb {
+            let of_scan = |key: &str| key.replacen("conditions.", "scan.", 1);
+            limb.validate().map_err(|e| SettingError { key: of_scan(&e.key), ..e })?;
+        }
         if !(-70.0..=380.0).contains(&rise) {
             return Err(SettingError::at(
                 "scan.part_rise_k",

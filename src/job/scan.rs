@@ -2,6 +2,7 @@
 //! run.
 
 use crate::gauge::MasterCertificate;
+use crate::gauge::calibration::LimbDifference;
 use crate::position::EncoderSettings;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -29,6 +30,10 @@ pub struct Scan {
     pub part_rise_k: f64,
     /// Limits of its error, ± K.
     pub limit_part_rise_k: f64,
+    /// How far the part's limbs stand from the line through the masters', as `optics limb` prints
+    /// it; `run` computes it where `[optics.esf.cylinder]` images limbs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limb: Option<LimbDifference>,
     /// The spindle's encoder, whose counts stand in the `frames.csv` of a recorded run in place of
     /// angles.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -69,6 +74,7 @@ impl Default for Scan {
             behind_tool_mm: 30.0,
             part_rise_k: 0.0,
             limit_part_rise_k: 0.0,
+            limb: None,
             encoder: None,
         }
     }

@@ -62,6 +62,13 @@ pub struct Vibration {
     pub phase_deg: f64,
 }
 
+impl Vibration {
+    /// Height at a time after the start of exposure, µm.
+    fn lift_um(&self, t_us: f64) -> f64 {
+        self.amplitude_um * (TAU * self.frequency_hz * t_us * 1e-6 + self.phase_deg.to_radians()).sin()
+    }
+}
+
 /// What moves during an exposure: the `[motion]` table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -147,11 +154,7 @@ impl Motion {
     pub(crate) fn instants(&self, exposure_us: f64, undulations: f64) -> Vec<Pose> {
         let time = self.light_time(exposure_us);
         let periods = |v: &Vibration| v.frequency_hz * time.length_us * 1e-6;
-        let (fast, slow): (Vec<Vibration>, Vec<Vibration>) = self
-            .vibration
-            .iter()
-            .filter(|v| v.amplitude_um > 0.0)
-            .partition(|v| periods(v) > FOLLOWED_PERIODS);
+        let [fast, slow] = self.by_speed(exposure_us);
         let turns = self.spindle_rpm.abs() / 60.0 * time.length_us * 1e-6;
         let still = self.spindle_rpm == 0.0 && self.carriage_mm_s == 0.0 && slow.is_empty();
         let quickest =
@@ -164,12 +167,10 @@ impl Motion {
             .fold(Shifts::none(), |shifts, v| shifts.folded(&Shifts::arcsine(v.amplitude_um, ARCSINE_NODES)));
         let mut poses = Vec::new();
         for (t_us, weight) in nodes {
-            let wave = |v: &Vibration| {
-                v.amplitude_um * (TAU * v.frequency_hz * t_us * 1e-6 + v.phase_deg.to_radians()).sin()
-            };
-            let lift_um: f64 = slow.iter().map(wave).sum();
+            let lift_um: f64 = slow.iter().map(|v| v.lift_um(t_us)).sum();
             for (more_um, share) in fast_lifts.iter() {
                 poses.push(Pose {
+                    t_us,
                     angle_deg: 6.0 * self.spindle_rpm * t_us * 1e-6,
                     z_mm: self.carriage_mm_s * t_us * 1e-6,
                     lift_mm: (lift_um + more_um) * 1e-3,
@@ -178,6 +179,38 @@ impl Motion {
             }
         }
         poses
+    }
+
+    /// Vibrations with more periods in the light's time than are followed, and the others.
+    fn by_speed(&self, exposure_us: f64) -> [Vec<Vibration>; 2] {
+        let time = self.light_time(exposure_us);
+        let periods = |v: &Vibration| v.frequency_hz * time.length_us * 1e-6;
+        let moving = self.vibration.iter().filter(|v| v.amplitude_um > 0.0);
+        let (fast, slow) = moving.partition(|v| periods(v) > FOLLOWED_PERIODS);
+        [fast, slow]
+    }
+
+    /// The pose `later_us` after one of [`Self::instants`] with the same exposure: spindle, carriage
+    /// and the vibrations that are followed have moved on.
+    pub(crate) fn later(&self, pose: &Pose, exposure_us: f64, later_us: f64) -> Pose {
+        let [_, slow] = self.by_speed(exposure_us);
+        let t_us = pose.t_us + later_us;
+        let moved_um: f64 = slow.iter().map(|v| v.lift_um(t_us) - v.lift_um(pose.t_us)).sum();
+        Pose {
+            t_us,
+            angle_deg: pose.angle_deg + 6.0 * self.spindle_rpm * later_us * 1e-6,
+            z_mm: pose.z_mm + self.carriage_mm_s * later_us * 1e-6,
+            lift_mm: pose.lift_mm + moved_um * 1e-3,
+            weight: pose.weight,
+        }
+    }
+
+    /// Largest rate of the phase of what [`Self::later`] moves, rad/µs, with a form of `undulations`
+    /// per revolution.
+    pub(crate) fn quickest_rad_per_us(&self, exposure_us: f64, undulations: f64) -> f64 {
+        let [_, slow] = self.by_speed(exposure_us);
+        let spindle = TAU * self.spindle_rpm.abs() / 60.0 * undulations.max(1.0);
+        slow.iter().map(|v| TAU * v.frequency_hz).fold(spindle, f64::max) * 1e-6
     }
 
     /// The path of an edge whose height changes by `slope` (dx/dz) along the shaft and that follows
@@ -207,6 +240,8 @@ impl Motion {
 /// Positions of shaft and camera at an instant of an exposure, relative to its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pose {
+    /// Time, µs.
+    pub t_us: f64,
     /// Turn of the spindle, degrees.
     pub angle_deg: f64,
     /// Travel of the carriage along z, mm.

@@ -8,6 +8,7 @@ use super::gpu::{Api, Gpu, Work};
 use crate::frame::{Buffer, Frame, PixelFormat};
 use crate::render::kernel::cpu;
 use crate::render::kernel::job::Job;
+use crate::render::kernel::readout::{DrawnMeans, Readout, read_out};
 use crate::render::scene::frame_job::frame_job;
 use crate::render::scene::request::FrameRequest;
 use crate::render::scene::scene::Scene;
@@ -193,11 +194,12 @@ impl Renderer {
     ) -> Result<(Frame, Option<Vec<u8>>), RenderError> {
         let mut job = frame_job(scene, request, with_mask)?;
         let buffer = self.draw(&job, reuse.map(Frame::into_buffer))?;
-        let (rows, columns) = (job.params.size.rows as usize, job.params.size.columns as usize);
-        let frame = Frame::new(buffer, job.format, rows, columns, scene.setup().meta(request))
+        let (format, rows, columns) = job.output();
+        let frame = Frame::new(buffer, format, rows, columns, scene.setup().meta(request))
             .map_err(|e| RenderError::Device { what: e.to_string() })?;
         let contamination = job.contamination.take();
-        Ok((frame, contamination.map(|map| scene.setup().recycle(map))))
+        let mask = contamination.map(|map| scene.setup().recycle(map));
+        Ok((frame, mask.map(|mask| within_frame(&job, mask))))
     }
 
     /// Renders a job into a buffer of its format.
@@ -205,7 +207,14 @@ impl Renderer {
     /// # Errors
     /// When the device fails and the renderer is strict.
     pub fn draw(&self, job: &Job<'_>, reuse: Option<Buffer>) -> Result<Buffer, RenderError> {
-        let mut buffer = fitting(job, reuse);
+        let Some(readout) = &job.readout else { return self.drawn(job, reuse) };
+        let means = self.drawn(job, None)?;
+        Ok(read(job, readout, &means, reuse))
+    }
+
+    /// What the kernel draws of a job.
+    fn drawn(&self, job: &Job<'_>, reuse: Option<Buffer>) -> Result<Buffer, RenderError> {
+        let mut buffer = fitting((job.format, pixels_of(job)), reuse);
         if !self.on_device(job, Work::Frame, &mut buffer)? {
             match &mut buffer {
                 Buffer::U8(p) => cpu::render(job, p),
@@ -222,7 +231,7 @@ impl Renderer {
     /// # Errors
     /// As [`Self::draw`].
     pub(crate) fn draw_constant(&self, job: &Job<'_>, reuse: Option<Buffer>) -> Result<Buffer, RenderError> {
-        let mut buffer = fitting(job, reuse);
+        let mut buffer = fitting((job.format, pixels_of(job)), reuse);
         if !self.on_device(job, Work::Constant, &mut buffer)? {
             match &mut buffer {
                 Buffer::U8(p) => cpu::constant(job, p),
@@ -234,10 +243,41 @@ impl Renderer {
     }
 }
 
-/// A buffer of the job's format and size, the old allocation where it fits.
-fn fitting(job: &Job<'_>, reuse: Option<Buffer>) -> Buffer {
-    let count = job.params.size.rows as usize * job.params.size.columns as usize;
-    match (job.format, reuse) {
+/// Pixels that the kernel draws.
+fn pixels_of(job: &Job<'_>) -> usize {
+    job.params.size.rows as usize * job.params.size.columns as usize
+}
+
+/// The frame that a sensor reads out of drawn means.
+fn read(job: &Job<'_>, readout: &Readout, means: &Buffer, reuse: Option<Buffer>) -> Buffer {
+    let (format, rows, columns) = job.output();
+    let mut buffer = fitting((format, rows * columns), reuse);
+    let Buffer::F32(counts) = means else { return buffer };
+    let (rows, columns) = (job.params.size.rows as usize, job.params.size.columns as usize);
+    let drawn = DrawnMeans { counts, rows, columns };
+    match &mut buffer {
+        Buffer::U8(p) => read_out(readout, &drawn, p),
+        Buffer::U16(p) => read_out(readout, &drawn, p),
+        Buffer::F32(p) => read_out(readout, &drawn, p),
+    }
+    buffer
+}
+
+/// The part of a drawn mask that the frame shows.
+fn within_frame(job: &Job<'_>, mask: Vec<u8>) -> Vec<u8> {
+    let Some(readout) = &job.readout else { return mask };
+    let drawn = job.params.size.columns as usize;
+    if mask.is_empty() {
+        return mask;
+    }
+    let (first, count) = (readout.first_column, readout.column_gain.len());
+    let line = |row: usize| mask[row * drawn + first..][..count].iter().copied();
+    readout.rows.iter().flat_map(|row| line(row.drawn)).collect()
+}
+
+/// A buffer of a format and a number of pixels, the old allocation where it fits.
+fn fitting((format, count): (PixelFormat, usize), reuse: Option<Buffer>) -> Buffer {
+    match (format, reuse) {
         (PixelFormat::Mono8, Some(Buffer::U8(mut p))) => {
             p.resize(count, 0);
             Buffer::U8(p)

@@ -11,13 +11,21 @@ use super::contamination::Contamination;
 use super::error::{RenderError, within};
 use super::motion::Motion;
 #[cfg(test)]
-pub(crate) use super::sensor::DarkCurrent;
-pub(crate) use super::sensor::Sensor;
+pub(crate) use super::sensor::{DarkCurrent, Readout, SpatialShares};
+pub(crate) use super::sensor::{EmvaResults, Sensor, SensorFile};
 use crate::frame::Roi;
 use crate::render::optics::lens::FieldLight;
 #[cfg(test)]
 pub(crate) use crate::render::optics::settings::Entocentric;
 pub(crate) use crate::render::optics::settings::{Esf, GaussianEsf, Optics};
+
+/// Largest change of a vibration's phase from one row to the next, rad: an edge is followed through
+/// the rows of its blur.
+const MOST_RAD_A_ROW: f64 = 0.5;
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
 
 /// The pixel matrix and its timing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -33,6 +41,10 @@ pub struct Camera {
     pub exposure_us: f64,
     /// Time from one frame to the next, ms.
     pub frame_period_ms: f64,
+    /// Rolling shutter: time from the start of exposure of one row to that of the next, µs, in the
+    /// order of readout; 0 for a global shutter.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub line_time_us: f64,
     /// Read only two windows of rows; none reads the whole field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub windows: Option<EdgeWindows>,
@@ -86,6 +98,7 @@ impl Default for Camera {
             pixel_um: 3.45,
             exposure_us: 50.0,
             frame_period_ms: 28.0,
+            line_time_us: 0.0,
             windows: None,
             line: None,
         }
@@ -103,6 +116,39 @@ impl Camera {
     /// Time from one frame, or one reading of a line camera, to the next, ms.
     pub(crate) fn period_ms(&self) -> f64 {
         self.line.map_or(self.frame_period_ms, |line| line.rate_khz.recip())
+    }
+
+    /// Refuses line times that no motion can be followed through, and a flash that not all rows are
+    /// exposed to.
+    fn check_rolling(&self, motion: &Motion) -> Result<(), RenderError> {
+        let line_us = self.line_time_us;
+        within("camera.line_time_us", line_us, 0.0, 1e4)?;
+        if line_us == 0.0 {
+            return Ok(());
+        }
+        if self.line.is_some() {
+            let right = "is for an area camera: a line of pixels is exposed at once";
+            return Err(RenderError::setting("camera.line_time_us", &line_us, right));
+        }
+        let frame_us = f64::from(self.windows.map_or(self.rows, |w| 2 * w.rows)) * line_us;
+        if let Some(flash) = motion.strobe
+            && flash.delay_us < frame_us
+        {
+            let right = format!(
+                "must fall into the exposure of every row of a rolling shutter: at least {frame_us} µs after \
+                 the start of exposure"
+            );
+            return Err(RenderError::setting("motion.strobe.delay_us", &flash.delay_us, right));
+        }
+        for v in &motion.vibration {
+            let a_row = std::f64::consts::TAU * v.frequency_hz * line_us * 1e-6;
+            if a_row > MOST_RAD_A_ROW {
+                let right = "changes from one row of a rolling shutter to the next by more than 0.5 rad: it is \
+                             drawn with a shorter camera.line_time_us";
+                return Err(RenderError::setting("motion.vibration.frequency_hz", &v.frequency_hz, right));
+            }
+        }
+        Ok(())
     }
 
     fn check_line(&self) -> Result<(), RenderError> {
@@ -252,6 +298,7 @@ impl SetupSettings {
         self.camera.check()?;
         self.optics.check()?;
         self.motion.check(self.camera.exposure_us)?;
+        self.camera.check_rolling(&self.motion)?;
         self.sensor.check()?;
         self.light.check(&self.sensor)?;
         self.contamination.check()?;

@@ -19,6 +19,7 @@ pub(crate) mod factor;
 pub(crate) mod golden_cases;
 pub(crate) mod head;
 pub(crate) mod in_process;
+pub(crate) mod limb_fit;
 pub(crate) mod limits;
 pub(crate) mod line_camera;
 pub(crate) mod machine;

@@ -50,6 +50,8 @@ mod render_light;
 mod render_limbs;
 mod render_noise;
 mod render_optics;
+mod render_rolling;
+mod render_sensor;
 mod render_shaders;
 mod render_shaft;
 mod ring_measure;

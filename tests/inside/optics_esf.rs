@@ -591,3 +591,28 @@ fn a_stack_follows_the_focus() {
     let text = FocusStack::new(&edge, -1.0, 1e-3).unwrap_err().to_string();
     assert!(text.contains("depth_mm"), "{text}");
 }
+
+/// A LED's band is the mean of its wavelengths: five of Gauss and Hermite against 121 even ones.
+#[test]
+fn a_led_is_the_mean_of_its_wavelengths() {
+    let led = PartiallyCoherentEdge { bandwidth_nm: 40.0, ..Default::default() };
+    let table = led.edge_spread().unwrap();
+    let sigma = 40.0 / 2.354_82;
+    let places = (-12..=12).map(|k| 0.25 * f64::from(k));
+    let weighted: Vec<(EdgeSpread, f64)> = places
+        .map(|x: f64| {
+            let wavelength_nm = 525.0 + x * sigma;
+            let edge = PartiallyCoherentEdge { wavelength_nm, bandwidth_nm: 0.0, ..led.clone() };
+            (edge.edge_spread().unwrap(), (-0.5 * x * x).exp())
+        })
+        .collect();
+    let total: f64 = weighted.iter().map(|w| w.1).sum();
+    let narrow = PartiallyCoherentEdge::default().edge_spread().unwrap();
+    let mut moved: f64 = 0.0;
+    for d in (-40..=60).map(|k| 2.0 * f64::from(k)) {
+        let mean = weighted.iter().map(|(edge, w)| w * edge.value(d)).sum::<f64>() / total;
+        assert!((table.value(d) - mean).abs() < 1e-4, "{d}: {} {mean}", table.value(d));
+        moved = moved.max((table.value(d) - narrow.value(d)).abs());
+    }
+    assert!((1e-4..0.02).contains(&moved), "{moved}");
+}

@@ -9,8 +9,9 @@ use shadowgauge::frame::PixelFormat;
 use shadowgauge::render::esf_families::{
     EdgeSpread, GaussianBlur, GrazingReflection, LaserShadow, MeasuredEsf, PartiallyCoherentEdge, Shifts,
 };
+use shadowgauge::render::lens::FieldCurvature;
 use shadowgauge::render::reference::StraightReference;
-use shadowgauge::render::settings::{Esf, SetupDeviations, SetupSettings};
+use shadowgauge::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
 use shadowgauge::render::{
     BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene, geometric_edges,
 };
@@ -396,4 +397,43 @@ fn full_well_clips_and_hot_pixels_stay() {
     assert_eq!(first, second, "hot pixels move");
     let expected = 900.0 * 1200.0 * 500e-6;
     assert!((first.len() as f64 - expected).abs() < 4.0 * f64::sqrt(expected), "{}", first.len());
+}
+
+// ---- field curvature: edges away from the middle are as far out of focus as the lens states
+
+#[test]
+fn an_edge_on_the_curved_surface_of_focus_is_sharp_and_one_in_the_plane_is_not() {
+    let settings = |sag_mm: f64| {
+        let mut settings = SetupSettings { departures: SetupDeviations::none(), ..Default::default() };
+        (settings.camera.rows, settings.camera.columns) = (600, 64);
+        settings.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: 1.0 });
+        settings.optics.defocus_na = 0.02;
+        settings.optics.field_curvature = Some(FieldCurvature { sag_mm, ..Default::default() });
+        settings
+    };
+    let twin = Renderer::new(BackendChoice::Cpu).unwrap();
+    // Variance of the upper edge's light, px², in the middle column.
+    let variance = |settings: &SetupSettings, y_mm: f64| {
+        let setup = OpticalSetup::resolve(settings, 0).unwrap();
+        let mut shaft = Shaft::cylinder(0.8 * 600.0 * setup.pixel_mm);
+        shaft.deflection = vec![AxisKnot { z_mm: 0.0, x_mm: 0.0, y_mm }];
+        let scene = Scene::new(&setup, shaft).unwrap();
+        let request = FrameRequest { format: Some(PixelFormat::F32), ..Default::default() };
+        let frame = counts(&twin.render(&scene, &request, None).unwrap());
+        let falls: Vec<(f64, f64)> = (0..299)
+            .map(|r| (f64::from(r), frame[r as usize * 64 + 31] - frame[(r as usize + 1) * 64 + 31]))
+            .collect();
+        let total: f64 = falls.iter().map(|f| f.1).sum();
+        let mean = falls.iter().map(|(r, f)| r * f).sum::<f64>() / total;
+        falls.iter().map(|(r, f)| (r - mean).powi(2) * f).sum::<f64>() / total
+    };
+    let sharp = variance(&settings(0.0), 0.0);
+    // 240 rows from the middle of 301.7 px of half a diagonal: 0.633 of the sag.
+    let (sag_mm, share) = (3.0, (240.0f64 / 301.7).powi(2));
+    let blurred = variance(&settings(sag_mm), 0.0);
+    let pixel_mm = settings(0.0).nominal_pixel_mm();
+    let wanted = (0.5 * sag_mm * share * 0.02 / pixel_mm).powi(2);
+    assert!((blurred - sharp - wanted).abs() < 0.02 * wanted, "{blurred} {sharp} {wanted}");
+    // An axis that stands on the surface of focus there is sharp again.
+    assert!((variance(&settings(sag_mm), sag_mm * share) - sharp).abs() < 0.01 * wanted);
 }

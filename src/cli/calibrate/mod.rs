@@ -8,6 +8,7 @@ mod asked_camera;
 mod camera_args;
 #[cfg(feature = "camera")]
 mod camera_frames;
+mod fit_esf;
 mod machine;
 mod machine_tables;
 mod machine_words;

@@ -12,6 +12,7 @@ use std::time::SystemTime;
 use super::camera_args::CameraArgs;
 #[cfg(feature = "camera")]
 use super::camera_frames::CameraFrames;
+use super::fit_esf;
 use super::recorded_frames::{RecordedFrames, Watched};
 use super::said::say;
 use crate::cli::calibration_plan::{self, LoadedPlan};
@@ -26,7 +27,7 @@ use crate::render::{BackendChoice, Renderer};
 use crate::report;
 use crate::setting::SettingError;
 use crate::studies::calibration::{
-    CalibrateError, Calibrated, CalibrationPlan, SimulatedRecordings, calibrate, rough_um_per_px,
+    CalibrateError, Calibrated, CalibrationPlan, Recordings, SimulatedRecordings, calibrate, rough_um_per_px,
 };
 
 /// Arguments of `calibrate CONFIG`.
@@ -45,6 +46,10 @@ pub(crate) struct OpticalSetupArgs {
     /// (.toml). The calibration keeps it.
     #[arg(long, value_name = "NAME|FILE")]
     esf: Option<String>,
+    /// Fit aperture, ratio of coherence, blur and focus of the optics that --esf names to the
+    /// masters' frames, write them as [optics.esf.cylinder], and fit edges by them.
+    #[arg(long, value_name = "FILE.toml", requires = "esf")]
+    fit_esf: Option<PathBuf>,
     /// Write the lens that was found as `lens.toml`, which a config names by `optics.lens_file`.
     #[arg(long, value_name = "FILE.toml")]
     lens: Option<PathBuf>,
@@ -87,7 +92,13 @@ pub(crate) fn run(args: &OpticalSetupArgs) -> CommandResult {
     let claim = |path: &Path| OutputFile::claim(path, [config.clone()]);
     let (page_file, file) = (claim(&out.with_extension("html"))?, claim(out)?);
     let lens_file = args.lens.as_deref().map(claim).transpose()?;
-    let calibrated = made(&mut loaded, args.esf.as_deref(), args.backend, &args.camera)?;
+    let esf_file = args.fit_esf.as_deref().map(claim).transpose()?;
+    let found = match &esf_file {
+        Some(_) => Some(fit_edge(&mut loaded, args.esf.as_deref(), args.backend)?),
+        None => None,
+    };
+    let esf = if found.is_some() { None } else { args.esf.as_deref() };
+    let calibrated = made(&mut loaded, esf, args.backend, &args.camera)?;
     let page = report::calibration_report(&loaded.plan, &calibrated).map_err(Failure::fail)?;
     page_file.write(page.as_bytes())?;
     let accepted = check(&calibrated.calibration);
@@ -95,6 +106,9 @@ pub(crate) fn run(args: &OpticalSetupArgs) -> CommandResult {
         let json = json_text(&calibrated.calibration)? + "\n";
         file.write(json.as_bytes())?;
         write_lens(lens_file, &calibrated.calibration)?;
+        if let (Some(file), Some(text)) = (esf_file, found) {
+            file.write(text.as_bytes())?;
+        }
     } else {
         tracing::error!(
             "the check pin refuses this calibration; {} is not written, the report says why",
@@ -155,6 +169,34 @@ fn made(
         |plan: &CalibrationPlan| SimulatedRecordings::new(plan, &renderer).map_err(|e| text.refuse(e));
     choose_edge(plan, esf, |plan| rough_um_per_px(plan, &mut rendered(plan)?).map_err(failed))?;
     calibrate(plan, &mut Watched::new(plan, &mut rendered(plan)?)).map_err(failed)
+}
+
+/// Fits lens and light to the masters, puts their edge into the plan, and returns the table that
+/// states them.
+///
+/// # Errors
+/// Exit 2 for masters before a camera, which are recorded first, and for optics that are refused;
+/// 3 for frames that cannot be read.
+fn fit_edge(loaded: &mut LoadedPlan, esf: Option<&str>, backend: BackendChoice) -> Result<String, Failure> {
+    let LoadedPlan { plan, text, folder } = loaded;
+    plan.validate().map_err(|e| text.refuse_at(e))?;
+    if plan.source.is_some() {
+        let why = "looks at the masters twice: record their frames, and name the folders";
+        return Err(text.refuse(format!("--fit-esf: {why}")));
+    }
+    let stated = fit_esf::stated(esf)?;
+    let failed = |e: CalibrateError| refused_or_failed(text, e);
+    let renderer = Renderer::new(backend).map_err(Failure::fail)?;
+    let mut recordings: Box<dyn Recordings + '_> = if plan.simulate.is_none() {
+        Box::new(RecordedFrames::new(folder.clone(), plan.channel))
+    } else {
+        Box::new(SimulatedRecordings::new(plan, &renderer).map_err(|e| text.refuse(e))?)
+    };
+    let um_per_px = rough_um_per_px(plan, &mut *recordings).map_err(failed)?;
+    let found = fit_esf::fitted(plan, &mut *recordings, &stated, um_per_px).map_err(failed)?;
+    drop(recordings);
+    plan.gauge.esf = found.model;
+    fit_esf::in_toml(&found.fit)
 }
 
 /// Exit 2 for a key of the plan, 3 for everything else.

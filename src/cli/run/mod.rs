@@ -28,6 +28,7 @@ use crate::job::ScanWhen;
 use crate::render::BackendChoice;
 use crate::report::{self, RunView};
 use crate::run_folder::RunFolder;
+use crate::studies::head::limb::limb_of_run;
 
 use self::finished::Finished;
 use self::frames_from::FramesFrom;
@@ -155,6 +156,10 @@ fn job_of(args: &RunArgs) -> Result<Job, Failure> {
         .and_then(|()| job.check_control())
         .map_err(|e| Failure::refused(config::value_error(&text, &name, e)))?;
     job.cautions().iter().for_each(|word| tracing::warn!("{name}: {word}"));
+    if let Some(limb) = limb_of_run(&job).map_err(|e| Failure::refuse(format!("{name}: {e}")))? {
+        tracing::info!("{name}: the limbs of the part are corrected against the masters' ([scan.limb])");
+        job.scan.limb = Some(limb);
+    }
     Ok(job)
 }
 

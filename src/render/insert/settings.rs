@@ -140,6 +140,7 @@ impl InsertSettings {
         self.esf.check()?;
         self.light.check(&self.sensor)?;
         self.sensor.check()?;
+        self.sensor.check_plain()?;
         for dirt in &self.dirt {
             within("dirt.radius_um", dirt.radius_um, 0.1, 1e4)?;
         }

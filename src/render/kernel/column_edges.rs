@@ -146,8 +146,9 @@ fn straights(blur: &RowBlur, rows: &[f64], out: &mut Straights) {
 /// Depth of the axis and radius of the surface in a column.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Depth {
-    /// Distance of the axis from the plane of focus, mm towards the camera.
-    pub y_mm: f64,
+    /// Distance of the axis from best focus at the upper and at the lower edge, mm towards the
+    /// camera.
+    pub y_mm: [f64; 2],
     /// Mean radius, mm.
     pub radius_mm: f64,
 }
@@ -174,7 +175,7 @@ pub(crate) fn kernel_columns(
             for (i, column) in columns.iter_mut().enumerate() {
                 let straight = blur.equivalent(found.row[i], found.moment[i], found.variance[i]);
                 let depth = depth.get(first + i).copied().unwrap_or_default();
-                let e = edge(straight, depth, esf, sign);
+                let e = edge(straight, (depth.y_mm[side], depth.radius_mm), esf, sign);
                 if side == 0 {
                     column.top = e;
                 } else {
@@ -186,9 +187,9 @@ pub(crate) fn kernel_columns(
     columns
 }
 
-fn edge(straight: Straight, depth: Depth, esf: &EsfTable, sign: f64) -> Edge {
+fn edge(straight: Straight, (y_mm, radius_mm): (f64, f64), esf: &EsfTable, sign: f64) -> Edge {
     let cos = 1.0 / straight.slope.hypot(1.0);
-    let place = esf.place(depth.y_mm, depth.radius_mm, straight.excess_variance * cos * cos);
+    let place = esf.place(y_mm, radius_mm, straight.excess_variance * cos * cos);
     let scale = place.scale_px;
     let whole = straight.row.round();
     Edge {

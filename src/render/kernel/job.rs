@@ -3,6 +3,7 @@
 use super::column_edges::{Bands, Column};
 use super::light_map::LightMap;
 use super::params::Params;
+use super::readout::Readout;
 use crate::frame::PixelFormat;
 use crate::render::optics::esf_table::{EsfTable, Node};
 
@@ -28,4 +29,18 @@ pub struct Job<'a> {
     /// Light down the columns whose edges are not straight, four rows per element; indexed by the
     /// edges after `esf`.
     pub profiles: Vec<[f32; 4]>,
+    /// What the sensor does to the frame on the host, where it is more than noise and pattern of
+    /// single pixels; the kernel then draws means in f32.
+    pub readout: Option<Readout>,
+}
+
+impl Job<'_> {
+    /// Format, rows and columns of the frame that leaves the renderer.
+    pub fn output(&self) -> (PixelFormat, usize, usize) {
+        let (params, format) = match &self.readout {
+            Some(readout) => (&readout.params, readout.format),
+            None => (&self.params, self.format),
+        };
+        (format, params.size.rows as usize, params.size.columns as usize)
+    }
 }

@@ -5,7 +5,8 @@
 //! [`light_map`] and the parameters of one frame. Out: counts, packed in words. [`shadowgraph`]
 //! (one pixel) and [`cpu`] (blocks of pixels) are the CPU twin of the shader, function by function
 //! with the same names and the same order of operations; `edge_cells` computes the pixels at an
-//! edge in lanes; [`noise`] computes the noise of a pixel from a counter hash.
+//! edge in lanes; [`noise`] computes the noise of a pixel from a counter hash; [`readout`] turns
+//! noise-free frames into those of a sensor that is more than its pixels, on the host.
 //! `reference` computes the light of a pixel in f64 by quadrature and shares
 //! nothing with the others, which are tested against it.
 //!
@@ -20,6 +21,7 @@ pub(crate) mod job;
 pub(crate) mod light_map;
 pub(crate) mod noise;
 pub(crate) mod params;
+pub(crate) mod readout;
 #[cfg(test)]
 pub(crate) mod reference;
 pub(crate) mod shadowgraph;

@@ -6,6 +6,9 @@ use crate::frame::PixelFormat;
 /// Rows that an invocation of the kernel `fill` writes, as in the shader.
 pub(crate) const FILL_ROWS: u32 = 16;
 
+/// Most counts: far beyond any full scale, and f32 counts below it are exact to a quarter.
+pub(crate) const MOST_COUNTS: f64 = 4.0e6;
+
 /// Uniforms of `shaders/shadowgraph.wgsl`, which names the same bytes one by one: the groups are in
 /// the order of its members (`tests/inside/render_shaders.rs` compares every offset).
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -292,8 +295,7 @@ impl Params {
     ) -> Self {
         let window = windows.frame();
         let ceiling = levels.black + levels.full_well_e / levels.electrons_per_count;
-        // A limit far beyond any full scale, below which f32 counts are exact.
-        let ceiling = ceiling.min(4.0e6);
+        let ceiling = ceiling.min(MOST_COUNTS);
         Self {
             size: SizeParams {
                 rows: window.rows,

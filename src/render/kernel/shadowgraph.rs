@@ -14,7 +14,7 @@ pub(super) fn sensor_row(params: &Params, row: u32) -> u32 {
 
 /// Keys of a sensor row from those of the frame; one of them differs in every row.
 #[inline(always)]
-pub(super) fn row_key(key: [u32; 2], row: u32) -> [u32; 2] {
+pub(crate) fn row_key(key: [u32; 2], row: u32) -> [u32; 2] {
     let mut x = row ^ key[0];
     x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
     x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
@@ -23,7 +23,7 @@ pub(super) fn row_key(key: [u32; 2], row: u32) -> [u32; 2] {
 
 /// 32 random bits of a pixel.
 #[inline(always)]
-pub(super) fn hash(key: [u32; 2], column: u32) -> u32 {
+pub(crate) fn hash(key: [u32; 2], column: u32) -> u32 {
     let mut x = column.wrapping_mul(0x9e37_79b9) ^ key[0];
     x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
     x = x.wrapping_add(key[1]);

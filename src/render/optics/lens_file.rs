@@ -15,7 +15,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::lens::Distortion;
+use super::lens::{Distortion, FieldCurvature};
 use super::settings::Optics;
 use crate::setting::{SettingError, positive, within};
 
@@ -43,6 +43,9 @@ pub struct LensFile {
     /// Distortion, with the keystone in its tangential terms.
     #[serde(default)]
     pub distortion: Distortion,
+    /// Where it is in focus over the field: a lens maker's figure, which no width of a pin shows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field_curvature: Option<FieldCurvature>,
 }
 
 /// The gauge's own parameters of a lens.
@@ -73,6 +76,7 @@ impl LensFile {
                 p2: -0.5 * lens.keystone_along,
                 ..Distortion::default()
             },
+            field_curvature: None,
         }
     }
 
@@ -102,6 +106,11 @@ impl LensFile {
             let why = "stands beside optics.distortion or optics.telecentricity_mrad; give one of them";
             return Err(SettingError::at(KEY, why));
         }
+        if self.field_curvature.is_some() && optics.field_curvature.is_some() {
+            let why = "has a field_curvature and stands beside optics.field_curvature; give one of them";
+            return Err(SettingError::at(KEY, why));
+        }
+        optics.field_curvature = self.field_curvature.or(optics.field_curvature);
         optics.distortion = self.distortion;
         optics.telecentricity_mrad = self.telecentricity_mrad;
         Ok(())

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::edge_spread::{CylinderEdge, GrazingReflection, LaserShadow, MeasuredEsf, PartiallyCoherentEdge};
-use super::lens::Distortion;
+use super::lens::{Distortion, FieldCurvature};
 use crate::render::error::{RenderError, within};
 
 /// The family of the edge-spread function. One table in the config: `[optics.esf.gaussian]`.
@@ -95,8 +95,12 @@ pub struct Optics {
     pub entocentric: Option<Entocentric>,
     /// Radial and tangential distortion.
     pub distortion: Distortion,
+    /// Where the lens is in focus over the field; absent where it is a plane square to the axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub field_curvature: Option<FieldCurvature>,
     /// A file `lens.toml` beside the config, as `calibrate --lens` writes it, in place of
-    /// `distortion` and `telecentricity_mrad`; its values take its place in the resolved config.
+    /// `distortion`, `telecentricity_mrad` and `field_curvature`; its values take its place in the
+    /// resolved config.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lens_file: Option<String>,
     /// Glancing reflection of a polished shaft in diffuse light; absent for a dull one.
@@ -113,6 +117,7 @@ impl Default for Optics {
             telecentricity_mrad: 0.0,
             entocentric: None,
             distortion: Distortion::default(),
+            field_curvature: None,
             lens_file: None,
             reflection: None,
         }
@@ -147,6 +152,7 @@ impl Optics {
             self.check_beside_limb()?;
         }
         self.distortion.check()?;
+        self.field_curvature.map_or(Ok(()), |curvature| curvature.check())?;
         if let Some(r) = &self.reflection {
             r.check()?;
         }

@@ -212,14 +212,19 @@ impl Profiles<'_> {
         light.chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect()
     }
 
-    fn table(&self, column: usize, extra_px2: f64) -> TablePlace {
+    fn table(&self, column: usize, side: usize, extra_px2: f64) -> TablePlace {
         let depth = self.depth.get(column).copied().unwrap_or_default();
-        self.esf.place(depth.y_mm, depth.radius_mm, extra_px2)
+        self.esf.place(depth.y_mm[side], depth.radius_mm, extra_px2)
     }
 
     /// Standard deviation of the Gaussian equivalent to the edge spread of a column, px.
-    fn sigma(&self, column: usize) -> f64 {
-        if self.esf.widens { self.table(column, 0.0).scale_px } else { self.esf.blur_px }
+    fn sigma(&self, column: usize, side: usize) -> f64 {
+        if self.esf.widens { self.table(column, side, 0.0).scale_px } else { self.esf.blur_px }
+    }
+
+    /// The wider one of a column's edges.
+    fn widest(&self, column: usize) -> f64 {
+        self.sigma(column, 0).max(self.sigma(column, 1))
     }
 
     /// The outline at an instant about all broken columns, between its corners.
@@ -234,7 +239,7 @@ impl Profiles<'_> {
                 continue;
             }
             let end = broken[c..].iter().position(|b| !b).map_or(broken.len(), |n| c + n);
-            let sigma = self.sigma(c).max(self.sigma(end - 1));
+            let sigma = self.widest(c).max(self.widest(end - 1));
             let reach = REACH * sigma + 0.5;
             let low = f64::from(self.window.column) + c as f64 - reach;
             let low = low.max(covered);
@@ -301,13 +306,13 @@ impl Profiles<'_> {
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s.row), b.max(s.row)));
         let slope = straights.iter().map(|s| s.slope.abs()).fold(0.0, f64::max);
-        let widest = self.table(column, 0.0).scale_px * 1.1;
+        let widest = self.table(column, side, 0.0).scale_px * 1.1;
         let reach = f64::from(self.esf.reach) * widest * slope.hypot(1.0) + 0.5 * (1.0 + slope);
         let (first, count) = self.rows(range, reach)?;
         let mut light = vec![0.0; count];
         for (instant, s) in self.instants.iter().zip(&straights) {
             let cos = 1.0 / s.slope.hypot(1.0);
-            let place = self.table(column, s.excess_variance * cos * cos);
+            let place = self.table(column, side, s.excess_variance * cos * cos);
             for (r, light) in light.iter_mut().enumerate() {
                 let above = (f64::from(first) + r as f64 - s.row) * sign;
                 let node = |n: &Node| {
@@ -336,7 +341,7 @@ impl Profiles<'_> {
     /// Mean over the instants of the images of shoulders in laser light.
     fn laser_line(&self, column: usize, side: usize, laser: &LaserShadow) -> Option<Line> {
         let at = f64::from(self.window.column) + column as f64;
-        let place = self.table(column, 0.0);
+        let place = self.table(column, side, 0.0);
         let laser = LaserShoulder::new(laser, self.scene.setup.pixel_mm * 1e3, place.scale_px);
         let pieces: Vec<Pieces> = self.instants.iter().map(|i| self.pieces(i, &laser, at, side)).collect();
         let seen = pieces.iter().flat_map(|p| laser.rows_seen(p, at));
@@ -353,7 +358,7 @@ impl Profiles<'_> {
 
     /// Mean over the instants of the outline's images.
     fn broken_line(&self, column: usize, side: usize, outlines: &[Vec<Point>]) -> Option<Line> {
-        let sigma = self.sigma(column);
+        let sigma = self.sigma(column, side);
         let at = f64::from(self.window.column) + column as f64;
         let reach = REACH * sigma + 0.5;
         let windows: Vec<&[Point]> = outlines
@@ -373,7 +378,7 @@ impl Profiles<'_> {
             if self.esf.widens { reach } else { f64::from(self.esf.reach) * self.esf.scale_px + 0.5 };
         let (first, count) = self.rows(range, blurred)?;
         let mut light = vec![0.0; count];
-        let place = self.table(column, 0.0);
+        let place = self.table(column, side, 0.0);
         for (instant, points) in self.instants.iter().zip(windows) {
             let image = Image { points, side, sigma, at, weight: instant.weight };
             if self.esf.widens {

@@ -4,12 +4,14 @@ use rayon::prelude::*;
 
 use super::contamination_layer::{self, WindowView};
 use super::request::FrameRequest;
+use super::rolling_shutter::{LineTimes, Moving};
 use super::scene::Scene;
 use crate::frame::PixelFormat;
 use crate::render::contamination::Rise;
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::{Bands, ColumnEdges};
 use crate::render::kernel::params::{Window, Windows};
+use crate::render::motion::Pose;
 use crate::render::silhouette::Turned;
 
 /// Columns of a task; the result does not depend on the number of threads.
@@ -28,18 +30,26 @@ pub(crate) struct Instant<'a> {
     pub edges: Vec<ColumnEdges>,
     /// Rises of these edges by films; empty where there are none.
     pub rises: Vec<Rise>,
+    /// How far these edges stand outside those of `turned`, at the times of their own rows; empty
+    /// for a global shutter.
+    pub rolled: Vec<Rise>,
 }
 
 impl Instant<'_> {
-    /// The rise at a fractional place among the columns, linear between two, because films are wide
-    /// compared with a pixel.
+    /// What the edges stand outside those of `turned` by at a fractional place among the columns,
+    /// linear between two: films and motions are wide compared with a pixel.
     pub(crate) fn rise_at(&self, place: f64) -> Rise {
-        let Some(last) = self.rises.len().checked_sub(1) else { return Rise::default() };
-        let place = place.clamp(0.0, last as f64);
-        let (a, b) = (self.rises[place as usize], self.rises[(place as usize + 1).min(last)]);
-        let between = |a: f64, b: f64| a + place.fract() * (b - a);
-        Rise { top_px: between(a.top_px, b.top_px), bottom_px: between(a.bottom_px, b.bottom_px) }
+        let (film, rolled) = (between(&self.rises, place), between(&self.rolled, place));
+        Rise { top_px: film.top_px + rolled.top_px, bottom_px: film.bottom_px + rolled.bottom_px }
     }
+}
+
+fn between(rises: &[Rise], place: f64) -> Rise {
+    let Some(last) = rises.len().checked_sub(1) else { return Rise::default() };
+    let place = place.clamp(0.0, last as f64);
+    let (a, b) = (rises[place as usize], rises[(place as usize + 1).min(last)]);
+    let between = |a: f64, b: f64| a + place.fract() * (b - a);
+    Rise { top_px: between(a.top_px, b.top_px), bottom_px: between(a.bottom_px, b.bottom_px) }
 }
 
 /// What a request reads of the sensor.
@@ -49,6 +59,8 @@ pub(crate) struct RequestedFrame {
     /// From the upper window's first row to the lower one's last.
     pub window: Window,
     pub format: PixelFormat,
+    /// Windows as the sensor reads them, from which the times of rows count.
+    pub read: Windows,
     /// Columns computed beyond the frame's own at either side.
     pub halo: usize,
 }
@@ -63,11 +75,16 @@ pub(crate) struct ExposedEdges<'a> {
 }
 
 impl RequestedFrame {
-    /// The windows and the format of a request.
-    pub(crate) fn of(scene: &Scene, request: &FrameRequest) -> Result<Self, RenderError> {
-        let windows = scene.setup.windows(request)?;
+    /// The windows and the format of a request; `read` is the request of the frame that it is
+    /// drawn for.
+    pub(crate) fn of(
+        scene: &Scene,
+        request: &FrameRequest,
+        read: &FrameRequest,
+    ) -> Result<Self, RenderError> {
+        let (windows, read) = (scene.setup.windows(request)?, scene.setup.windows(read)?);
         let (format, halo) = (scene.setup.format(request), scene.blur.reach());
-        Ok(Self { windows, window: windows.span(), format, halo })
+        Ok(Self { windows, window: windows.span(), format, read, halo })
     }
 }
 
@@ -90,7 +107,8 @@ pub(crate) fn geometric_edges(
     request: &FrameRequest,
 ) -> Result<Vec<ColumnEdges>, RenderError> {
     let windows = scene.setup.windows(request)?;
-    let mut edges = mean(&instants(scene, request, windows.span(), 0)?);
+    let seen = Seen { window: windows.span(), halo: 0, times: LineTimes::of(&scene.setup, windows) };
+    let mut edges = mean(&instants(scene, request, &seen)?);
     stack(&mut edges, windows)?;
     Ok(edges)
 }
@@ -101,7 +119,9 @@ pub(crate) fn expose<'a>(
     request: &FrameRequest,
     frame: &RequestedFrame,
 ) -> Result<ExposedEdges<'a>, RenderError> {
-    let mut instants = instants(scene, request, frame.window, frame.halo)?;
+    let times = LineTimes::of(&scene.setup, frame.read);
+    let seen = Seen { window: frame.window, halo: frame.halo, times };
+    let mut instants = instants(scene, request, &seen)?;
     if !scene.wiped {
         let (setup, shaft) = (&scene.setup, scene.outline.shaft());
         for Instant { edges, rises, .. } in &mut instants {
@@ -114,37 +134,97 @@ pub(crate) fn expose<'a>(
     Ok(ExposedEdges { instants, mean, stacked })
 }
 
+/// What of the edges is computed.
+struct Seen {
+    /// The frame's columns, and the row that edges count from.
+    window: Window,
+    /// Columns beyond them at either side.
+    halo: usize,
+    /// When rows are exposed; none for a global shutter.
+    times: Option<LineTimes>,
+}
+
 /// The instants of a request's exposure; a single one where nothing moves.
 fn instants<'a>(
     scene: &'a Scene,
     request: &FrameRequest,
-    window: Window,
-    halo: usize,
+    seen: &Seen,
 ) -> Result<Vec<Instant<'a>>, RenderError> {
     let nominal = &scene.setup.nominal;
-    let shifted_rows = nominal.optics.distortion.is_none() && scene.is_straight();
     let poses = nominal.motion.instants(nominal.camera.exposure_us, scene.outline.undulations());
     let mut instants: Vec<Instant<'a>> = Vec::with_capacity(poses.len());
-    let mut before: Option<(f64, f64, f64)> = None;
+    let mut before: Option<Placed> = None;
     for pose in poses {
-        let (angle, z) = (request.angle_deg + pose.angle_deg, request.z_mm + pose.z_mm);
-        let lift_px = pose.lift_mm / scene.setup.pixel_mm;
-        let turned = scene.turned(request, angle).shifted(pose.lift_mm, 0.0);
-        let same = before.filter(|b| shifted_rows && (b.0, b.1) == (angle, z)).map(|b| b.2);
-        let edges = match (same, instants.last()) {
-            (Some(lift), Some(last)) => {
-                let down = lift - lift_px;
-                let move_down =
-                    |e: &ColumnEdges| ColumnEdges { top_px: e.top_px + down, bottom_px: e.bottom_px + down };
-                last.edges.iter().map(move_down).collect()
-            }
-            _ => edges_over(scene, &turned, z, window, halo),
-        };
-        check_field(scene, &edges[halo..edges.len() - halo], window)?;
-        before = Some((angle, z, lift_px));
-        instants.push(Instant { weight: pose.weight, turned, field_z_mm: z, edges, rises: Vec::new() });
+        let turned = placed(scene, request, &pose);
+        let field_z_mm = request.z_mm + pose.z_mm;
+        let base = edges_at(scene, request, &pose, seen, before.as_ref());
+        let rolled = seen.times.map_or_else(Vec::new, |times| rolled(scene, request, &base, (seen, times)));
+        let mut edges = base.edges.clone();
+        for (e, rise) in edges.iter_mut().zip(&rolled) {
+            e.top_px -= rise.top_px;
+            e.bottom_px += rise.bottom_px;
+        }
+        check_field(scene, &edges[seen.halo..edges.len() - seen.halo], seen.window)?;
+        before = Some(base);
+        instants.push(Instant { weight: pose.weight, turned, field_z_mm, edges, rises: Vec::new(), rolled });
     }
     Ok(instants)
+}
+
+/// Edges of the shaft at one pose.
+struct Placed {
+    pose: Pose,
+    edges: Vec<ColumnEdges>,
+}
+
+/// The shaft at a pose.
+fn placed<'a>(scene: &'a Scene, request: &FrameRequest, pose: &Pose) -> Turned<'a> {
+    scene.turned(request, request.angle_deg + pose.angle_deg).shifted(pose.lift_mm, 0.0)
+}
+
+/// The edges at a pose; those of another one moved where only its height differs.
+fn edges_at(
+    scene: &Scene,
+    request: &FrameRequest,
+    pose: &Pose,
+    seen: &Seen,
+    before: Option<&Placed>,
+) -> Placed {
+    let shifted_rows = scene.setup.nominal.optics.distortion.is_none() && scene.is_straight();
+    let same = |b: &&Placed| shifted_rows && (b.pose.angle_deg, b.pose.z_mm) == (pose.angle_deg, pose.z_mm);
+    let edges = match before.filter(same) {
+        Some(before) => {
+            let pixel_mm = scene.setup.pixel_mm;
+            let down = before.pose.lift_mm / pixel_mm - pose.lift_mm / pixel_mm;
+            let move_down =
+                |e: &ColumnEdges| ColumnEdges { top_px: e.top_px + down, bottom_px: e.bottom_px + down };
+            before.edges.iter().map(move_down).collect()
+        }
+        None => {
+            let turned = placed(scene, request, pose);
+            edges_over(scene, &turned, request.z_mm + pose.z_mm, seen.window, seen.halo)
+        }
+    };
+    Placed { pose: *pose, edges }
+}
+
+/// How far the edges stand outside those of a pose at the times of their own rows.
+fn rolled(
+    scene: &Scene,
+    request: &FrameRequest,
+    base: &Placed,
+    (seen, times): (&Seen, LineTimes),
+) -> Vec<Rise> {
+    let (motion, exposure_us) = (&scene.setup.nominal.motion, scene.setup.nominal.camera.exposure_us);
+    let quickest = motion.quickest_rad_per_us(exposure_us, scene.outline.undulations());
+    if quickest == 0.0 && motion.carriage_mm_s == 0.0 {
+        return Vec::new();
+    }
+    let later = |us: f64| {
+        edges_at(scene, request, &motion.later(&base.pose, exposure_us, us), seen, Some(base)).edges
+    };
+    let row0 = f64::from(seen.window.row);
+    Moving { times, row0, first: &base.edges, later, quickest }.displacements()
 }
 
 /// Mean edges over the instants.

@@ -1,21 +1,23 @@
 //! A frame of a scene made ready for the kernel, each step a function of the values before it: the
 //! request's windows ([`RequestedFrame`]) → the instants of its exposure, raised by films
 //! ([`ExposedEdges`]) → columns and profiles ([`ColumnTables`]) → contamination ([`LightMap`]) →
-//! parameters ([`Params`]) → the kernel's [`Job`].
+//! parameters ([`Params`]) → the kernel's [`Job`]. Where the sensor is more than the noise of its
+//! pixels, the request is first replaced by one for the means ([`SensorReadout`]).
 
 use super::column_profiles::Profiles;
 use super::contamination_layer;
 use super::exposure::{self, ExposedEdges, Instant, RequestedFrame};
 use super::request::FrameRequest;
 use super::scene::Scene;
+use super::sensor_readout::{SensorReadout, mean_levels};
 use super::true_optics::OpticalSetup;
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::{
-    Bands, Column, Depth, bands, fold_pixel, kernel_columns, steepest,
+    Bands, Column, ColumnEdges, Depth, bands, fold_pixel, kernel_columns, steepest,
 };
 use crate::render::kernel::job::Job;
 use crate::render::kernel::light_map::LightMap;
-use crate::render::kernel::params::{EdgeParams, FlatParams, FrameKeys, Params, Window, pixels_per_word};
+use crate::render::kernel::params::{EdgeParams, FlatParams, FrameKeys, GreyLevels, Params, pixels_per_word};
 use crate::render::kernel::shadowgraph::noise_polynomial;
 use crate::render::optics::esf_table::{EsfTable, Node, pixel_quadrature};
 
@@ -38,13 +40,22 @@ pub fn frame_job<'a>(
     request: &FrameRequest,
     with_mask: bool,
 ) -> Result<Job<'a>, RenderError> {
-    let frame = RequestedFrame::of(scene, request)?;
+    let sensor = SensorReadout::of(&scene.setup, request)?;
+    let (means, readout) = match sensor {
+        Some(SensorReadout { means, readout }) => (Some(means), Some(readout)),
+        None => (None, None),
+    };
+    let levels = levels(&scene.setup, request, readout.is_some());
+    let (read, request) = (request, means.as_ref().unwrap_or(request));
+    let frame = RequestedFrame::of(scene, request, read)?;
     let exposed = exposure::expose(scene, request, &frame)?;
     let tables = column_tables(scene, &frame, &exposed);
     let seen = exposed.view(&frame, scene.esf.blur_px, &tables.bands);
     let contamination =
         contamination_layer::contamination(&scene.setup, request, frame.windows, &seen, with_mask)?;
-    let params = params(&scene.setup, request, &frame, &tables, contamination.as_ref());
+    let mut params = params(&scene.setup, request, &frame, &tables, &levels);
+    light_params(&scene.setup, &mut params, contamination.as_ref());
+    params.set_dark(&tables.bands.dark);
     let ColumnTables { columns, bands, esf, quadrature, profiles } = tables;
     Ok(Job {
         params,
@@ -56,7 +67,14 @@ pub fn frame_job<'a>(
         quadrature,
         stacked: scene.esf.is_stacked(),
         profiles,
+        readout,
     })
+}
+
+/// Levels of what the kernel draws: the frame, or its means in counts of the frame's format.
+fn levels(setup: &OpticalSetup, request: &FrameRequest, as_means: bool) -> GreyLevels {
+    let levels = setup.levels(setup.format(request));
+    if as_means { mean_levels(&levels) } else { levels }
 }
 
 /// What the kernel reads of a frame's columns.
@@ -66,7 +84,7 @@ fn column_tables<'a>(
     exposed: &ExposedEdges<'_>,
 ) -> ColumnTables<'a> {
     let instants = &exposed.instants;
-    let depth = depth(scene, &instants[0], frame.window);
+    let depth = depth(scene, &instants[0], frame);
     let mut columns = kernel_columns(&exposed.mean, &depth, &scene.blur, &scene.esf);
     let mut quadrature = pixel_quadrature(scene.esf.sharp_px, steepest(&columns));
     let folded = fold_pixel(&scene.esf, &mut columns);
@@ -95,23 +113,20 @@ fn column_tables<'a>(
     ColumnTables { columns, bands, esf, quadrature, profiles }
 }
 
-/// The kernel's parameters of a frame.
+/// The kernel's parameters of a frame, in even light.
 fn params(
     setup: &OpticalSetup,
     request: &FrameRequest,
     frame: &RequestedFrame,
     tables: &ColumnTables<'_>,
-    contamination: Option<&LightMap>,
+    levels: &GreyLevels,
 ) -> Params {
-    let levels = setup.levels(frame.format);
     let keys = FrameKeys { seed: request.seed, frame_id: request.frame_id, pattern_seed: setup.pattern_seed };
-    let mut params = Params::new(frame.windows, frame.format, &levels, request.noise, keys);
+    let mut params = Params::new(frame.windows, frame.format, levels, request.noise, keys);
     params.flat = flat_noise(&params);
     params.edge = edge_params(tables.esf, &tables.bands);
     params.size.nodes = tables.quadrature.len() as u32;
     params.pixels.overlap = u32::from(tables.bands.overlap);
-    light_params(setup, &mut params, contamination);
-    params.set_dark(&tables.bands.dark);
     params
 }
 
@@ -128,20 +143,27 @@ fn light_params(setup: &OpticalSetup, params: &mut Params, contamination: Option
     params.field.axis = [setup.centre_column() as f32, setup.centre_row() as f32];
 }
 
-/// Depth of the axis and radius of the surface of every column; empty where all edges share a
-/// table and its scale.
-fn depth(scene: &Scene, instant: &Instant<'_>, window: Window) -> Vec<Depth> {
+/// Distance of both edges from best focus and radius of the surface of every column; empty where
+/// all edges share a table and its scale.
+fn depth(scene: &Scene, instant: &Instant<'_>, frame: &RequestedFrame) -> Vec<Depth> {
     if scene.esf.is_even() || (scene.depth_mm == 0.0 && !scene.esf.has_radii()) {
         return Vec::new();
     }
-    let view = scene.view(instant.field_z_mm);
-    (window.column..window.column + window.columns)
-        .map(|c| scene.setup.column_z_mm(instant.field_z_mm, f64::from(c)))
-        .map(|z| Depth {
-            y_mm: instant.turned.axis_depth_mm(z, &view),
-            radius_mm: scene.outline.mean_radius_mm(z),
-        })
-        .collect()
+    let (setup, view, window) = (&scene.setup, scene.view(instant.field_z_mm), frame.window);
+    let size = (setup.rows(), setup.columns());
+    let curvature = setup.nominal.optics.field_curvature;
+    let focus_mm = |row: f64, column: f64| {
+        curvature.map_or(0.0, |c| c.focus_mm(f64::from(window.row) + row, column, size))
+    };
+    let own = &instant.edges[frame.halo..];
+    let of = |(column, e): (u32, &ColumnEdges)| {
+        let column = f64::from(column);
+        let z_mm = setup.column_z_mm(instant.field_z_mm, column);
+        let y_mm = instant.turned.axis_depth_mm(z_mm, &view);
+        let y_mm = [e.top_px, e.bottom_px].map(|row| y_mm - focus_mm(row, column));
+        Depth { y_mm, radius_mm: scene.outline.mean_radius_mm(z_mm) }
+    };
+    (window.column..window.column + window.columns).zip(own).map(of).collect()
 }
 
 fn flat_noise(params: &Params) -> FlatParams {

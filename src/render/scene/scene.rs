@@ -65,7 +65,8 @@ impl Scene {
         let pose = outline.shaft().pose;
         let lean = (pose.tilt_to_camera_mrad * 1e-3).sin().abs();
         let half_mm = 0.5 * setup.columns() as f64 * setup.pixel_mm;
-        let depth_mm = outline.largest_depth_mm() + half_mm * lean;
+        let curved_mm = setup.nominal.optics.field_curvature.map_or(0.0, |c| c.largest_mm());
+        let depth_mm = outline.largest_depth_mm() + half_mm * lean + curved_mm;
         let radius_mm = outline.mean_radii_mm();
         let esf = setup.tables.table(
             &setup.esf,

@@ -145,7 +145,8 @@ impl OpticalSetup {
         ))
     }
 
-    /// Levels in counts of the requested format.
+    /// Levels in counts of the requested format; noise and pattern are the shares that pixels have
+    /// for themselves.
     pub(crate) fn levels(&self, format: PixelFormat) -> GreyLevels {
         let nominal = &self.nominal;
         let dark = nominal.sensor.dark_signal(nominal.camera.exposure_us);
@@ -156,10 +157,10 @@ impl OpticalSetup {
             bright: nominal.light.bright_in(&nominal.sensor, self.electrons_per_count) + counts,
             black: nominal.sensor.black_level_counts + counts,
             electrons_per_count: self.electrons_per_count,
-            read_noise_e: dark.noise_e(nominal.sensor.read_noise_e),
+            read_noise_e: dark.noise_e(nominal.sensor.pixel_noise_e()),
             full_well_e: (nominal.sensor.full_well_e - dark.mean_e).max(0.0),
-            prnu: nominal.sensor.prnu_rel,
-            dsnu_e: dark.dsnu_e(nominal.sensor.dsnu_e),
+            prnu: nominal.sensor.pixel_prnu_rel(),
+            dsnu_e: dark.dsnu_e(nominal.sensor.pixel_dsnu_e()),
             hot_ppm: nominal.sensor.hot_pixels_ppm,
             hot_pixel_e: nominal.sensor.hot_pixel_e,
         }

@@ -15,12 +15,15 @@
 //! gain and quantum efficiency were not found: its gain is set so that the saturation capacity
 //! fills 12 bits above the black level, its quantum efficiency is the default; both are marked
 //! below. DSNU and PRNU enter as white patterns: the split into rows, columns and pixels is not
-//! published with them.
+//! published with them. `sensor.data_sheet = "FILE"` takes the figures from a file of results
+//! instead (`emva_results`).
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::dark_current::{DarkCurrent, DarkSignal};
+use super::readout::Readout;
+use super::spatial::SpatialShares;
 use crate::frame::PixelFormat;
 use crate::render::error::{RenderError, within};
 
@@ -31,6 +34,10 @@ pub struct Sensor {
     /// The published figures the rest was taken from, where it was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<SensorPreset>,
+    /// A file of EMVA 1288 results beside the config; its figures take its place in the resolved
+    /// config.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub data_sheet: Option<String>,
     /// Pixel format; full scale follows from it.
     pub format: PixelFormat,
     /// Electrons a count stands for, 1/K.
@@ -56,6 +63,12 @@ pub struct Sensor {
     /// Electrons that gather in the dark; absent for short exposures, where they do not count.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dark_current: Option<DarkCurrent>,
+    /// What rows and columns share of DSNU and PRNU; absent where every pixel has its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spatial: Option<SpatialShares>,
+    /// Row noise, non-linearity and cross-talk; absent for a readout without them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub readout: Option<Readout>,
 }
 
 impl Default for Sensor {
@@ -63,6 +76,7 @@ impl Default for Sensor {
     fn default() -> Self {
         Self {
             preset: None,
+            data_sheet: None,
             format: PixelFormat::Mono12,
             electrons_per_count: 2.6,
             quantum_efficiency: 0.6,
@@ -74,6 +88,8 @@ impl Default for Sensor {
             hot_pixels_ppm: 0.0,
             hot_pixel_e: 2000.0,
             dark_current: None,
+            spatial: None,
+            readout: None,
         }
     }
 }
@@ -93,7 +109,59 @@ impl Sensor {
         within("sensor.dsnu_e", self.dsnu_e, 0.0, 1e5)?;
         within("sensor.hot_pixels_ppm", self.hot_pixels_ppm, 0.0, 1e6)?;
         within("sensor.hot_pixel_e", self.hot_pixel_e, 0.0, 1e7)?;
-        self.dark_current.map_or(Ok(()), |dark| dark.check())
+        if let Some(name) = &self.data_sheet {
+            let right = "was not read: a config is loaded from a file to find the ones it names";
+            return Err(RenderError::setting("sensor.data_sheet", name, right));
+        }
+        self.dark_current.map_or(Ok(()), |dark| dark.check())?;
+        self.spatial.map_or(Ok(()), |shares| shares.check(self.dsnu_e, self.prnu_rel))?;
+        self.readout.map_or(Ok(()), |readout| readout.check(self.read_noise_e))
+    }
+
+    /// Refuses what only frames of shafts show: rows and columns that share noise or pattern, and a
+    /// readout of its own.
+    ///
+    /// # Errors
+    /// Names the table.
+    pub(crate) fn check_plain(&self) -> Result<(), RenderError> {
+        let right = "is drawn in frames of shafts only (`render`, `run`): leave it out here";
+        if self.spatial.is_some() {
+            return Err(RenderError::setting("sensor.spatial", "a table", right));
+        }
+        if self.readout.is_some() {
+            return Err(RenderError::setting("sensor.readout", "a table", right));
+        }
+        Ok(())
+    }
+
+    /// Whether a frame needs more than the noise and pattern of single pixels.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.spatial.is_none_or(|s| s.is_none()) && self.readout.is_none_or(|r| r.is_none())
+    }
+
+    /// What rows and columns share of the pattern.
+    pub(crate) fn shares(&self) -> SpatialShares {
+        self.spatial.unwrap_or_default()
+    }
+
+    /// What the readout does.
+    pub(crate) fn read_out(&self) -> Readout {
+        self.readout.unwrap_or_default()
+    }
+
+    /// The pixels' own relative gains.
+    pub(crate) fn pixel_prnu_rel(&self) -> f64 {
+        self.spatial.map_or(self.prnu_rel, |shares| shares.pixel_prnu_rel(self.prnu_rel))
+    }
+
+    /// The pixels' own offsets, electrons.
+    pub(crate) fn pixel_dsnu_e(&self) -> f64 {
+        self.spatial.map_or(self.dsnu_e, |shares| shares.pixel_dsnu_e(self.dsnu_e))
+    }
+
+    /// The pixels' own temporal dark noise, electrons.
+    pub(crate) fn pixel_noise_e(&self) -> f64 {
+        self.readout.map_or(self.read_noise_e, |readout| readout.pixel_noise_e(self.read_noise_e))
     }
 
     /// What gathers in the dark over an exposure.
@@ -174,9 +242,12 @@ impl SensorPreset {
 /// The `[sensor]` table as written: a preset and keys that override it.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, rename = "Sensor")]
-pub(super) struct SensorFile {
+pub(crate) struct SensorFile {
     /// A sensor with published EMVA 1288 figures; keys beside it override single figures.
     preset: Option<SensorPreset>,
+    /// A file of EMVA 1288 results beside the config, in the XML of the standard's reference
+    /// implementation or in YAML; keys beside it override single figures.
+    data_sheet: Option<String>,
     /// Pixel format; full scale follows from it.
     format: Option<PixelFormat>,
     /// Electrons a count stands for, 1/K.
@@ -199,13 +270,25 @@ pub(super) struct SensorFile {
     hot_pixel_e: Option<f64>,
     /// Electrons that gather in the dark.
     dark_current: Option<DarkCurrent>,
+    /// What rows and columns share of DSNU and PRNU.
+    spatial: Option<SpatialShares>,
+    /// Row noise, non-linearity and cross-talk.
+    readout: Option<Readout>,
 }
 
-impl From<SensorFile> for Sensor {
-    fn from(file: SensorFile) -> Self {
-        let base = file.preset.map_or_else(Self::default, SensorPreset::sensor);
-        Self {
+impl SensorFile {
+    /// What stands below the keys of this table: its preset, in its format.
+    pub(super) fn base(&self) -> Sensor {
+        let base = self.preset.map_or_else(Sensor::default, SensorPreset::sensor);
+        Sensor { format: self.format.unwrap_or(base.format), ..base }
+    }
+
+    /// A sensor with the keys of this table over it.
+    pub(super) fn on(self, base: Sensor) -> Sensor {
+        let file = self;
+        Sensor {
             preset: file.preset,
+            data_sheet: file.data_sheet,
             format: file.format.unwrap_or(base.format),
             electrons_per_count: file.electrons_per_count.unwrap_or(base.electrons_per_count),
             quantum_efficiency: file.quantum_efficiency.unwrap_or(base.quantum_efficiency),
@@ -217,6 +300,15 @@ impl From<SensorFile> for Sensor {
             hot_pixels_ppm: file.hot_pixels_ppm.unwrap_or(base.hot_pixels_ppm),
             hot_pixel_e: file.hot_pixel_e.unwrap_or(base.hot_pixel_e),
             dark_current: file.dark_current.or(base.dark_current),
+            spatial: file.spatial.or(base.spatial),
+            readout: file.readout.or(base.readout),
         }
+    }
+}
+
+impl From<SensorFile> for Sensor {
+    fn from(file: SensorFile) -> Self {
+        let base = file.base();
+        file.on(base)
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::illumination;
+use super::{illumination, limb};
 
 /// The class of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -54,6 +54,11 @@ pub(crate) enum Class {
     /// Light on the part from 0.9 to 1.5 times the end of the grey scale, masters below it;
     /// measured under `clipped`.
     Clipped,
+    /// Round parts of unknown material under a film, out of focus, in light half as wide as the
+    /// lens: drawn from the rows of a limb's difference.
+    LimbNarrow,
+    /// The same in light 0.85 as wide as the lens, in which focus moves the edge least.
+    LimbWide,
 }
 
 impl Class {
@@ -78,11 +83,19 @@ impl Class {
         Self::Lobes,
         Self::LowContrast,
     ];
+    /// Drawn from the rows of a limb's difference.
+    pub(crate) const LIMBS: [Self; 2] = [Self::LimbNarrow, Self::LimbWide];
     /// Outside the limits, and detectable by a residual, a blur or a clipped level.
     pub(crate) const DETECTABLE: [Self; 4] =
         [Self::Vibration, Self::LossOfFocus, Self::Overexposed, Self::OtherLight];
     /// Outside the limits, and not detectable in any frame.
     pub(crate) const UNDETECTABLE: [Self; 2] = [Self::WarmPart, Self::OtherFinish];
+
+    /// NA of the light over that of the lens before round parts: that of a collimator that half
+    /// fills the pupil, and the widest of [`Self::LIMBS`], in which focus moves the edge least.
+    pub(super) const fn coherence_of_limbs(self) -> f64 {
+        if matches!(self, Self::LimbNarrow) { 0.5 } else { 0.85 }
+    }
 
     /// The declaration of the class and its scenes, as far as they differ from the others.
     pub(crate) fn declared(self) -> String {
@@ -114,6 +127,7 @@ impl Class {
             }
             Self::WarmPart => "part 8 K warmer than stated",
             Self::OtherFinish => "edges 1 um unlike the masters', 0.05 um stated",
+            Self::LimbNarrow | Self::LimbWide => return limb::in_words(self.coherence_of_limbs()),
             Self::Clipped => "light of 0.9-1.5 times the end of the grey scale on the part",
         };
         text.to_owned()
@@ -122,6 +136,6 @@ impl Class {
     /// All of them, in the order of the tables.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let inside = Self::DRAWN.into_iter().chain(Self::DEVIATING);
-        inside.chain(Self::DETECTABLE).chain(Self::UNDETECTABLE)
+        inside.chain(Self::LIMBS).chain(Self::DETECTABLE).chain(Self::UNDETECTABLE)
     }
 }

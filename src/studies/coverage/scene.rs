@@ -10,7 +10,7 @@ use crate::gauge::{
     Calibration, Edge, EsfModel, EsfSamples, FrameEdges, Gauge, GaugeSettings, StationAverager,
 };
 use crate::render::form::form_shaft;
-use crate::render::optics::edge_spread::PartiallyCoherentEdge;
+use crate::render::optics::edge_spread::{EdgeSpread, PartiallyCoherentEdge};
 use crate::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
 use crate::render::{OpticalSetup, RenderError, Renderer};
 use crate::shaft::{Lobe, ProfileKnot, Shaft, ShaftForm, TextureForm};
@@ -22,6 +22,7 @@ use crate::truth;
 
 use super::class::Class;
 use super::illumination::{OTHER_KIND, coherent};
+use super::limb::{self, LimbPart};
 
 /// Frames of the study, px.
 const ROWS: u32 = 576;
@@ -63,12 +64,21 @@ struct Drawn {
 
 /// An edge as given to the gauge, for the nominal pixel.
 fn samples(edge: &PartiallyCoherentEdge, simulate: &SimulatedPlan) -> Result<EsfSamples, RenderError> {
-    let table = edge.edge_spread()?;
-    let nominal = SetupSettings { departures: SetupDeviations::none(), ..simulate.setup() };
+    samples_of(&edge.edge_spread()?, simulate)
+}
+
+/// A table as given to the gauge, for the nominal pixel.
+fn samples_of(table: &EdgeSpread, simulate: &SimulatedPlan) -> Result<EsfSamples, RenderError> {
+    let nominal = nominal(simulate);
     let pixel_um = 1e3 * OpticalSetup::resolve(&nominal, 0)?.pixel_mm;
     let distance_px: Vec<f64> = (-240..=240).map(|i| f64::from(i) / 20.0).collect();
     let light = distance_px.iter().map(|d| table.value(d * pixel_um)).collect();
     Ok(EsfSamples { distance_px, light })
+}
+
+/// A plan's optical setup as its data sheets state it.
+fn nominal(simulate: &SimulatedPlan) -> SetupSettings {
+    SetupSettings { departures: SetupDeviations::none(), ..simulate.setup() }
 }
 
 fn pin(name: &str, diameter_mm: f64, expanded_u_mm: f64, positions: &[Position]) -> PinPlan {
@@ -169,6 +179,7 @@ impl Setup {
                 simulate.light.field.gradient_along = 0.1 * draws.even();
             }
             Class::Defocus => conditions.limit_axis_y_mm = 2.0,
+            Class::LimbNarrow | Class::LimbWide => setup.before_limbs(class)?,
             Class::OtherLight => {
                 simulate.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: OTHER_BLUR_PX });
                 setup.in_focus();
@@ -197,6 +208,22 @@ impl Setup {
         Ok(())
     }
 
+    /// Round masters of steel in focus, parts of which only the limits of the limb's rows are known;
+    /// the gauge fits the edge of these optics before a part of the middle diameter.
+    fn before_limbs(&mut self, class: Class) -> Result<(), RenderError> {
+        let ratio = class.coherence_of_limbs();
+        let light = limb::light(ratio);
+        let in_focus = light.edge_spread(0.25 * (limb::MASTERS_MM[0] + limb::MASTERS_MM[1]), 0.0)?;
+        self.simulate.optics.esf = Esf::Cylinder(light);
+        self.in_focus();
+        self.lens.telecentricity_deg = 0.0;
+        self.gauge.esf = EsfModel::Table(samples_of(&in_focus, &self.simulate)?);
+        self.conditions.limit_edge_um = 0.0;
+        self.conditions.limit_axis_y_mm = limb::LIMIT_DEPTH_MM;
+        self.conditions.limb = Some(limb::difference(ratio, &nominal(&self.simulate), &self.gauge)?);
+        Ok(())
+    }
+
     /// Masters and part in the plane of best focus, with the planned blur.
     fn in_focus(&mut self) {
         self.simulate.departures.blur_rel = 0.0;
@@ -222,7 +249,7 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError
         thermometer,
         conditions,
         fields: Fields::default(),
-        masters: [("small", 4.0), ("large", 6.6)]
+        masters: [("small", limb::MASTERS_MM[0]), ("large", limb::MASTERS_MM[1])]
             .map(|(name, mm)| pin(name, mm, u_certificate, &positions))
             .to_vec(),
         check: None,
@@ -246,6 +273,9 @@ struct Planned {
     laid: Laid,
     /// Light on the part over the end of the grey scale, for [`Class::Clipped`].
     overexposure: Option<f64>,
+    /// Surface of the part and distance of its axis from the plane of focus, mm, for
+    /// [`Class::LIMBS`].
+    limb: Option<(LimbPart, f64)>,
     seed: u64,
 }
 
@@ -255,8 +285,12 @@ impl Planned {
         let drawn = draw(class, seed, &mut draws)?;
         let overexposure = (class == Class::Clipped).then(|| 1.2 + 0.3 * draws.even());
         let d20_mm = 5.3 + 1.5 * draws.even();
-        let laid = lay(&drawn, d20_mm, seed, &mut draws)?;
-        Ok(Self { drawn, d20_mm, laid, overexposure, seed })
+        let surface = Class::LIMBS.contains(&class).then(|| LimbPart::draw(&mut draws));
+        let film_mm = surface.map_or(0.0, |part| 2e-3 * part.film_um);
+        let mut laid = lay(&drawn, d20_mm + film_mm, seed, &mut draws)?;
+        // The limb's own table is that of its depth: one a scene in place of a stack.
+        let limb = surface.map(|part| (part, std::mem::take(&mut laid.y_mm)));
+        Ok(Self { drawn, d20_mm, laid, overexposure, limb, seed })
     }
 
     /// The setup that looks at the part: the masters' own but for the light.
@@ -267,6 +301,11 @@ impl Planned {
     ) -> Result<SimulatedSetup<'a>, CalibrateError> {
         if self.drawn.class == Class::OtherLight {
             return in_other_light(&self.drawn, self.seed, renderer);
+        }
+        if let Some((part, y_mm)) = self.limb {
+            return changed(&self.drawn, self.seed, renderer, |simulate| {
+                simulate.optics.esf = part.seen_in(&simulate.optics.esf, y_mm);
+            });
         }
         let Some(times) = self.overexposure else { return Ok(recordings.into_setup()) };
         let light = |simulate: &mut SimulatedPlan| simulate.light.bright_counts = 4095.0 * times;

@@ -61,3 +61,27 @@ fn intervals_hold_under_clipped_light() {
 fn intervals_hold_under_clipped_light_in_2000_scenes() {
     clipped_scenes_are_covered(2000);
 }
+
+/// Round parts of unknown material, film and depth: the rows of their limbs cover them.
+fn limbs_are_covered(scenes: usize) {
+    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
+    for class in Class::LIMBS {
+        let c = class_figures(class, scenes, 7, &renderer, &|| {}).unwrap();
+        println!("{class:?}: {c:?}");
+        assert!(c.flagged <= 0.05, "{class:?} {c:?}");
+        let slack = 3.0 * (0.95 * 0.05 / scenes as f64).sqrt();
+        assert!((0.93 - slack..=0.97 + slack).contains(&c.covered), "{class:?} {c:?}");
+        assert!(c.half_over_p95() <= 1.3 + 3.0 * slack, "{class:?} {c:?}");
+    }
+}
+
+#[test]
+fn round_parts_of_unknown_surface_and_depth_are_covered() {
+    limbs_are_covered(16);
+}
+
+#[test]
+#[ignore = "4000 scenes: minutes"]
+fn round_parts_of_unknown_surface_and_depth_are_covered_in_4000_scenes() {
+    limbs_are_covered(2000);
+}

@@ -1,5 +1,6 @@
 //! Partially coherent edge: the image of an opaque half plane through a telecentric lens with a
-//! circular pupil, lit by a circular source of S = NA_illumination/NA_lens.
+//! circular pupil, lit by a circular source of S = NA_illumination/NA_lens, of one wavelength or a
+//! LED's band.
 //!
 //! S = 0 is coherent (collimated light), S = ∞ incoherent. Scalar and paraxial (NA below 0.2), no
 //! aberration except defocus. In focus the light at the true edge is 0.250 (S = 0), 0.2573 (0.5),
@@ -27,6 +28,20 @@ const TOLERANCE: f64 = 1e-6;
 const NODES: usize = 16;
 const PANEL_PHASE: f64 = 6.0;
 
+/// Width of a Gaussian at half its height in its standard deviation, 2√(2 ln 2).
+const FWHM: f64 = 2.354_820_045;
+
+/// Rule of Gauss and Hermite for a normal distribution: places in σ and weights. A LED's band is
+/// taken as Gaussian; its image depends on λ so smoothly that five are exact to 1e-5 of full light
+/// at a tenth of the wavelength.
+const BAND: [(f64, f64); 5] = [
+    (-2.856_970_013_872_806, 0.011_257_411_327_720_7),
+    (-1.355_626_179_974_266, 0.222_075_922_005_612_6),
+    (0.0, 0.533_333_333_333_333_3),
+    (1.355_626_179_974_266, 0.222_075_922_005_612_6),
+    (2.856_970_013_872_806, 0.011_257_411_327_720_7),
+];
+
 /// Coherent light below this S, incoherent above [`INCOHERENT`]: the table differs by less than
 /// 1e-5 there.
 const COHERENT: f64 = 1e-3;
@@ -41,8 +56,11 @@ pub struct PartiallyCoherentEdge {
     pub na: f64,
     /// S = NA of the light over NA of the lens: 0 coherent, above 1000 incoherent.
     pub coherence_ratio: f64,
-    /// Wavelength, nm.
+    /// Wavelength, nm; the middle of the band of a LED.
     pub wavelength_nm: f64,
+    /// Width of a LED's band at half its height, nm; 0 for one wavelength.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub bandwidth_nm: f64,
     /// Distance of the edge from the plane of focus, mm; the sign does not matter.
     pub defocus_mm: f64,
     /// Reach of the table to either side of the edge, in λ/NA; beyond it the light is level.
@@ -58,11 +76,16 @@ impl Default for PartiallyCoherentEdge {
             na: 0.02,
             coherence_ratio: 0.5,
             wavelength_nm: 525.0,
+            bandwidth_nm: 0.0,
             defocus_mm: 0.0,
             reach: 20.0,
             extra_sigma_um: 0.0,
         }
     }
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl PartiallyCoherentEdge {
@@ -74,6 +97,12 @@ impl PartiallyCoherentEdge {
         within("optics.esf.partially_coherent.numerical_aperture", self.na, 1e-4, 0.5)?;
         within("optics.esf.partially_coherent.coherence_ratio", self.coherence_ratio, 0.0, 1e6)?;
         within("optics.esf.partially_coherent.wavelength_nm", self.wavelength_nm, 100.0, 20_000.0)?;
+        within(
+            "optics.esf.partially_coherent.bandwidth_nm",
+            self.bandwidth_nm,
+            0.0,
+            0.4 * self.wavelength_nm,
+        )?;
         within("optics.esf.partially_coherent.reach", self.reach, 2.0, 200.0)?;
         within("optics.esf.partially_coherent.extra_sigma_um", self.extra_sigma_um, 0.0, 1e4)?;
         // Geometric blur of 2·z·λ/NA has to stay within the reach.
@@ -111,11 +140,13 @@ impl PartiallyCoherentEdge {
 
     fn computed(&self) -> Result<EdgeSpread, RenderError> {
         let unit = self.unit_um();
-        let waves = Waves::new(self.coherence_ratio, self.defocus(), self.reach);
+        let band = self.band();
         let reach = self.reach * unit;
         let table = EdgeSpread::tabulate(-reach, reach, TOLERANCE, |d| {
-            let (value, slope) = waves.at(d / unit);
-            (value, slope / unit)
+            band.iter().fold((0.0, 0.0), |(sum, steepness), (unit, share, waves)| {
+                let (value, slope) = waves.at(d / unit);
+                (sum + share * value, steepness + share * slope / unit)
+            })
         })?;
         if self.extra_sigma_um == 0.0 {
             return Ok(table);
@@ -123,6 +154,22 @@ impl PartiallyCoherentEdge {
         // The trapezoidal rule samples the table's finest ring, λ/2NA, at twelve points.
         let nodes = 41 + (12.5 * 24.0 * self.extra_sigma_um / unit).ceil() as usize;
         table.spread(&Shifts::gaussian(self.extra_sigma_um, nodes), TOLERANCE)
+    }
+}
+
+impl PartiallyCoherentEdge {
+    /// λ/NA (µm), share of the light and image of each wavelength of the band.
+    fn band(&self) -> Vec<(f64, f64, Waves)> {
+        let one = |wavelength_nm: f64, share: f64| {
+            let at = Self { wavelength_nm, ..self.clone() };
+            let reach = self.reach * self.wavelength_nm / wavelength_nm;
+            (at.unit_um(), share, Waves::new(self.coherence_ratio, at.defocus(), reach))
+        };
+        if self.bandwidth_nm == 0.0 {
+            return vec![one(self.wavelength_nm, 1.0)];
+        }
+        let sigma_nm = self.bandwidth_nm / FWHM;
+        BAND.iter().map(|(x, share)| one(self.wavelength_nm + x * sigma_nm, *share)).collect()
     }
 }
 

@@ -6,14 +6,16 @@
 //!
 //! `shift` fits the gauge's edge to the image of a limb; `comparison` takes the masters' line off
 //! and gives each cause its limits; `effects` varies one quantity at a time, `advice` states what
-//! of it a buyer of a lens can choose.
+//! of it a buyer of a lens can choose; `of_run` is the difference that `run` corrects by.
 
 mod advice;
 mod comparison;
 mod effects;
+mod of_run;
 mod shift;
 
 pub(crate) use advice::FocusOfRatio;
 pub(crate) use comparison::{Comparison, Surfaces, Texture, compare};
 pub(crate) use effects::{Effect, EffectKind, EffectPoint, LimbEffects, effects};
+pub(crate) use of_run::limb_of_run;
 pub(crate) use shift::{FittedEdge, LimbHead};

@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use crate::render::optics::edge_spread::CylinderEdge;
-use crate::render::settings::{Esf, GaussianEsf, Optics};
+use crate::render::settings::{Esf, GaussianEsf, Optics, SetupSettings};
 use crate::studies::head::bound::GreyLevels;
 use crate::studies::head::displacement::displacement;
 use crate::studies::head::edge::{EdgeOptics, OpticalEdge};
@@ -50,6 +50,23 @@ impl LimbHead {
         let template = fitted.template(&optics, pixel_mm, diameter_mm, half_px)?;
         let lens = lens_of(&optics)?;
         Ok(Self { lens, diameter_mm, optics, fitted, pixel_mm, half_px, levels: head.levels, template })
+    }
+
+    /// Nominal optics and levels before a part, and the edge that its gauge fits over `half_px`
+    /// pixels either side.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(crate) fn before(
+        setup: &SetupSettings,
+        diameter_mm: f64,
+        half_px: usize,
+        fitted: FittedEdge,
+    ) -> Result<Self, HeadError> {
+        let (pixel_mm, optics) = (setup.nominal_pixel_mm(), setup.optics.clone());
+        let template = fitted.template(&optics, pixel_mm, diameter_mm, half_px)?;
+        let (lens, levels) = (lens_of(&optics)?, GreyLevels::of(setup));
+        Ok(Self { lens, diameter_mm, optics, fitted, pixel_mm, half_px, levels, template })
     }
 
     /// The same head with light of another aperture, and the edge that its gauge would fit then.

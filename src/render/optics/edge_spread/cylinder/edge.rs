@@ -146,6 +146,7 @@ impl CylinderEdge {
             na: self.na,
             coherence_ratio: self.coherence_ratio,
             wavelength_nm: self.wavelength_nm,
+            bandwidth_nm: 0.0,
             defocus_mm: self.defocus_mm,
             reach: self.reach,
             extra_sigma_um: self.extra_sigma_um,
