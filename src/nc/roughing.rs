@@ -118,7 +118,7 @@ impl Roughing<'_> {
             let z = a.y + (b.y - a.y) * (x_mm - a.x) / (b.x - a.x);
             match open.take() {
                 Some((entry, from)) if from - z > SHORT_MM => {
-                    levels.push(Level { entry, x_mm, z_mm: (from, z) })
+                    levels.push(Level { entry, x_mm, z_mm: (from, z) });
                 }
                 Some(_) => {}
                 None => open = Some((down(corners, i, DVec2::new(x_mm, z), above_mm), z)),

@@ -40,7 +40,7 @@ pub(crate) fn shaft_corners(outline: &Outline) -> Result<Vec<ContourPoint>, Part
             points
                 .push(corner(if closes { piece.to * DVec2::new(FACE_SHARE, 1.0) } else { piece.from }, 0.0));
         }
-        if !arc(behind) && !(closes && behind.is_none()) {
+        if !(arc(behind) || closes && behind.is_none()) {
             points.push(corner(piece.to, 0.0));
         }
         if closes && behind.is_none() && arc(before) {

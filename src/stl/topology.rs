@@ -28,7 +28,7 @@ pub(super) fn checked(mesh: &mut Mesh) -> Result<(), ModelFault> {
             [a, b] if a.2 != b.2 => shells.join(a.3, b.3),
             // an open edge explains what stands beside it
             [_] if first.is_none_or(|(kind, _)| kind != FaultKind::Open) => {
-                first = Some((FaultKind::Open, shared))
+                first = Some((FaultKind::Open, shared));
             }
             [a, b] if first.is_none() && a.2 == b.2 => first = Some((FaultKind::Orientation, shared)),
             [_, _, _, ..] if first.is_none() => first = Some((FaultKind::NonManifold, shared)),

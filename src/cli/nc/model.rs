@@ -105,8 +105,9 @@ fn refused(args: &NcArgs, tool: &ModelTool, error: PartProgramError) -> Failure 
 /// What was read, and what stays, on the log.
 fn report(model: &TurnedPart, written: &PartProgram) {
     tracing::info!(
-        "{} facets, {} turns on the outside, scatter {:.3} µm, outline within {:.3} µm, {} lines and arcs",
+        "{} facets, {:.3} mm long, {} turns on the outside, scatter {:.3} µm, outline within {:.3} µm, {} lines and arcs",
         model.facets,
+        model.length_mm,
         model.turns,
         1e3 * model.scatter_mm,
         1e3 * model.departure_mm,
@@ -130,6 +131,19 @@ fn report(model: &TurnedPart, written: &PartProgram) {
             recess.z_mm
         );
     }
+    report_left(written);
+    if let Some(largest) = written.largest {
+        tracing::info!(
+            "largest remainder on what the tool reaches: {:+.3} µm at Ø{:.3} Z {:.3} mm",
+            largest.left_um,
+            largest.diameter_mm,
+            largest.z_mm
+        );
+    }
+}
+
+/// What stays on the part, and of what the tool cannot cut.
+fn report_left(written: &PartProgram) {
     for place in &written.places {
         let why = match place.reason {
             Reason::Grip => "in the grip",
@@ -160,14 +174,6 @@ fn report(model: &TurnedPart, written: &PartProgram) {
                 );
             }
         }
-    }
-    if let Some(largest) = written.largest {
-        tracing::info!(
-            "largest remainder on what the tool reaches: {:+.3} µm at Ø{:.3} Z {:.3} mm",
-            largest.left_um,
-            largest.diameter_mm,
-            largest.z_mm
-        );
     }
 }
 

@@ -25,8 +25,6 @@ pub(crate) struct Land {
     pub depth_um: Vec<f64>,
     /// Its standard uncertainty in every column, µm.
     pub u_um: Vec<f64>,
-    /// Probability of land of every pixel from the reference down.
-    pub probability: Raster,
 }
 
 /// Finds the border in a strip; `inside` are the rows of each column within the image.
@@ -39,7 +37,6 @@ pub(crate) fn land(strip: &Raster, frame: &Frame, inside: &[usize], forest: &For
     Land {
         depth_um: path.iter().map(|v| *v as f64 * row_um).collect(),
         u_um: spread.iter().map(|s| (s * row_um).hypot(row_um / 12f64.sqrt())).collect(),
-        probability,
     }
 }
 

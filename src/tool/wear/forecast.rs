@@ -101,7 +101,7 @@ fn fit(readings: &[(f64, f64, f64)], scatter_um: f64) -> Option<(Line, f64)> {
 impl Line {
     /// Fieller's interval of the place at which the line reaches a limit.
     fn fieller(&self, limit: f64, t: f64) -> [Option<f64>; 2] {
-        let v = &self.covariance * (t * t);
+        let v = self.covariance * (t * t);
         let d = self.a - limit;
         let (qa, qb, qc) = (self.b * self.b - v[(1, 1)], self.b * d - v[(0, 1)], d * d - v[(0, 0)]);
         let root = qb * qb - qa * qc;

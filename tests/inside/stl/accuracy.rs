@@ -67,7 +67,7 @@ fn lines_and_arcs_that_are_tangent_stay_so() {
     for pair in part.outline.pieces.windows(2).filter(|w| w[0].arc.is_some() || w[1].arc.is_some()) {
         let turn = (pair[1].from_rad - pair[0].to_rad).abs();
         // the end face joins the convex arc, the cylinders and the shoulder both
-        assert!(turn < 1e-12 || turn > 0.1, "{turn}");
+        assert!(!(1e-12..=0.1).contains(&turn), "{turn}");
         assert!(pair[0].to == pair[1].from);
     }
 }
@@ -181,7 +181,7 @@ fn turns_along_lines_are_lines_and_a_curve_keeps_to_its_tolerance() {
 fn a_ball_is_one_arc() {
     let at = |k: u32| {
         let a = std::f64::consts::PI * f64::from(k) / 24.0;
-        DVec2::new(if k % 24 == 0 { 0.0 } else { 15.0 * a.sin() }, 15.0 - 15.0 * a.cos())
+        DVec2::new(if k.is_multiple_of(24) { 0.0 } else { 15.0 * a.sin() }, 15.0 - 15.0 * a.cos())
     };
     let part =
         read(&binary(&placed(&Body::turned(&(0..=24).map(at).collect::<Vec<_>>(), 48).triangles(), pose())));
