@@ -30,7 +30,7 @@ const COMPOSITION: [&str; 9] = [
     "part_program",
     "studies",
 ];
-const SURFACE: [&str; 7] = ["files", "config", "run_folder", "report", "publish", "cli", "main"];
+const SURFACE: [&str; 8] = ["files", "config", "run_folder", "store", "report", "publish", "cli", "main"];
 /// The instrument must not import the simulation or the truth.
 const INSTRUMENT: [&str; 5] = ["gauge", "probe", "control", "nc", "source"];
 /// The closed loop takes anyone's cell: it must not import the simulator, which is a feature.
@@ -51,7 +51,7 @@ const ROOMS: [(&str, &str); 4] = [
     ),
     (
         "cli",
-        "failure process terminal input_output calibration_plan schema new completions man optics measure calibrate render watch publish doctor run demo \
+        "failure process terminal input_output calibration_plan store schema new completions man optics measure calibrate render watch publish doctor run demo \
          nc tool optimize reproduce study reference",
     ),
 ];

@@ -318,3 +318,66 @@ fn a_full_or_closed_stdout_is_no_panic() {
         assert_eq!(status.code(), Some(3), "{arguments:?}");
     }
 }
+
+/// A store after kills: `store check` and the passes that it lists.
+fn stored_passes(store: &str) -> Vec<u32> {
+    let checked = shadowgauge(["store", "check", store]);
+    assert!(checked.status.success(), "{}{}", text(&checked.stdout), stderr(&checked));
+    let listed = text(&shadowgauge(["store", "list", store, "--json"]).stdout);
+    let pass =
+        |line: &str| serde_json::from_str::<serde_json::Value>(line).unwrap()["pass"].as_u64().unwrap();
+    let mut passes: Vec<u32> = listed.lines().map(|line| pass(line) as u32).collect();
+    passes.dedup();
+    passes
+}
+
+#[test]
+fn every_pass_of_a_run_that_is_killed_again_and_again_is_stored_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = write(folder.path(), "small.toml", SMALL);
+    let store = folder.path().join("store.sqlite").to_string_lossy().into_owned();
+    let out = folder.path().join("out").to_string_lossy().into_owned();
+    let arguments = [
+        "run",
+        &config,
+        "--out",
+        &out,
+        "--backend",
+        "cpu",
+        "--no-reference",
+        "--store",
+        &store,
+        "--by",
+        "Ada",
+    ];
+    let mut survived = Vec::new();
+    for kill_after_ms in [30, 120, 250, 400, 600] {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(arguments).spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(kill_after_ms));
+        // a run that is finished meanwhile has nothing left to kill
+        let _ = (program.kill(), program.wait());
+        if Path::new(&store).metadata().is_ok_and(|file| file.len() > 0) {
+            let now = stored_passes(&store);
+            assert!(now.starts_with(&survived), "{survived:?} were acknowledged, {now:?} are there");
+            survived = now;
+        }
+    }
+    let finished = shadowgauge(arguments);
+    let done = finished.status.success() || stderr(&finished).contains("finished");
+    assert!(done, "{}", stderr(&finished));
+    assert_eq!(stored_passes(&store), [1, 2]);
+}
+
+#[test]
+fn a_store_that_is_none_is_refused_before_a_run_or_a_measurement_begins() {
+    let folder = tempfile::tempdir().unwrap();
+    let notes = write(folder.path(), "notes.txt", &"a text that is no database\n".repeat(40));
+    let refused = run_small(folder.path(), "out", &["--store", &notes]);
+    assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+    assert!(stderr(&refused).contains("no SQLite database"), "{}", stderr(&refused));
+    let absent = folder.path().join("absent.sqlite").to_string_lossy().into_owned();
+    for command in [["store", "check", &absent], ["store", "list", &absent], ["store", "export", &absent]] {
+        assert_eq!(shadowgauge(command).status.code(), Some(2));
+    }
+    assert!(!Path::new(&absent).exists(), "a command that reads has made a store");
+}

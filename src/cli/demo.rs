@@ -10,6 +10,7 @@ use super::failure::{CommandResult, Failure, Outcome};
 use super::process::interrupt;
 use super::run::frames_from::FramesFrom;
 use super::run::{Execution, execute};
+use super::store::args::StoreArgs;
 
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
@@ -36,7 +37,11 @@ pub(crate) fn run(args: &DemoArgs) -> CommandResult {
         args.out.display()
     ));
     let from = FramesFrom::simulation(args.backend)?;
-    let finished = execute(&job, &args.out, &Execution { from: &from, reference: true, record: None })?;
+    let finished = execute(
+        &job,
+        &args.out,
+        &Execution { from: &from, reference: true, record: None, store: &StoreArgs::default() },
+    )?;
     say!("{}", finished.to_table());
     say_line!("report: {}", args.out.join("report.html").display());
     Ok(Outcome::Done)

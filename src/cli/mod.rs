@@ -34,6 +34,7 @@ mod render;
 mod reproduce;
 mod run;
 mod schema;
+mod store;
 mod study;
 mod tool;
 mod watch;
@@ -108,6 +109,9 @@ commands! {
     /// The nose of a turning tool, and what it does to a part.
     #[command(subcommand)]
     Tool(tool::ToolCommand) => tool::run,
+    /// What a store of runs and measurements holds.
+    #[command(subcommand)]
+    Store(store::StoreCommand) => store::run,
     /// Measurements over the stages.
     #[command(subcommand)]
     Study(study::Study) => study::run,

@@ -59,6 +59,7 @@ mod run_truth;
 mod settled;
 mod stepped;
 mod stl;
+mod store;
 mod tool;
 mod uncertainty;
 #[cfg(feature = "camera")]

@@ -8,6 +8,8 @@ use std::time::SystemTime;
 use super::csv_file::DiameterRows;
 use super::edges_file::claim_output;
 use crate::cli::failure::Failure;
+use crate::cli::store::args::StoreArgs;
+use crate::cli::store::measured::MeasuredStore;
 use crate::files::{OpenOutput, OutputFile};
 use crate::frame::Frame;
 use crate::gauge::Calibration;
@@ -26,14 +28,20 @@ pub(crate) struct LeavesArgs {
     /// why, calibration, budget; it needs nothing beside it and prints on A4.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    store: StoreArgs,
 }
 
 impl LeavesArgs {
     /// The first option given, if any.
     pub(super) fn given(&self) -> Option<&'static str> {
-        [(self.csv.is_some(), "--csv"), (self.report.is_some(), "--report")]
-            .into_iter()
-            .find_map(|(given, name)| given.then_some(name))
+        [
+            (self.csv.is_some(), "--csv"),
+            (self.report.is_some(), "--report"),
+            (self.store.file().is_some(), "--store"),
+        ]
+        .into_iter()
+        .find_map(|(given, name)| given.then_some(name))
     }
 
     /// Whether a report is asked for, which shows a budget.
@@ -72,6 +80,7 @@ pub(super) struct MeasuredBy<'a> {
 pub(super) struct Leaves {
     csv: Option<DiameterRows<OpenOutput>>,
     report: Option<(OutputFile, MeasureReport)>,
+    store: Option<MeasuredStore>,
     is_stdout: bool,
     is_stream: bool,
     shows_budgets: bool,
@@ -111,6 +120,10 @@ impl Leaves {
                 settings: by.settings,
             })
         });
+        let store = match (args.store.open()?, calibration) {
+            (Some(store), Some(calibration)) => Some(MeasuredStore::begin(store, inputs.named, calibration)?),
+            _ => None,
+        };
         let is_stdout = csv.iter().chain(&report).any(OutputFile::is_stdout);
         let begin = |file: OutputFile| {
             DiameterRows::begin(file.begin()?, by.settings.factor_of_means()).map_err(Failure::fail)
@@ -118,6 +131,7 @@ impl Leaves {
         Ok(Self {
             csv: csv.map(begin).transpose()?,
             report: report.zip(page),
+            store,
             is_stdout,
             is_stream: inputs.is_stream,
             shows_budgets: by.shows_budgets,
@@ -143,6 +157,9 @@ impl Leaves {
         if let Some((_, report)) = &mut self.report {
             report.add(stream.measurement(), frame);
         }
+        if let Some(store) = &mut self.store {
+            store.add(stream.measurement())?;
+        }
         if !self.shows_budgets {
             stream.leave_out_budget();
         }
@@ -162,6 +179,9 @@ impl Leaves {
         if let Some(mut rows) = self.csv {
             rows.flush().map_err(|error| rows.failed(error.into()))?;
             rows.finish().map_err(Failure::fail)?.finish()?;
+        }
+        if let Some(mut store) = self.store {
+            store.finish()?;
         }
         if let Some((file, html)) = page {
             file.write(html.as_bytes())?;

@@ -27,6 +27,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge run my.toml --out out/plain --passes 2 --no-reference --json",
             "shadowgauge run my.toml --out out/part --record frames",
             "shadowgauge run configs/wire_loop.toml --out out/wire",
+            "shadowgauge run my.toml --out out/my --store gauge.sqlite --by Ada",
         ],
     ),
     (
@@ -164,6 +165,11 @@ const EXAMPLES: &[Examples] = &[
         ],
     ),
     ("tool train", &["shadowgauge tool train labelled --um-per-px 1.725 --out flanks.forest --seed 1"]),
+    ("store check", &["shadowgauge store check gauge.sqlite", "shadowgauge store check gauge.sqlite --json"]),
+    ("store export", &["shadowgauge store export gauge.sqlite --out gauge.jsonl"]),
+    ("store import", &["shadowgauge store import copy.sqlite gauge.jsonl"]),
+    ("store list", &["shadowgauge store list gauge.sqlite --from 2026-03-01 --to 2026-03-31"]),
+    ("store prune", &["shadowgauge store prune gauge.sqlite --before 2025-01-01 --by Ada"]),
     (
         "tool compensate",
         &[

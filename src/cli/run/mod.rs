@@ -35,6 +35,7 @@ use self::frames_from::FramesFrom;
 use self::recorder::{Recorded, Recorder};
 use crate::cli::failure::{CommandResult, Failure, folder_failure};
 use crate::cli::process::interrupt;
+use crate::cli::store::args::StoreArgs;
 
 /// Folder of the uncontrolled run below the controlled one.
 pub(crate) const REFERENCE_FOLDER: &str = "without_control";
@@ -72,6 +73,8 @@ pub(crate) struct RunArgs {
     json: bool,
     #[command(flatten)]
     model: model::ModelArgs,
+    #[command(flatten)]
+    store: StoreArgs,
 }
 
 /// Runs the job of a config file.
@@ -89,7 +92,8 @@ pub(crate) fn run(args: &RunArgs) -> CommandResult {
     let from = FramesFrom::source(&job, &args.config, &|e| refused(args, e))?;
     let from = from.map_or_else(|| FramesFrom::simulation(args.backend), Ok)?;
     let record = args.record.as_deref().map(|path| claim_record(&job, &from, path)).transpose()?;
-    let how = Execution { from: &from, reference: !args.no_reference, record: record.as_ref() };
+    let how =
+        Execution { from: &from, reference: !args.no_reference, record: record.as_ref(), store: &args.store };
     let finished = execute(&job, &args.out, &how)?;
     if let Some(record) = record {
         record.finish()?;
@@ -171,6 +175,8 @@ pub(crate) struct Execution<'a> {
     pub(crate) reference: bool,
     /// Where its frames are written.
     pub(crate) record: Option<&'a OutputFolder>,
+    /// Where its passes are stored.
+    pub(crate) store: &'a StoreArgs,
 }
 
 /// Writes what the displacement probe of `[machine]` indicates of the passes whose truth is known.
@@ -240,7 +246,9 @@ fn run_both(
 ) -> Result<(Recorded, Option<RunFolder>), Failure> {
     std::thread::scope(|scope| {
         let beside = reference.then(|| scope.spawn(|| run_reference(job, folder.path(), how.from)));
-        let main = Recorder::new(job, folder, how.from, how.record).and_then(|recorder| recorder.run(true));
+        let main = Recorder::new(job, folder, how.from, how.record)
+            .and_then(|recorder| recorder.with_store(how.store.open()?))
+            .and_then(|recorder| recorder.run(true));
         let beside = beside.map(|thread| {
             thread.join().unwrap_or_else(|_| Err(Failure::fail("the run without control broke off")))
         });

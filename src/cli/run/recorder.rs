@@ -13,12 +13,14 @@ use crate::gauge::diameter::sections::PartForm;
 use crate::job::Job;
 use crate::plan::Decision;
 use crate::run_folder::{AxisRow, PassRow, RunFolder, SectionResults, profile_of};
+use crate::store::Store;
 
 use super::frames_from::FramesFrom;
 use super::recording::RecordingCell;
 use super::tables::RunTables;
 use super::waiting::Waiting;
 use crate::cli::failure::{Failure, folder_failure};
+use crate::cli::store::of_run::{PassTables, RunStore};
 use crate::cli::terminal::progress;
 
 /// The results of a recorded run in memory.
@@ -52,6 +54,7 @@ pub(crate) struct Recorder<'a> {
     chain: ClosedLoop<'a>,
     run_id: String,
     tables: RunTables,
+    store: Option<RunStore>,
 }
 
 impl<'a> Recorder<'a> {
@@ -89,7 +92,33 @@ impl<'a> Recorder<'a> {
         folder.write("calibration.json", json.as_bytes()).map_err(folder_failure)?;
         resume(&mut chain, &mut tables)?;
         let run_id = crate::config::hash(job).map_err(Failure::fail)?.chars().take(12).collect();
-        Ok(Self { job, folder, from, chain, run_id, tables })
+        Ok(Self { job, folder, from, chain, run_id, tables, store: None })
+    }
+
+    /// Stores the passes, too: those of an unfinished run at once.
+    ///
+    /// # Errors
+    /// As the store refuses.
+    pub(crate) fn with_store(mut self, store: Option<Store>) -> Result<Self, Failure> {
+        let begin = |store| {
+            let calibration =
+                serde_json::to_string(&self.from.bound(self.chain.calibration())).map_err(Failure::fail)?;
+            RunStore::begin(store, self.job, &calibration)
+        };
+        self.store = store.map(begin).transpose()?;
+        self.acknowledge()?;
+        Ok(self)
+    }
+
+    /// Stores what the tables hold and the store does not.
+    fn acknowledge(&mut self) -> Result<(), Failure> {
+        let tables = PassTables {
+            passes: &self.tables.passes,
+            stations: &self.tables.stations,
+            offsets: &self.tables.offsets,
+            control: &self.tables.control,
+        };
+        self.store.as_mut().map_or(Ok(0), |store| store.acknowledge(&tables)).map(|_| ())
     }
 
     /// Runs the remaining passes; `shown` shows a bar on a terminal.
@@ -131,6 +160,7 @@ impl<'a> Recorder<'a> {
             seconds.push((result.render.as_secs_f64(), result.gauge.as_secs_f64()));
             self.tables.add(&result, &self.chain);
             self.tables.write(self.folder, &self.run_id)?;
+            self.acknowledge()?;
             self.write_timings(&seconds)?;
             form = Some(result.form);
             sample = result.sample.or(sample);

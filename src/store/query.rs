@@ -1,0 +1,90 @@
+//! Reading: stations by the time of their pass.
+
+use rusqlite::params;
+use serde::Serialize;
+
+use super::database::Store;
+use super::error::StoreError;
+use super::row::StationToStore;
+use super::utc::Utc;
+
+/// A station with what it belongs to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct StoredRow {
+    /// When its pass was stored, ISO 8601.
+    pub utc: String,
+    /// Key of its run.
+    pub run: String,
+    /// Name of its run.
+    pub name: String,
+    /// Its pass, from 1.
+    pub pass: u32,
+    /// Name of its frame, of a measurement.
+    pub frame: Option<String>,
+    /// The station.
+    #[serde(flatten)]
+    pub station: StationToStore,
+}
+
+/// Passes and stations of a store.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct Counts {
+    /// Runs.
+    pub runs: i64,
+    /// Passes.
+    pub passes: i64,
+    /// Stations.
+    pub stations: i64,
+}
+
+impl Store {
+    /// Calls `each` with the stations of passes stored from `from` on and before `to`, by time, and
+    /// along the part.
+    ///
+    /// # Errors
+    /// A store that is busy or damaged.
+    pub(crate) fn stations_between(
+        &self,
+        from: Utc,
+        to: Utc,
+        mut each: impl FnMut(StoredRow),
+    ) -> Result<(), StoreError> {
+        let mut read = || {
+            let sql = "SELECT p.utc_ms, r.key, r.name, p.pass, p.name, s.z_mm, s.nominal_mm, s.d_mm, s.u_mm, s.flag \
+                       FROM passes p JOIN runs r ON r.id = p.run JOIN stations s ON s.pass = p.id \
+                       WHERE p.utc_ms >= ?1 AND p.utc_ms < ?2 ORDER BY p.utc_ms, p.id, s.station";
+            let mut query = self.db.prepare_cached(sql)?;
+            let mut rows = query.query(params![from.0, to.0])?;
+            while let Some(row) = rows.next()? {
+                each(StoredRow {
+                    utc: Utc(row.get(0)?).to_string(),
+                    run: row.get(1)?,
+                    name: row.get(2)?,
+                    pass: row.get(3)?,
+                    frame: row.get(4)?,
+                    station: StationToStore {
+                        z_mm: row.get(5)?,
+                        nominal_mm: row.get(6)?,
+                        d_mm: row.get(7)?,
+                        u_mm: row.get(8)?,
+                        flag: row.get(9)?,
+                    },
+                });
+            }
+            Ok(())
+        };
+        read().map_err(|e: rusqlite::Error| self.failure(&e))
+    }
+
+    /// How much it holds.
+    ///
+    /// # Errors
+    /// As [`Self::stations_between`].
+    pub(crate) fn counts(&self) -> Result<Counts, StoreError> {
+        let count =
+            |table: &str| self.db.query_row(&format!("SELECT count(*) FROM {table}"), [], |row| row.get(0));
+        let read =
+            || Ok(Counts { runs: count("runs")?, passes: count("passes")?, stations: count("stations")? });
+        read().map_err(|e: rusqlite::Error| self.failure(&e))
+    }
+}
