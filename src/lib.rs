@@ -96,6 +96,8 @@ pub(crate) mod publish;
 pub(crate) mod report;
 #[cfg(feature = "report")]
 pub(crate) mod run_folder;
+#[cfg(feature = "serve")]
+pub(crate) mod serve;
 #[cfg(feature = "store")]
 pub(crate) mod store;
 

@@ -34,6 +34,7 @@ mod render;
 mod reproduce;
 mod run;
 mod schema;
+mod serve;
 mod store;
 mod study;
 mod tool;
@@ -109,6 +110,8 @@ commands! {
     /// The nose of a turning tool, and what it does to a part.
     #[command(subcommand)]
     Tool(tool::ToolCommand) => tool::run,
+    /// Serve a page with runs, history and a live source, on this machine.
+    Serve(serve::ServeArgs) => serve::run,
     /// What a store of runs and measurements holds.
     #[command(subcommand)]
     Store(store::StoreCommand) => store::run,

@@ -56,6 +56,7 @@ mod render_shaders;
 mod render_shaft;
 mod ring_measure;
 mod run_truth;
+mod serve;
 mod settled;
 mod stepped;
 mod stl;

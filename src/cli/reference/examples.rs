@@ -165,6 +165,13 @@ const EXAMPLES: &[Examples] = &[
         ],
     ),
     ("tool train", &["shadowgauge tool train labelled --um-per-px 1.725 --out flanks.forest --seed 1"]),
+    (
+        "serve",
+        &[
+            "shadowgauge serve --runs out --store gauge.sqlite",
+            "shadowgauge serve --source gige:192.168.1.20 -- --calibration bench.json --tolerance '22 h6'",
+        ],
+    ),
     ("store check", &["shadowgauge store check gauge.sqlite", "shadowgauge store check gauge.sqlite --json"]),
     ("store export", &["shadowgauge store export gauge.sqlite --out gauge.jsonl"]),
     ("store import", &["shadowgauge store import copy.sqlite gauge.jsonl"]),

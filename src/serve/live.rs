@@ -1,0 +1,98 @@
+//! A source that is watched: its lines to every page.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::State as Extract;
+use axum::http::StatusCode;
+use axum::response::sse::{Event, KeepAlive, Sse};
+use futures_util::stream::{Stream, unfold};
+use tokio::sync::broadcast::{Receiver, error::RecvError};
+
+use super::child::{self, LONGEST_LINE};
+use super::problem::{Problem, Words};
+use super::state::Shared;
+
+/// Age from which a frame is no reading of now, as `watch` has it by default.
+const STALE: Duration = Duration::from_secs(1);
+/// Pause before a source that has ended is watched again.
+const AGAIN: Duration = Duration::from_secs(2);
+
+/// Watches the source again and again until the server ends.
+pub(super) async fn watch(state: Shared) {
+    let Some((source, more)) = &state.settings.source else { return };
+    let mut arguments = vec!["watch".to_owned(), source.clone(), "--json".to_owned()];
+    arguments.extend(more.iter().cloned());
+    let mut ends = state.ends.clone();
+    loop {
+        let why = tokio::select! {
+            why = watched(&state, &arguments) => why,
+            _ = ends.changed() => return,
+        };
+        state.hub.end(&why);
+        tokio::select! {
+            () = tokio::time::sleep(AGAIN) => {}
+            _ = ends.changed() => return,
+        }
+    }
+}
+
+/// Watches once; why it ended.
+async fn watched(state: &Shared, arguments: &[String]) -> String {
+    let mut running = match child::start(arguments) {
+        Ok(running) => running,
+        Err(why) => return format!("watch does not start: {why}"),
+    };
+    let mut last = String::new();
+    loop {
+        tokio::select! {
+            line = running.out.next_line() => match line {
+                Ok(Some(line)) if line.len() <= LONGEST_LINE => state.hub.line(&line),
+                Ok(Some(_)) => {}
+                Ok(None) | Err(_) => break,
+            },
+            Ok(Some(line)) = running.err.next_line() => if !line.trim().is_empty() { last = line },
+        }
+    }
+    match running.child.wait().await {
+        Ok(status) if status.success() => "the source has ended".to_owned(),
+        _ if last.is_empty() => "watch has ended".to_owned(),
+        _ => last,
+    }
+}
+
+/// Frames and events of the source, as they come.
+#[utoipa::path(get, path = "/api/live", responses((status = 200, body = String, content_type = "text/event-stream"), (status = 503, body = Words)))]
+pub(super) async fn live(
+    Extract(state): Extract<Shared>,
+) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Problem> {
+    let Ok(place) = Arc::clone(&state.streams).try_acquire_owned() else {
+        return Err(Problem::new(StatusCode::SERVICE_UNAVAILABLE, "too many pages are open: close some"));
+    };
+    let (first, coming) = state.hub.join(STALE);
+    let ends = state.ends.clone();
+    let reader = (first, coming, ends, place);
+    let stream = unfold(reader, |(first, mut coming, mut ends, place)| async move {
+        let line = match first {
+            Some(line) => line,
+            None => tokio::select! {
+                line = newest(&mut coming) => line?,
+                _ = ends.changed() => return None,
+            },
+        };
+        Some((Ok(Event::default().data(&*line)), (None, coming, ends, place)))
+    });
+    Ok(Sse::new(stream).keep_alive(KeepAlive::default()))
+}
+
+/// The next line; those that a slow reader has missed are left out.
+async fn newest(coming: &mut Receiver<Arc<str>>) -> Option<Arc<str>> {
+    loop {
+        match coming.recv().await {
+            Ok(line) => return Some(line),
+            Err(RecvError::Lagged(_)) => {}
+            Err(RecvError::Closed) => return None,
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! A page to watch: runs, history and a live source in a browser, served by this process alone.
+//!
+//! In: a folder of runs, a store, a source ([`ServeSettings`]). Out: pages and an API of JSON
+//! (`api/openapi.json`), events as they come. Nothing here moves a machine or makes an offset act:
+//! runs that are started are simulated ones. Measuring and cutting are done by child processes of
+//! this program (`child`): what they do wrong cannot take the page with it, and one that is killed
+//! is resumed.
+//!
+//! Bottom to top: `problem` (refusals with their status), `settings` (what is served, to whom),
+//! `child`, `hub` (live lines to all readers, newest wins), `jobs` (runs that were started), `state`
+//! (all of these), `access` (who may do what, headers), `runs`, `history`, `live` (the routes),
+//! `page` (files compiled in), `server`. One more route is a function in its file with a line in
+//! `server::router` and one in `server::Documented`.
+
+mod access;
+mod child;
+mod history;
+mod hub;
+mod jobs;
+mod live;
+mod page;
+mod problem;
+mod runs;
+mod server;
+mod settings;
+mod state;
+
+#[cfg(test)]
+pub(crate) use runs::named_file;
+pub(crate) use server::{ServeError, Server};
+pub(crate) use settings::{ServeSettings, Tokens};

@@ -1,0 +1,277 @@
+//! `serve` from outside: pages and API over a socket, runs started and shown, who may do what.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
+
+#[path = "support/program.rs"]
+mod program;
+
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use program::{said, shadowgauge};
+use serde_json::{Value, json};
+
+/// A job small enough to run in a second.
+const SMALL: &str = concat!(
+    r#"
+name = "small"
+seed = 5
+[part]
+length_mm = 60.0
+stock_diameter_mm = 12.0
+nominal_diameter_mm = [11.5, 11.0]
+aim_mm = 0.0
+[part.tolerance]
+nominal_mm = 11.0
+upper_mm = 0.01
+lower_mm = -0.01
+"#,
+    include_str!("support/small_view.toml")
+);
+
+/// A server that ends with the test.
+struct Server {
+    program: Child,
+    host: String,
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = (self.program.kill(), self.program.wait());
+    }
+}
+
+/// Status and body of an answer.
+struct Answer {
+    status: u16,
+    head: String,
+    body: String,
+}
+
+impl Answer {
+    fn json(&self) -> Value {
+        serde_json::from_str(&self.body).unwrap_or_else(|e| panic!("{e}: {}", self.body))
+    }
+}
+
+impl Server {
+    fn start(arguments: &[&str]) -> Self {
+        let all = [&["serve", "--listen", "127.0.0.1:0"], arguments].concat();
+        let mut program =
+            Command::new(program::path()).args(all).stdout(Stdio::piped()).spawn().expect("the program runs");
+        let mut line = String::new();
+        BufReader::new(program.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let host = line.trim().trim_start_matches("http://").trim_end_matches('/').to_owned();
+        Self { program, host }
+    }
+
+    fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(&self.host).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        stream
+    }
+
+    fn ask(&self, method: &str, path: &str, headers: &str, body: &str) -> Answer {
+        let host = if headers.contains("Host:") { String::new() } else { format!("Host: {}\r\n", self.host) };
+        let text = format!(
+            "{method} {path} HTTP/1.1\r\n{host}{headers}Connection: close\r\nContent-Length: {}\r\n\r\n{body}",
+            body.len()
+        );
+        let mut stream = self.connect();
+        stream.write_all(text.as_bytes()).unwrap();
+        let mut answer = Vec::new();
+        let _ = stream.read_to_end(&mut answer);
+        let answer = String::from_utf8_lossy(&answer).into_owned();
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap_or((&answer, ""));
+        let status = head.split_whitespace().nth(1).and_then(|s| s.parse().ok()).unwrap_or(0);
+        Answer { status, head: head.to_owned(), body: body.to_owned() }
+    }
+
+    fn get(&self, path: &str) -> Answer {
+        self.ask("GET", path, "", "")
+    }
+
+    fn post(&self, path: &str, body: &Value) -> Answer {
+        let headers = "Content-Type: application/json\r\nX-Shadowgauge: 1\r\n";
+        self.ask("POST", path, headers, &body.to_string())
+    }
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+#[test]
+fn a_run_is_started_on_the_page_followed_and_found_in_the_store() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = folder.path().join("store.sqlite");
+    let server = Server::start(&["--runs", text(folder.path()), "--store", text(&store)]);
+    let started = server.post("/api/runs", &json!({ "run": "first", "config": SMALL }));
+    assert_eq!(started.status, 202, "{}", started.body);
+    let again = server.post("/api/runs", &json!({ "run": "first", "config": SMALL }));
+    assert_eq!(again.status, 409, "{}", again.body);
+    let until = Instant::now() + Duration::from_secs(120);
+    while server.get("/api/runs/first/report").status != 200 {
+        assert!(Instant::now() < until, "{}", server.get("/api/jobs").body);
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    let run = server.get("/api/runs/first").json();
+    assert_eq!(run["passes"].as_array().unwrap().len(), 2, "{run}");
+    let list = server.get("/api/runs?name=fir").json();
+    assert_eq!((&list["total"], &list["runs"][0]["finished"]), (&json!(1), &json!(true)));
+    assert_eq!(server.get("/api/runs?name=other").json()["total"], 0);
+    // what the page shows of the run and of the store is the same
+    let history = server.get("/api/history").json();
+    let shown = run["passes"][1]["d_mm"].as_array().unwrap();
+    let stored = history["stations"].as_array().unwrap();
+    assert_eq!(stored.len(), 2 * shown.len());
+    assert!(stored[shown.len()..].iter().zip(shown).all(|(s, d)| s["d_mm"] == *d), "{history}");
+    let state = server.get("/api/store").json();
+    assert_eq!((&state["findings"], &state["passes"]), (&json!([]), &json!(2)));
+}
+
+#[test]
+fn every_route_that_is_documented_is_served() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(&["--runs", text(folder.path())]);
+    let document = server.get("/api/openapi.json").json();
+    let paths = document["paths"].as_object().unwrap();
+    assert!(paths.len() >= 8, "{paths:?}");
+    for (path, methods) in paths {
+        if path == "/api/live" {
+            continue;
+        }
+        for method in methods.as_object().unwrap().keys() {
+            let asked = path.replace("{run}", "none");
+            let headers = "Content-Type: application/json\r\nX-Shadowgauge: 1\r\n";
+            let answer = server.ask(&method.to_uppercase(), &asked, headers, "{}");
+            let is_no_route = answer.body.contains("no such page") || answer.status == 405;
+            assert!(!is_no_route, "{method} {path}: {} {}", answer.status, answer.body);
+        }
+    }
+    for page in ["/", "/page.js", "/page.css", "/uplot.js", "/uplot.css", "/uplot.txt"] {
+        let answer = server.get(page);
+        assert_eq!(answer.status, 200, "{page}");
+        let head = answer.head.to_lowercase();
+        assert!(head.contains("default-src 'none'") && head.contains("nosniff"), "{head}");
+        let elsewhere = answer.body.contains("src=\"http") || answer.body.contains("@import");
+        assert!(!elsewhere, "{page} loads from elsewhere");
+    }
+}
+
+#[test]
+fn what_comes_from_elsewhere_is_refused_and_what_may_only_read_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(&["--runs", text(folder.path())]);
+    // another site's name that points here
+    assert_eq!(server.ask("GET", "/api/runs", "Host: gauge.example\r\n", "").status, 421);
+    // a form of another site: no header of its own
+    let body = json!({ "run": "x", "config": SMALL }).to_string();
+    let json_only = "Content-Type: application/json\r\n";
+    assert_eq!(server.ask("POST", "/api/runs", json_only, &body).status, 403);
+    let foreign = format!("{json_only}X-Shadowgauge: 1\r\nOrigin: http://gauge.example\r\n");
+    assert_eq!(server.ask("POST", "/api/runs", &foreign, &body).status, 403);
+    let readers = Server::start(&["--runs", text(folder.path()), "--read-only"]);
+    assert_eq!(readers.post("/api/runs", &json!({ "run": "x", "config": SMALL })).status, 403);
+    assert_eq!(readers.get("/api/runs").status, 200);
+    let tokens = folder.path().join("tokens.toml");
+    let two = "[[token]]\nname = \"a\"\nrole = \"view\"\ntoken = \"0123456789abcdef\"\n\
+               [[token]]\nname = \"b\"\nrole = \"operate\"\ntoken = \"fedcba9876543210\"\n";
+    std::fs::write(&tokens, two).unwrap();
+    let guarded = Server::start(&["--runs", text(folder.path()), "--tokens", text(&tokens)]);
+    assert_eq!(guarded.get("/api/runs").status, 401);
+    let view = "Authorization: Bearer 0123456789abcdef\r\n";
+    assert_eq!(guarded.ask("GET", "/api/runs", view, "").status, 200);
+    let change = |token: &str| format!("{json_only}X-Shadowgauge: 1\r\nAuthorization: Bearer {token}\r\n");
+    assert_eq!(guarded.ask("POST", "/api/runs/x/stop", &change("0123456789abcdef"), "{}").status, 403);
+    assert_eq!(guarded.ask("POST", "/api/runs/x/stop", &change("fedcba9876543210"), "{}").status, 409);
+    assert!(!folder.path().join("x").exists() && !folder.path().join("x.toml").exists());
+}
+
+#[test]
+fn configs_that_name_files_and_names_that_are_paths_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(&["--runs", text(folder.path())]);
+    let cases = [
+        ("../up", SMALL.to_owned(), 422, "letters"),
+        ("ok", format!("{SMALL}\n[machine]\nfile = \"/etc/passwd\"\n"), 422, "machine.file"),
+        ("ok", SMALL.replace("length_mm", "lenght_mm"), 422, "lenght_mm"),
+        ("ok", "no toml at all".to_owned(), 422, ""),
+    ];
+    for (run, config, status, words) in cases {
+        let answer = server.post("/api/runs", &json!({ "run": run, "config": config }));
+        assert_eq!(answer.status, status, "{}", answer.body);
+        assert!(answer.body.contains(words), "{}", answer.body);
+    }
+    for path in ["/api/runs/..%2f..%2fetc", "/api/runs/%2e%2e", "/api/history?from=yesterday", "/../Cargo.toml"] {
+        let status = server.get(path).status;
+        assert!(matches!(status, 400 | 404 | 422), "{path}: {status}");
+    }
+    let large = server.post("/api/runs", &json!({ "run": "big", "config": "#".repeat(2 << 20) }));
+    assert!(matches!(large.status, 413 | 0), "{}", large.status);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn malformed_requests_and_slow_clients_take_nothing_from_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(&["--runs", text(folder.path())]);
+    let slow: Vec<TcpStream> = (0..50)
+        .map(|_| {
+            let mut stream = server.connect();
+            stream.write_all(b"GET /api/runs HTTP/1.1\r\nHost: ").unwrap();
+            stream
+        })
+        .collect();
+    let mut state = 1_u32;
+    for _ in 0..300 {
+        let mut bytes = Vec::new();
+        for _ in 0..40 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            bytes.push((state >> 24) as u8);
+        }
+        let mut stream = server.connect();
+        let _ = stream.write_all(&bytes).and_then(|()| stream.write_all(b"\r\n\r\n"));
+    }
+    assert_eq!(server.get("/api/runs").status, 200);
+    drop(slow);
+}
+
+#[test]
+fn live_lines_come_as_they_are_measured_and_a_dead_source_reads_invalid() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = folder.path().join("head.toml");
+    std::fs::write(&config, SMALL).unwrap();
+    let source = format!("sim:{}", text(&config));
+    let server = Server::start(&["--source", &source, "--", "--um-per-px", "50"]);
+    let mut stream = server.connect();
+    write!(stream, "GET /api/live HTTP/1.1\r\nHost: {}\r\n\r\n", server.host).unwrap();
+    let lines = BufReader::new(stream).lines().map_while(Result::ok);
+    let data = lines.filter_map(|line| line.strip_prefix("data: ").map(str::to_owned));
+    let frame = data.filter_map(|line| serde_json::from_str::<Value>(&line).ok()).find(|v| v["valid"] == true);
+    assert!(frame.is_some(), "no frame with a diameter came");
+    let dead = Server::start(&["--source", text(&folder.path().join("absent")), "--", "--um-per-px", "50"]);
+    let mut stream = dead.connect();
+    write!(stream, "GET /api/live HTTP/1.1\r\nHost: {}\r\n\r\n", dead.host).unwrap();
+    let lines = BufReader::new(stream).lines().map_while(Result::ok);
+    let line = lines.filter_map(|line| line.strip_prefix("data: ").map(str::to_owned)).next().unwrap();
+    assert!(line.contains("\"invalid\"") && line.contains("absent"), "{line}");
+}
+
+#[test]
+fn a_port_that_is_taken_and_an_address_beyond_this_machine_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(&["--runs", text(folder.path())]);
+    let taken = shadowgauge(["serve", "--listen", &server.host]);
+    assert_eq!(taken.status.code(), Some(3));
+    assert!(said(&taken).contains("another port"), "{}", said(&taken));
+    let beyond = shadowgauge(["serve", "--listen", "0.0.0.0:0"]);
+    assert_eq!(beyond.status.code(), Some(2));
+    assert!(said(&beyond).contains("TLS"), "{}", said(&beyond));
+    let id = server.program.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let mut server = server;
+    assert_eq!(server.program.wait().unwrap().code(), Some(0), "Ctrl-C ends with 0");
+}
