@@ -12,7 +12,7 @@ mod published;
 use std::io::BufReader;
 use std::net::Ipv4Addr;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 use std::time::Duration;
 
 use gige_client::Client;
