@@ -6,7 +6,6 @@ use std::sync::LazyLock;
 
 use crate::publish::camera::{Action, Task};
 use crate::publish::genicam::DataSheet;
-use crate::publish::gvsp::StreamFormat;
 use crate::publish::{Camera, head::FrameOrder};
 
 /// Most bytes of an answer: those of a datagram of the control protocol.
@@ -14,32 +13,6 @@ const ANSWER: usize = 548;
 /// Most that the state of the camera grows by in a session, bytes: the last command of sixteen clients with its answer, and one pass.
 #[allow(dead_code, reason = "the fuzz target alone measures the heap")]
 pub(crate) const STATE: usize = 16 * 2 * 1024 + (64 << 10);
-
-fn sheet() -> DataSheet {
-    DataSheet {
-        columns: 64,
-        rows: 48,
-        format: StreamFormat::Mono12,
-        model: "head".into(),
-        serial: "SG-1".into(),
-        exposure_us: 50.0,
-        longest_exposure_us: 1e6,
-        frame_rate_hz: 400.0,
-        black_level_counts: 64.0,
-        diameter_mm: 10.0,
-        diameter_is_drawn: false,
-        contamination: 0.0,
-        field_mm: 16.0,
-        length_mm: 60.0,
-        spindle_rpm: 0.0,
-        masters: 2,
-        pass_nominal_mm: vec![11.5, 11.0],
-        station_z_mm: vec![2.5, 7.5, 12.5],
-        address: Ipv4Addr::LOCALHOST,
-        prefix: 8,
-        mtu: 65_535,
-    }
-}
 
 /// What a frame that is ordered must be, whatever was written.
 fn check_frame(order: &FrameOrder) {
@@ -79,7 +52,7 @@ fn check_task(task: &Task) {
 /// Datagrams one after another: two bytes of length (ten bits), one of the client (two bits) and the time since the last one (six
 /// bits, 100 ms each), and so many bytes. Whether one of them was answered by success.
 pub(crate) fn session(bytes: &[u8]) -> bool {
-    static CAMERA: LazyLock<Camera> = LazyLock::new(|| Camera::new(sheet()));
+    static CAMERA: LazyLock<Camera> = LazyLock::new(|| Camera::new(DataSheet::of_tests()));
     let (mut camera, mut now_ns, mut succeeded) = (CAMERA.clone(), 1_000_000_000_u64, false);
     let mut rest = bytes;
     while let Some((&[high, low, who], tail)) = rest.split_first_chunk::<3>() {

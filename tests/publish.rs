@@ -6,61 +6,30 @@
 mod gige_client;
 #[path = "support/program.rs"]
 mod program;
+#[path = "support/published.rs"]
+mod published;
 
-use std::io::{BufRead as _, BufReader};
-use std::net::{Ipv4Addr, SocketAddrV4};
+use std::io::BufReader;
+use std::net::Ipv4Addr;
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output};
 use std::time::Duration;
 
 use gige_client::Client;
+use published::Published;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_shadowgauge");
 const CONFIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/small_shaft.toml");
 const LONG: Duration = Duration::from_secs(30);
 
-/// A published head that ends with the test.
-struct Published {
-    program: Child,
-    words: Vec<String>,
-    address: Ipv4Addr,
-}
-
-impl Drop for Published {
-    fn drop(&mut self) {
-        let _ = (self.program.kill(), self.program.wait());
-    }
-}
-
-/// An address of the loopback interface of a test's own, so that tests may run at the same time.
+/// An address of a test's own.
 fn own_address(test: u8) -> Ipv4Addr {
-    let process = std::process::id();
-    Ipv4Addr::new(127, 80 + test, (process >> 8) as u8, (process as u8).clamp(1, 254))
+    published::own_address(80 + test)
 }
 
-fn publish(config: &Path, address: Ipv4Addr) -> Command {
-    let mut command = Command::new(PROGRAM);
-    command.arg("publish").arg(config).args(["--listen", &address.to_string(), "--backend", "cpu"]);
-    command.stdout(Stdio::piped()).stderr(Stdio::piped());
-    command
-}
-
-/// Publishes and waits until the head has introduced itself.
+/// Publishes the small shaft.
 fn published(test: u8) -> Published {
-    let address = own_address(test);
-    let mut program = publish(Path::new(CONFIG), address).stderr(Stdio::null()).spawn().unwrap();
-    let mut words = Vec::new();
-    for line in BufReader::new(program.stdout.take().unwrap()).lines() {
-        words.push(line.unwrap());
-        if words.last().is_some_and(|line| line.starts_with("Ctrl-C")) {
-            break;
-        }
-    }
-    Published { program, words, address }
-}
-
-fn client(head: &Published) -> Client {
-    Client::new(SocketAddrV4::new(head.address, 3956))
+    published::published(Path::new(CONFIG), own_address(test))
 }
 
 fn refusal(config: &Path, address: &str) -> (i32, String) {
@@ -84,7 +53,7 @@ fn frames_are_those_of_render_to_the_bit() {
     assert!(head.words[0].contains(&format!("{}, UDP port 3956", head.address)), "{:?}", head.words);
     assert!(head.words.iter().any(|line| line.contains("SG-5")), "{:?}", head.words);
     assert!(head.words.iter().any(|line| line.ends_with(", 35.71 Hz")), "{:?}", head.words);
-    let mut client = client(&head);
+    let mut client = head.client();
     client.take_control(2).unwrap();
     client.open_stream(9000);
     client.set("TriggerMode", 1);
@@ -111,7 +80,7 @@ fn frames_are_those_of_render_to_the_bit() {
 #[test]
 fn exposure_gain_diameter_and_passes_change_the_frames() {
     let head = published(2);
-    let mut client = client(&head);
+    let mut client = head.client();
     client.take_control(2).unwrap();
     client.open_stream(9000);
     client.set("TriggerMode", 1);
@@ -168,7 +137,7 @@ fn what_cannot_be_published_is_refused_by_name() {
 #[test]
 fn ctrl_c_ends_the_head_with_0_and_frees_its_address() {
     let mut head = published(4);
-    let mut client = client(&head);
+    let mut client = head.client();
     client.take_control(2).unwrap();
     // six packets a frame: a busy receiver's socket buffer holds them
     client.set("Width", 256);

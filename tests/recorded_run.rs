@@ -4,25 +4,13 @@
 
 #[path = "support/program.rs"]
 mod program;
+#[path = "support/small_job.rs"]
+mod small_job;
 
 use program::{json, said, shadowgauge};
+use small_job::TWO_PASSES as JOB;
 use std::path::Path;
 use std::process::Output;
-
-const JOB: &str = concat!(
-    r#"name = "small"
-seed = 5
-[part]
-length_mm = 60.0
-stock_diameter_mm = 12.0
-nominal_diameter_mm = [11.5, 11.0]
-[part.tolerance]
-nominal_mm = 11.0
-upper_mm = 0.01
-lower_mm = -0.01
-"#,
-    include_str!("support/small_view.toml")
-);
 
 /// Runs a job in a folder.
 fn run(folder: &Path, job: &str, out: &str, more: &[&str]) -> Output {

@@ -7,12 +7,15 @@
 mod gige_client;
 #[path = "support/program.rs"]
 mod program;
+#[path = "support/published.rs"]
+mod published;
+#[path = "support/small_job.rs"]
+mod small_job;
 
 use std::fs::File;
-use std::io::{BufRead as _, BufReader};
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
@@ -20,45 +23,12 @@ use parquet::record::Field;
 
 use gige_client::Client;
 use program::said;
+use published::published;
+use small_job::TWO_PASSES as JOB;
 
-const JOB: &str = concat!(
-    r#"name = "small"
-seed = 5
-[part]
-length_mm = 60.0
-stock_diameter_mm = 12.0
-nominal_diameter_mm = [11.5, 11.0]
-[part.tolerance]
-nominal_mm = 11.0
-upper_mm = 0.01
-lower_mm = -0.01
-"#,
-    include_str!("support/small_view.toml")
-);
-
-/// A published head that ends with the test.
-struct Published(Child);
-
-impl Drop for Published {
-    fn drop(&mut self) {
-        let _ = (self.0.kill(), self.0.wait());
-    }
-}
-
-/// An address of the loopback interface of a test's own, so that tests may run at the same time.
+/// An address of a test's own.
 fn own_address(test: u8) -> Ipv4Addr {
-    let process = std::process::id();
-    Ipv4Addr::new(127, 120 + test, (process >> 8) as u8, (process as u8).clamp(1, 254))
-}
-
-/// Publishes a config and waits until the head has introduced itself.
-fn published(config: &Path, address: Ipv4Addr) -> Published {
-    let mut command = Command::new(program::path());
-    command.arg("publish").arg(config).args(["--listen", &address.to_string(), "--backend", "cpu"]);
-    let mut program = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
-    let mut lines = BufReader::new(program.stdout.take().unwrap()).lines().map_while(Result::ok);
-    assert!(lines.any(|line| line.starts_with("Ctrl-C")), "the head does not start");
-    Published(program)
+    published::own_address(120 + test)
 }
 
 /// A job in a folder, with the head that it takes its frames from.

@@ -11,6 +11,8 @@ pub(crate) mod gvcp;
 pub(crate) mod gvsp;
 #[path = "../../src/publish/head.rs"]
 pub(crate) mod head;
+#[path = "../sheet.rs"]
+mod sheet;
 
 pub(crate) use camera::Camera;
 pub(crate) use genicam::DataSheet;

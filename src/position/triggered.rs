@@ -10,11 +10,17 @@
 //! the usual one, a doubled one as a time of next to nothing. Its turn is void. The triggers after
 //! it keep their angles, because the time states how many came; where it does not state it within a
 //! quarter of a step, all that follows is void.
+//!
+//! Where index pulses are known by their times, each checks the count of the turn before it, and a
+//! turn waits for its pulse: one that comes half a trigger or more off makes what lies before it
+//! void, and triggers are counted from it anew. A turn that no pulse has checked rests on the times
+//! alone: a quarter of a step to either side is in the uncertainty of its angles.
 
 use std::collections::VecDeque;
 
 use super::binding::Place;
 use super::encoder::EncoderSettings;
+use super::sampled::SampledPlace;
 
 /// Times on either side of one that make the usual one, a median: one that is off does not move it.
 const EITHER_SIDE: usize = 2;
@@ -26,6 +32,11 @@ const OFF_STEPS: f64 = 0.25;
 const MOST_STEPS: f64 = 5.0;
 /// Most turns whose void is remembered: frames that still wait are of a few.
 const MOST_VOID: usize = 64;
+/// Triggers by which an index pulse may come off the place of the first one: half of what separates
+/// a count that is right from one that is wrong by one.
+const OFF_INDEX: f64 = 0.5;
+/// Triggers before the first frame that is there, within which a pulse checks anything.
+const MOST_BEFORE: f64 = 2.0;
 
 /// A triggered frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,13 +50,30 @@ pub struct Triggered {
 }
 
 /// A frame whose trigger is counted.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Counted {
     frame: Triggered,
     /// Triggers since the index pulse; `None` where it is not known any more.
     trigger: Option<i64>,
     /// Usual time from trigger to trigger about it, ns.
     step_ns: f64,
+    /// What the time since the frame before lies off whole steps, steps.
+    off_steps: f64,
+    /// Whether an index pulse after it has checked the count.
+    is_checked: bool,
+    /// Why that pulse made it void.
+    void: Option<String>,
+}
+
+/// Index pulses by their times.
+#[derive(Clone, Debug, Default)]
+struct IndexPulses {
+    /// Whether turns wait for them.
+    is_awaited: bool,
+    /// Those that no frame has come after yet, ns.
+    waiting: VecDeque<u64>,
+    /// Triggers of the first one before the first frame of its turn, -1 to 0.
+    phase: Option<f64>,
 }
 
 /// Frames counted from an index pulse on, in the order in which they were taken.
@@ -65,6 +93,7 @@ pub struct TriggerCount {
     /// Frames whose turn has not ended.
     counted: VecDeque<Counted>,
     void: VecDeque<(i64, String)>,
+    index: IndexPulses,
 }
 
 impl TriggerCount {
@@ -87,7 +116,20 @@ impl TriggerCount {
             last: None,
             counted: VecDeque::new(),
             void: VecDeque::new(),
+            index: IndexPulses::default(),
         })
+    }
+
+    /// With index pulses, which come by [`Self::index`]: a turn waits for the one that ends it.
+    #[must_use]
+    pub fn with_index(mut self) -> Self {
+        self.index.is_awaited = true;
+        self
+    }
+
+    /// An index pulse at a time, ns, on the clock of the frames; pulses come in order.
+    pub fn index(&mut self, t_ns: u64) {
+        self.index.waiting.push_back(t_ns);
     }
 
     /// The next frame.
@@ -111,11 +153,13 @@ impl TriggerCount {
         let mut times: Vec<f64> = self.past_ns.iter().copied().chain(time_ns).chain(after).collect();
         times.sort_by(f64::total_cmp);
         let step_ns = times.get(times.len() / 2).copied().unwrap_or(0.0);
+        let mut off_steps = 0.0;
         let trigger = match self.last {
             None => i64::try_from(i128::from(frame.number) - i128::from(self.first)).ok(),
             Some((before, last)) => {
                 let numbers = frame.number.saturating_sub(before.number) as f64;
                 let steps = frame.t_ns.saturating_sub(before.t_ns) as f64 / step_ns;
+                off_steps = steps - steps.round();
                 last.and_then(|last| self.after(last, numbers, steps))
             }
         };
@@ -124,7 +168,55 @@ impl TriggerCount {
             self.past_ns.pop_front();
         }
         self.last = Some((frame, trigger));
-        self.counted.push_back(Counted { frame, trigger, step_ns });
+        let (is_checked, void) = (false, None);
+        self.counted.push_back(Counted { frame, trigger, step_ns, off_steps, is_checked, void });
+    }
+
+    /// Holds the pulses against the frames that have come after them.
+    fn check_index(&mut self) {
+        while let Some(pulse_ns) = self.index.waiting.front().copied() {
+            let Some(after) = self.counted.iter().position(|c| c.frame.t_ns >= pulse_ns) else { return };
+            self.index.waiting.pop_front();
+            self.check_pulse(pulse_ns, after);
+        }
+    }
+
+    /// Holds a pulse against the first counted frame after it.
+    fn check_pulse(&mut self, pulse_ns: u64, after: usize) {
+        let Some(Counted { frame, trigger: Some(trigger), step_ns, .. }) = self.counted.get(after) else {
+            return;
+        };
+        let before = (frame.t_ns - pulse_ns) as f64 / step_ns;
+        if !(before <= MOST_BEFORE) {
+            return;
+        }
+        let turn = self.per_turn as f64;
+        let at = (*trigger as f64 - before + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
+        let (off, is_off) = match self.index.phase {
+            Some(phase) => (at - phase, (at - phase).abs() > OFF_INDEX),
+            None => (at.ceil(), at < -1.0 - OFF_STEPS || at > OFF_STEPS),
+        };
+        self.index.phase.get_or_insert(if is_off { at - off } else { at });
+        let why = is_off.then(|| {
+            format!(
+                "its turn is void: the index pulse came {off:+.2} triggers off whole turns of {}: triggers were ignored or doubled",
+                self.per_turn
+            )
+        });
+        for counted in self.counted.iter_mut().take(after).filter(|counted| !counted.is_checked) {
+            (counted.is_checked, counted.void) = (true, why.clone());
+        }
+        if is_off {
+            self.count_anew(after, off.round() as i64);
+        }
+    }
+
+    /// Counts the frames from one on from the index pulse before it.
+    fn count_anew(&mut self, from: usize, off: i64) {
+        let triggers = self.counted.iter_mut().skip(from).map(|counted| &mut counted.trigger);
+        for trigger in triggers.chain(self.last.as_mut().map(|last| &mut last.1)) {
+            *trigger = trigger.map(|trigger| trigger - off);
+        }
     }
 
     /// The trigger that comes `steps` by time and `numbers` by number after another.
@@ -157,21 +249,47 @@ impl TriggerCount {
     }
 
     /// Places of the next frames whose turns have ended, or of all that are left where `is_end`.
-    pub fn decided(&mut self, is_end: bool) -> Vec<Place> {
+    pub fn decided(&mut self, is_end: bool) -> Vec<SampledPlace> {
         while is_end && !self.waiting.is_empty() {
             self.count_next();
         }
+        self.check_index();
         let per_turn = self.per_turn;
         let turn = move |counted: &Counted| counted.trigger.map(|k| k.div_euclid(per_turn));
         let now = self.counted.back().and_then(turn);
         // where triggers are not known any more nothing is waited for
-        let is_over = |counted: &Counted| is_end || now.is_none() || now > turn(counted);
+        let is_awaited = self.index.is_awaited;
+        let is_over = |counted: &Counted| {
+            is_end || now.is_none() || now > turn(counted) && (counted.is_checked || !is_awaited)
+        };
         let ready = self.counted.iter().take_while(|counted| is_over(counted)).count();
         let ready: Vec<Counted> = self.counted.drain(..ready).collect();
-        ready.iter().map(|counted| self.place(counted)).collect()
+        ready.iter().map(|counted| self.sampled_place(counted)).collect()
+    }
+
+    fn sampled_place(&self, counted: &Counted) -> SampledPlace {
+        let place = self.place(counted);
+        let u_deg = matches!(place, Place::At { .. }).then(|| self.u_deg(counted));
+        SampledPlace { place, u_deg, z_mm: None }
+    }
+
+    /// Standard uncertainty of an angle, degrees: limits of uniform distributions (GUM 4.3.7) are
+    /// half a count of trigger and of index, the part of the move to mid-exposure by which the
+    /// speed is not known, and a quarter of a step where no index pulse has checked the count.
+    fn u_deg(&self, counted: &Counted) -> f64 {
+        let half_count_deg = 180.0 / f64::from(self.settings.counts_per_turn);
+        let step_deg = 360.0 / self.per_turn as f64;
+        let to_middle = self.settings.to_middle_ns(counted.frame.exposure_us) / counted.step_ns;
+        let moved_deg = step_deg * counted.off_steps * to_middle;
+        let unchecked_deg = if counted.is_checked { 0.0 } else { OFF_STEPS * step_deg };
+        let limits = [half_count_deg, half_count_deg, moved_deg, unchecked_deg];
+        (limits.iter().map(|limit| limit * limit).sum::<f64>() / 3.0).sqrt()
     }
 
     fn place(&self, counted: &Counted) -> Place {
+        if let Some(why) = &counted.void {
+            return Place::Void(why.clone());
+        }
         if !(counted.step_ns > 0.0) {
             let why = "no rising times of it and its neighbours: a trigger that was ignored would not be seen, and the speed that \
                        moves its angle to mid-exposure is unknown";
@@ -264,7 +382,7 @@ mod tests {
         }
         places.extend(count.decided(true));
         assert_eq!((places.len(), count.undecided()), (frames.len(), 0));
-        places
+        places.into_iter().map(|at| at.place).collect()
     }
 
     fn phase_deg(places: &[Place], shown: &[f64]) -> f64 {
@@ -323,10 +441,67 @@ mod tests {
         // frames before the first one after the index pulse
         let mut early = TriggerCount::new(settings, 110).unwrap();
         frames(&(0..20).collect::<Vec<_>>()).into_iter().for_each(|frame| early.push(frame));
-        let places = early.decided(true);
+        let places: Vec<Place> = early.decided(true).into_iter().map(|at| at.place).collect();
         assert!(matches!(&places[9], Place::Void(why) if why.contains("index")));
         assert!(matches!(&places[10], Place::At { angle_deg, .. } if (angle_deg - 3.6).abs() < 1e-6));
         let without = EncoderSettings { frames_per_turn: None, ..settings };
         assert!(TriggerCount::new(without, 0).unwrap_err().contains("frames_per_turn"));
+    }
+
+    /// Places of frames at these triggers with these numbers and pulses, which are read every
+    /// `a_look` frames.
+    fn with_pulses(triggers: &[i64], numbers: &[i64], pulses: &[f64], a_look: usize) -> Vec<SampledPlace> {
+        let settings = settings(LatchedAt::ExposureStart, EncoderDirection::Rising);
+        let mut count = TriggerCount::new(settings, 0).unwrap().with_index();
+        let mut pulses: VecDeque<u64> = pulses.iter().map(|k| (1e9 + k * PERIOD_NS) as u64).collect();
+        let mut places = Vec::new();
+        for (i, (k, number)) in triggers.iter().zip(numbers).enumerate() {
+            let t_ns = (1e9 + *k as f64 * PERIOD_NS) as u64;
+            count.push(Triggered { number: *number as u64, t_ns, exposure_us: 2000.0 });
+            // pulses are read once in a while, of the time until then
+            while i % a_look == 0 && pulses.front().is_some_and(|pulse| *pulse <= t_ns) {
+                pulses.pop_front().into_iter().for_each(|pulse| count.index(pulse));
+            }
+            places.extend(count.decided(false));
+        }
+        pulses.into_iter().for_each(|pulse| count.index(pulse));
+        places.extend(count.decided(true));
+        places
+    }
+
+    #[test]
+    fn every_index_pulse_checks_the_count_and_an_unchecked_turn_is_in_u() {
+        let all: Vec<i64> = (0..112).collect();
+        for a_look in [1, 40] {
+            let places = with_pulses(&all, &all, &[-0.4, 31.6, 63.6, 95.6], a_look);
+            assert_eq!(places.len(), 112);
+            for (k, at) in places.iter().enumerate() {
+                let Place::At { angle_deg, .. } = at.place else { panic!("{k}: {:?}", at.place) };
+                let right = (k as f64 * 11.25 + 3.6).rem_euclid(360.0);
+                assert!((angle_deg - right).abs() < 1e-6, "{k}: {angle_deg}");
+                let u_deg = at.u_deg.unwrap();
+                // 4096 counts: √2·0.088°/√12; without a pulse after it 2.8° by √3
+                let right = if k < 96 { 0.0359 } else { 1.6243 };
+                assert!((u_deg - right).abs() < 0.001, "{k}: {u_deg}");
+            }
+        }
+        // the second pulse comes one trigger late: the count is wrong since the first one
+        let places = with_pulses(&all, &all, &[-0.4, 31.6, 64.6, 96.6], 1);
+        for (k, at) in places.iter().enumerate() {
+            match &at.place {
+                Place::Void(why) => {
+                    assert!((32..65).contains(&k) && why.contains("+1.00 triggers off"), "{k}: {why}");
+                }
+                Place::At { angle_deg, .. } => {
+                    let since = if k < 65 { k } else { k - 65 };
+                    let right = (since as f64 * 11.25 + 3.6).rem_euclid(360.0);
+                    assert!((angle_deg - right).abs() < 1e-6 && !(32..65).contains(&k), "{k}: {angle_deg}");
+                }
+            }
+        }
+        // FIRST itself is wrong by three
+        let places = with_pulses(&all, &all, &[2.6, 34.6], 1);
+        assert!(places[..3].iter().all(|at| matches!(&at.place, Place::Void(_))));
+        assert!(matches!(places[3].place, Place::At { angle_deg, .. } if (angle_deg - 3.6).abs() < 1e-6));
     }
 }

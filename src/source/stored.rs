@@ -23,7 +23,7 @@ pub struct StoredFrame {
 }
 
 /// A frame's name and times, as its source states them.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Arrival {
     /// The file's stem, with its page where the file has several; the number of an image of a
     /// stream.
@@ -32,6 +32,8 @@ pub(crate) struct Arrival {
     pub device_t_ns: Option<u64>,
     /// When this machine had the image, ns since 1970; of streams.
     pub host_t_ns: Option<u64>,
+    /// Temperature of the head by its own sensor, °C; of cameras and recordings.
+    pub head_c: Option<f64>,
     /// Frames lost before this one, where its source shows them.
     pub lost: u64,
     /// Notes for the user on the files.

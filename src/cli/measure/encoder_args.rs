@@ -4,9 +4,10 @@
 use std::path::PathBuf;
 
 use super::encoder_samples::SampleTable;
+use super::index_table::IndexTable;
 use crate::cli::failure::Failure;
 use crate::position::{EncoderDirection, EncoderSettings, LatchedAt, SampledEncoder, TriggerCount};
-use crate::source::live::{Binding, Bound, Producer};
+use crate::source::live::{Binding, Bound, IndexTimes, Producer};
 
 /// The encoder of an input: its counts in the table of the frames, or beside them.
 #[derive(Default)]
@@ -55,6 +56,12 @@ pub(crate) struct EncoderArgs {
     /// or doubled.
     #[arg(long, value_name = "FIRST", requires = "frames_per_turn")]
     encoder_triggers: Option<u64>,
+    /// Times of the encoder's index pulses (CSV: t_ns or device_t_ns, the clock of the frames, or
+    /// host_t_ns, this machine's; a row a pulse), which may grow meanwhile: each checks the count of
+    /// triggers, and a turn that it contradicts is void. Without it a quarter of the step from
+    /// trigger to trigger is in the uncertainty of the angles.
+    #[arg(long, value_name = "FILE.csv", requires = "encoder_triggers")]
+    encoder_index: Option<PathBuf>,
 }
 
 fn latched_at(word: &str) -> Result<LatchedAt, String> {
@@ -90,9 +97,9 @@ impl EncoderArgs {
         self.encoder_samples.is_some() || self.encoder_triggers.is_some()
     }
 
-    /// The table of samples, which no output may replace.
+    /// The table of samples or of index pulses, which no output may replace.
     pub(super) fn file(&self) -> Option<PathBuf> {
-        self.encoder_samples.clone()
+        self.encoder_samples.clone().or(self.encoder_index.clone())
     }
 
     /// The encoder whose counts stand in the table of the frames.
@@ -132,7 +139,16 @@ impl EncoderArgs {
         }
         let Some(first) = self.encoder_triggers else { return Ok(None) };
         let count = TriggerCount::new(settings, first).map_err(Failure::refuse)?;
-        Ok(Some(Binding::Triggers(count)))
+        let Some(path) = &self.encoder_index else {
+            tracing::warn!(
+                "no index pulse checks the count of triggers: a quarter of a step is in the uncertainty of every \
+                 angle; give --encoder-index FILE.csv"
+            );
+            return Ok(Some(Binding::Triggers(count, None)));
+        };
+        let table = IndexTable::open(path).map_err(Failure::refuse)?;
+        let index: Box<dyn IndexTimes> = Box::new(table);
+        Ok(Some(Binding::Triggers(count.with_index(), Some(index))))
     }
 }
 

@@ -14,7 +14,7 @@ const COLUMNS: [Wanted; 3] = [
     Wanted { name: "z_mm", is_needed: false },
 ];
 /// Names that times may have, a clock each: that of the frames' own times under two names.
-const CLOCKS: [&str; 3] = ["t_ns", "device_t_ns", "host_t_ns"];
+pub(super) const CLOCKS: [&str; 3] = ["t_ns", "device_t_ns", "host_t_ns"];
 
 /// A table of samples.
 #[derive(Debug)]

@@ -21,6 +21,7 @@ mod encoder_samples;
 pub(super) mod esf_argument;
 pub(super) mod frames;
 pub(super) mod growing_table;
+mod index_table;
 pub(super) mod input;
 pub(super) mod instrument_args;
 mod judge_args;
@@ -315,7 +316,7 @@ fn measure_one(
         if let (None, Some(host)) = (arrival.device_t_ns, arrival.host_t_ns) {
             frame.meta.t_ns = host;
         }
-        take_temperature(stream, temperatures, frame.meta.t_ns).map(|()| frame)
+        take_temperature(stream, temperatures, frame.meta.t_ns, arrival.head_c).map(|()| frame)
     });
     match timed.and_then(|frame| stream.prepared(stem, frame).map_err(|error| error.to_string())) {
         Ok(frame) => {
@@ -364,7 +365,7 @@ fn measure_all(args: &MeasureArgs, instrument: &Instrument, input: Input) -> Com
     if is_stream {
         report_uncalibrated(&stream);
     }
-    let temperatures = args.temperatures.read()?;
+    let temperatures = args.temperatures.read(is_stream)?;
     let encoder = args.encoder.of_input(input.is_stream())?;
     let opened = input.open(args.frames.channel(), encoder, decoding_threads(args))?;
     let stop = opened.stop.clone();

@@ -51,7 +51,7 @@ impl ScaleDriftArgs {
     pub(super) fn check(&self, has_temperatures: bool) -> Result<(), Failure> {
         match self.given() {
             Some(name) if !has_temperatures => Err(Failure::refuse(format!(
-                "{name} needs the scale's temperature: give --temperatures FILE.csv"
+                "{name} needs the scale's temperature: give --temperatures FILE.csv; cameras and their recordings may have their own"
             ))),
             _ => Ok(()),
         }

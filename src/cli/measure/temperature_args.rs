@@ -34,7 +34,8 @@ pub(crate) struct TemperatureArgs {
 /// Temperatures over time, and what follows from them beside the part's.
 #[derive(Debug)]
 pub(super) struct StatedTemperatures {
-    temperatures: Temperatures,
+    /// `None` where the head's own is all there is.
+    temperatures: Option<Temperatures>,
     scale: Option<ScaleDrift>,
 }
 
@@ -53,21 +54,26 @@ impl TemperatureArgs {
         self.temperatures.clone()
     }
 
-    /// Reads the table.
+    /// Reads the table. Frames of a stream may have the temperature of their head with them.
     ///
     /// # Errors
     /// Exit 3 for a file that cannot be read, 2 for rows that are wrong.
-    pub(super) fn read(&self) -> Result<Option<StatedTemperatures>, Failure> {
-        self.scale.check(self.temperatures.is_some())?;
-        let Some(path) = &self.temperatures else { return Ok(None) };
+    pub(super) fn read(&self, is_stream: bool) -> Result<Option<StatedTemperatures>, Failure> {
+        self.scale.check(self.temperatures.is_some() || is_stream)?;
+        let temperatures = self.temperatures.as_deref().map(|path| self.table(path)).transpose()?;
+        let scale = self.scale.drift();
+        let is_any = temperatures.is_some() || scale.is_some();
+        Ok(is_any.then_some(StatedTemperatures { temperatures, scale }))
+    }
+
+    fn table(&self, path: &Path) -> Result<Temperatures, Failure> {
         let text = std::fs::read_to_string(path)
             .map_err(|error| Failure::fail(format!("{}: {error}", path.display())))?;
         let age = TemperatureAge::default();
         let refused_age_s = self.temperature_max_s.unwrap_or(age.refused_age_s);
         let samples = samples(&text).map_err(|why| refuse(path, &why))?;
         let read = Temperatures::new(samples, TemperatureAge { refused_age_s, ..age });
-        let temperatures = read.map_err(|why| refuse(path, &why))?;
-        Ok(Some(StatedTemperatures { temperatures, scale: self.scale.drift() }))
+        read.map_err(|why| refuse(path, &why))
     }
 }
 
@@ -75,24 +81,31 @@ fn refuse(path: &Path, why: &str) -> Failure {
     Failure::refuse(format!("{}: {why}", path.display()))
 }
 
-/// Gives the stream the part's temperature at a frame.
+/// Gives the stream the part's temperature at a frame, and the scale's: that of the table, else
+/// `own_c` of the head.
 ///
 /// # Errors
-/// A frame without time, or whose last temperature is too old.
+/// A frame without time, or whose last temperature is too old; no temperature of the scale.
 pub(super) fn take_temperature(
     stream: &mut Stream,
     stated: Option<&StatedTemperatures>,
     t_ns: u64,
+    own_c: Option<f64>,
 ) -> Result<(), String> {
     let Some(StatedTemperatures { temperatures, scale }) = stated else { return Ok(()) };
-    if t_ns == 0 {
-        return Err("no t_ns in frames.csv, which --temperatures needs".to_owned());
+    let mut of_table = None;
+    if let Some(temperatures) = temperatures {
+        if t_ns == 0 {
+            return Err("no t_ns in frames.csv, which --temperatures needs".to_owned());
+        }
+        let (part_c, limit_k) = temperatures.at(t_ns)?;
+        stream.set_part_temperature(part_c, limit_k);
+        of_table = temperatures.scale_at(t_ns)?;
     }
-    let (part_c, limit_k) = temperatures.at(t_ns)?;
-    stream.set_part_temperature(part_c, limit_k);
     match scale {
         None => Ok(()),
-        Some(drift) => take_scale(stream, drift, temperatures.scale_at(t_ns)?),
+        // the head's own comes with the frame, or is read every five seconds: it is not stale
+        Some(drift) => take_scale(stream, drift, of_table.or(own_c.map(|c| (c, 0.0)))),
     }
 }
 
@@ -107,7 +120,10 @@ pub(crate) fn take_scale(
     scale: Option<(f64, f64)>,
 ) -> Result<(), String> {
     let Some((scale_c, stale_k)) = scale else {
-        return Err("--scale-ppm-per-k needs the temperature of the scale (scale_c or head_c)".to_owned());
+        return Err(
+            "--scale-ppm-per-k needs the temperature of the scale (scale_c or head_c, or the camera's own)"
+                .to_owned(),
+        );
     };
     stream.set_scale_drift(drift.limit_ppm(scale_c, stale_k));
     Ok(())

@@ -130,7 +130,7 @@ impl CommandedHead for CommandedCamera {
             ..FrameMeta::default()
         };
         let place = z_mm.zip(angle_deg).map(|(z_mm, angle_deg)| Place { z_mm, angle_deg });
-        Ok(match session.setup.layout.frame(&block, meta, &spare) {
+        Ok(match session.setup.layout.frame(block, meta, &spare) {
             Ok(frame) => Arrived::Frame(Box::new(HeadFrame { frame, place, exposed_ns })),
             Err(why) => Arrived::Incomplete(why),
         })

@@ -1,7 +1,5 @@
 //! Blocks of a stream to frames: the seven grey formats, whole and of one size.
 
-use std::borrow::Cow;
-
 use viva_genicam::pfnc::PixelFormat as Pfnc;
 use viva_genicam::{Frame as Block, FrameStatus};
 
@@ -59,11 +57,11 @@ impl ImageLayout {
         Ok(Self { columns, rows, format: Pfnc::from_name(&found), layout })
     }
 
-    /// The frame of a block.
+    /// The frame of a block, in the block's own memory where its bytes are the pixels.
     ///
     /// # Errors
     /// A block that is not whole, or of another size or format: why, in words.
-    pub(super) fn frame(&self, block: &Block, meta: FrameMeta, spare: &Spare) -> Result<Frame, String> {
+    pub(super) fn frame(&self, block: Block, meta: FrameMeta, spare: &Spare) -> Result<Frame, String> {
         match block.status {
             FrameStatus::Complete => {}
             FrameStatus::Incomplete { missing_packets } => {
@@ -80,13 +78,15 @@ impl ImageLayout {
             return Err(format!("{} came in place of {self}", shown(columns, rows, block.pixel_format)));
         }
         let bytes = self.without_padding(block)?;
-        self.layout.decode(&bytes, meta, spare).map(|decoded| decoded.frame).map_err(|why| why.to_string())
+        self.layout.decode_owned(bytes, meta, spare).map_err(|why| why.to_string())
     }
 
     /// The bytes of the rows, one after another.
-    fn without_padding<'a>(&self, block: &'a Block) -> Result<Cow<'a, [u8]>, String> {
+    fn without_padding(&self, block: Block) -> Result<Vec<u8>, String> {
         let Some(stride) = block.row_stride().filter(|_| block.padding_x > 0) else {
-            return Ok(Cow::Borrowed(&block.payload));
+            // The last owner of the memory has it without a copy.
+            drop((block.chunks, block.raw_payload));
+            return Ok(block.payload.into());
         };
         let row = stride - usize::from(block.padding_x);
         if row as u64 * u64::from(self.rows) != self.layout.bytes() {
@@ -95,7 +95,7 @@ impl ImageLayout {
         }
         let rows: Option<Vec<&[u8]>> =
             (0..self.rows as usize).map(|k| block.payload.get(k * stride..k * stride + row)).collect();
-        rows.map(|rows| Cow::Owned(rows.concat())).ok_or_else(|| "the block ends within a row".to_owned())
+        rows.map(|rows| rows.concat()).ok_or_else(|| "the block ends within a row".to_owned())
     }
 }
 
@@ -110,7 +110,7 @@ mod tests {
     }
 
     fn grey(layout: &ImageLayout, block: &Block) -> Result<Vec<f32>, String> {
-        let frame = layout.frame(block, FrameMeta::default(), &Spare::default())?;
+        let frame = layout.frame(block.clone(), FrameMeta::default(), &Spare::default())?;
         Ok(match frame.view().pixels() {
             Pixels::U8(grey) => grey.iter().map(|v| f32::from(*v)).collect(),
             Pixels::U16(grey) => grey.iter().map(|v| f32::from(*v)).collect(),
@@ -138,6 +138,16 @@ mod tests {
             let found = grey(&layout, &block(bytes, 2, 1, format)).unwrap();
             assert_eq!(found, values.map(|v: u16| f32::from(v)), "{format}");
         }
+    }
+
+    #[test]
+    fn a_frame_of_bytes_is_the_memory_of_its_block() {
+        let pixels = vec![7_u8; 64];
+        let place = pixels.as_ptr();
+        let layout = layout("8", "8", "Mono8").unwrap();
+        let block = Block::new(pixels.into(), 8, 8, Pfnc::Mono8);
+        let frame = layout.frame(block, FrameMeta::default(), &Spare::default()).unwrap();
+        assert!(matches!(frame.into_buffer(), crate::frame::Buffer::U8(bytes) if bytes.as_ptr() == place));
     }
 
     #[test]

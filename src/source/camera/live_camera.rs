@@ -74,7 +74,7 @@ impl Camera {
     }
 
     /// A block as a frame with its metadata.
-    fn made(&mut self, block: &Block) -> Produced {
+    fn made(&mut self, block: Block) -> Produced {
         let host_ns = host_t_ns();
         let (Some(number), Some(session)) = (self.ids.number(block.block_id), &mut self.session) else {
             tracing::debug!("a block of id {} is left out", block.block_id);
@@ -82,7 +82,7 @@ impl Camera {
         };
         let clock = session.setup.clock;
         let device_ns = block.ts_dev.and_then(|ticks| clock.map(|clock| clock.ns(ticks)));
-        let values = session.values(block);
+        let values = session.values(&block);
         let at = values.angle_deg.map(|angle_deg| {
             let exposure_us = values.exposure_us.map(|known| known.value);
             let stated_deg_per_s = session.spindle_deg_per_s();
@@ -235,6 +235,20 @@ impl Camera {
     }
 }
 
+/// Features of an open camera, for tests before cameras of others.
+#[cfg(test)]
+impl Camera {
+    pub(crate) fn set_feature(&mut self, name: &str, value: &str) -> Result<(), String> {
+        use super::features::Features as _;
+        let session = self.session.as_mut().ok_or("it is not open")?;
+        session.features_mut().set(name, value)
+    }
+
+    pub(crate) fn execute_command(&mut self, name: &str) -> Result<(), String> {
+        self.session.as_mut().ok_or("it is not open")?.execute(name)
+    }
+}
+
 /// What was opened, for the log.
 fn introduce(device: &DeviceInfo, session: &Session) {
     let ((receiver, bytes), layout) = (session.receiver, &session.setup.layout);
@@ -256,7 +270,7 @@ impl Producer for Camera {
         match session.receive(wait) {
             Ok(Some(block)) => {
                 self.watchdog.frame(Instant::now());
-                self.made(&block)
+                self.made(block)
             }
             Ok(None) => self.silent(),
             Err(why) => self.gone(why),

@@ -7,7 +7,7 @@
 //! and what a calibration of them is bound to (`binding`). `find` is discovery, `features` access
 //! by name, `guard` what alters grey values and is set off, refused and restored, `image` the seven
 //! pixel formats, `ids` block ids to numbers, `chunks` and `clock` what comes beside the pixels,
-//! `latched_angle` angles at mid-exposure, `watchdog` when a silent camera is asked; `session`
+//! `last_packet` asks for trailers that were lost, `latched_angle` angles at mid-exposure, `watchdog` when a silent camera is asked; `session`
 //! joins them from opening to closing, `live_camera` opens again a camera that was away,
 //! `commanded` is a camera with a process behind it, commanded by its features and triggers;
 //! `listed` are cameras by network interface and `test_packet` whether their packets arrive. One
@@ -28,6 +28,7 @@ mod find;
 mod guard;
 mod ids;
 mod image;
+mod last_packet;
 mod latched_angle;
 mod listed;
 mod live_camera;

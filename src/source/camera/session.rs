@@ -13,6 +13,7 @@ use super::error::CameraError;
 use super::features::{Device, Features, exposure_name};
 use super::guard::{Restore, guard};
 use super::image::ImageLayout;
+use super::last_packet::{LastPacket, Stated};
 use super::settings::CameraSettings;
 use super::slow_register::SlowRegister;
 use crate::frame::{CameraBinding, Roi};
@@ -56,6 +57,8 @@ pub(super) struct Session {
     pub setup: Setup,
     /// Address and port at which frames are received, and bytes of a packet.
     pub receiver: (std::net::SocketAddrV4, u32),
+    /// Asks for last packets; `None` where the camera sends none again.
+    last_packet: Option<LastPacket>,
     speed: SlowRegister,
     temperature: SlowRegister,
 }
@@ -78,9 +81,10 @@ impl Session {
             Ok((setup, stream)) => {
                 let params = stream.params();
                 let receiver = (std::net::SocketAddrV4::new(params.host, params.port), params.packet_size);
+                let last_packet = last_packet(&stream, &camera, &setup);
                 let speed = SlowRegister::new("SpindleSpeed", SPEED_PERIOD);
                 let temperature = SlowRegister::new("DeviceTemperature", TEMPERATURE_PERIOD);
-                Ok(Self { stream, camera, setup, receiver, speed, temperature })
+                Ok(Self { stream, camera, setup, receiver, last_packet, speed, temperature })
             }
             Err(why) => {
                 restore.restore(&mut camera).iter().for_each(|why| tracing::warn!("{why}"));
@@ -94,6 +98,10 @@ impl Session {
     /// # Errors
     /// A camera that refuses, or is gone.
     pub(super) fn start(&mut self) -> Result<(), CameraError> {
+        let packets = self.stream.stats().packets_received;
+        if let Some(last_packet) = &mut self.last_packet {
+            last_packet.begin(Instant::now(), packets);
+        }
         self.camera.acquisition_start().map_err(|why| CameraError::failed("AcquisitionStart", why))
     }
 
@@ -133,18 +141,38 @@ impl Session {
     /// # Errors
     /// A socket that fails.
     pub(super) fn receive(&mut self, wait: Duration) -> Result<Option<Block>, String> {
-        match self.stream.next_frame_blocking(wait) {
-            Ok(Some(block)) => {
-                // A camera that sends answers, too.
-                if let Some(clock) = &mut self.setup.clock {
-                    clock.keep(self.camera.transport(), Instant::now());
-                }
-                Ok(Some(block))
+        let until = Instant::now() + wait;
+        loop {
+            let now = Instant::now();
+            let left = until.saturating_duration_since(now);
+            let look = self.last_packet.as_ref().map_or(left, |last_packet| last_packet.wait(now));
+            match self.stream.next_frame_blocking(look.min(left)) {
+                Ok(Some(block)) => return Ok(Some(self.received(block))),
+                Ok(None) => return Err("its stream ended".to_owned()),
+                Err(GenicamError::Timeout(_)) => {}
+                Err(why) => return Err(why.to_string()),
             }
-            Ok(None) => Err("its stream ended".to_owned()),
-            Err(GenicamError::Timeout(_)) => Ok(None),
-            Err(why) => Err(why.to_string()),
+            let now = Instant::now();
+            if let Some(last_packet) = &mut self.last_packet {
+                last_packet.look(now, self.stream.stats().packets_received);
+            }
+            if now >= until {
+                return Ok(None);
+            }
         }
+    }
+
+    /// Notes that a block came.
+    fn received(&mut self, block: Block) -> Block {
+        let now = Instant::now();
+        if let Some(last_packet) = &mut self.last_packet {
+            last_packet.came(block.block_id, now, self.stream.stats().packets_received);
+        }
+        // A camera that sends answers, too.
+        if let Some(clock) = &mut self.setup.clock {
+            clock.keep(self.camera.transport(), now);
+        }
+        block
     }
 
     /// The values that came with a frame, otherwise those that the camera is set to.
@@ -246,6 +274,17 @@ fn roi(camera: &impl Features) -> Option<Roi> {
     let sensor = (of("SensorHeight").or(of("HeightMax"))?, of("SensorWidth").or(of("WidthMax"))?);
     let (row, column) = (of("OffsetY").unwrap_or(0), of("OffsetX").unwrap_or(0));
     ((rows, columns) != sensor).then_some(Roi { row, column, rows, columns })
+}
+
+/// Asks for last packets where the camera sends packets again and states the bytes of its frames.
+fn last_packet(stream: &FrameStream, camera: &Device, setup: &Setup) -> Option<LastPacket> {
+    let payload_bytes = camera.number("PayloadSize").filter(|bytes| *bytes >= 1.0)? as u32;
+    let is_on = |mode: String| mode.eq_ignore_ascii_case("on") || mode == "true" || mode == "1";
+    let is_long = camera.value("GevGVSPExtendedIDMode").is_some_and(is_on);
+    let period = setup.period.filter(|_| !setup.is_triggered);
+    let stated = Stated { payload_bytes, is_long, period };
+    let is_sent_again = stream.resend_enabled();
+    LastPacket::new(&stream.params(), stated, Instant::now()).filter(|_| is_sent_again)
 }
 
 fn stream(camera: &mut Device) -> Result<FrameStream, CameraError> {

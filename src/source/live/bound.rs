@@ -2,7 +2,8 @@
 //! by timed samples, or by the numbers of the encoder's triggers.
 //!
 //! A frame is held until its place is known: until samples reach beyond its exposure and an index
-//! pulse after it has checked the count, or until the turn of its trigger is over. What stands in a
+//! pulse after it has checked the count, or until the turn of its trigger is over (and, where index
+//! pulses are known, checked). What stands in a
 //! void turn is a gap with the reason. Frames are not held without bound: beyond a number of bytes,
 //! and of a turn that takes longer than is waited for, they are given with the checks there were.
 
@@ -33,6 +34,18 @@ pub(crate) trait EncoderSamples: Send {
     fn clock(&self) -> Option<SampleClock>;
 }
 
+/// Index pulses of an encoder, by their times, that come from elsewhere.
+pub(crate) trait IndexTimes: Send {
+    /// The pulses since the last look, ns, in their order.
+    ///
+    /// # Errors
+    /// What cannot be read: it names the place.
+    fn look(&mut self) -> Result<Vec<u64>, String>;
+
+    /// The clock that they are of; `None` before it is known.
+    fn clock(&self) -> Option<SampleClock>;
+}
+
 /// Clocks that samples may be of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SampleClock {
@@ -46,8 +59,8 @@ pub(crate) enum SampleClock {
 pub(crate) enum Binding {
     /// By samples of the encoder.
     Samples(SampledEncoder, Box<dyn EncoderSamples>),
-    /// By the numbers of its triggers.
-    Triggers(TriggerCount),
+    /// By the numbers of its triggers, checked by its index pulses where they are known.
+    Triggers(TriggerCount, Option<Box<dyn IndexTimes>>),
 }
 
 /// What waits, in the order of the source.
@@ -78,8 +91,10 @@ impl Bound {
     }
 
     fn hold(&mut self, new: Box<NewFrame>) {
-        if let Binding::Triggers(count) = &mut self.binding {
-            let t_ns = new.meta.device_t.or(new.meta.exposed_t).map_or(0, |t| t.t_ns);
+        if let Binding::Triggers(count, index) = &mut self.binding {
+            let own_ns = new.meta.device_t.or(new.meta.exposed_t).map(|t| t.t_ns);
+            let clock = index.as_ref().and_then(|index| index.clock());
+            let t_ns = clock.map_or(own_ns, |clock| time_ns(&new.meta, clock)).unwrap_or(0);
             let exposure_us = exposure_us(&new).unwrap_or(0.0);
             count.push(Triggered { number: new.meta.sequence, t_ns, exposure_us });
         }
@@ -97,6 +112,9 @@ impl Bound {
                 encoder.push(sample)?;
             }
         }
+        if let Binding::Triggers(count, Some(index)) = &mut self.binding {
+            index.look()?.into_iter().for_each(|pulse_ns| count.index(pulse_ns));
+        }
         loop {
             match self.held.pop_front() {
                 None => return Ok(()),
@@ -109,7 +127,7 @@ impl Bound {
                     self.bytes -= bytes(&new.frame);
                     let provenance = match self.binding {
                         Binding::Samples(..) => Provenance::Interpolated,
-                        Binding::Triggers(_) => Provenance::TriggerCount,
+                        Binding::Triggers(..) => Provenance::TriggerCount,
                     };
                     self.ready.push_back(placed(new, place, provenance));
                 }
@@ -132,20 +150,14 @@ impl Bound {
                 let is_decided = encoder.covers(&exposure) && encoder.is_checked(&exposure);
                 (is_decided || is_end || is_full).then(|| encoder.place(&exposure))
             }
-            Binding::Triggers(count) => {
+            Binding::Triggers(count, _) => {
                 if self.places.is_empty() {
-                    let decided = count.decided(is_end || is_full);
-                    self.places.extend(decided.into_iter().map(unstated));
+                    self.places.extend(count.decided(is_end || is_full));
                 }
                 self.places.pop_front()
             }
         }
     }
-}
-
-/// The place of a trigger, whose number alone has no uncertainty that is stated.
-fn unstated(place: Place) -> SampledPlace {
-    SampledPlace { place, u_deg: None, z_mm: None }
 }
 
 /// A frame with its place, or a gap.

@@ -29,7 +29,7 @@ mod stored;
 mod taken;
 mod windows;
 
-pub(crate) use self::bound::{Binding, Bound, EncoderSamples, SampleClock};
+pub(crate) use self::bound::{Binding, Bound, EncoderSamples, IndexTimes, SampleClock};
 pub(crate) use self::clock_map::{ClockMap, ClockMapError, RoundTrip};
 pub(crate) use self::counters::Counters;
 pub(crate) use self::event::{Event, LiveFrame, Remarks};

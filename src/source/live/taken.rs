@@ -60,6 +60,7 @@ fn undecoded(frame: LiveFrame, name: &str, lost: u64) -> (Arrival, Result<Undeco
         stem: stem.clone(),
         device_t_ns: meta.device_t.map(|t| t.t_ns),
         host_t_ns: meta.host_t.map(|t| t.t_ns),
+        head_c: meta.head_c.map(|known| known.value),
         lost,
         notices: remarks.notices,
     };

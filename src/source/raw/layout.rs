@@ -115,6 +115,25 @@ impl RawLayout {
         Ok(Decoded { frame: frame.map_err(damaged)?, scale: None, changed: Vec::new(), sample_bytes })
     }
 
+    /// As [`Self::decode`], of memory that is given away: bytes that are pixels already stay where
+    /// they are.
+    ///
+    /// # Errors
+    /// As [`Self::decode`].
+    #[cfg_attr(not(feature = "camera"), allow(dead_code, reason = "cameras give their memory away"))]
+    pub(in crate::source) fn decode_owned(
+        &self,
+        bytes: Vec<u8>,
+        meta: FrameMeta,
+        spare: &Spare,
+    ) -> Result<Frame, DecodeError> {
+        if self.format != RawFormat::Mono8 || bytes.len() as u64 != self.bytes() {
+            return self.decode(&bytes, meta, spare).map(|decoded| decoded.frame);
+        }
+        let (rows, columns) = (self.rows as usize, self.columns as usize);
+        Frame::new(Buffer::U8(bytes), self.format.pixel_format(), rows, columns, meta).map_err(damaged)
+    }
+
     fn unpacked(&self, bytes: &[u8], spare: &Spare) -> Result<Buffer, DecodeError> {
         let count = self.pixels() as usize;
         if self.format == RawFormat::Mono8 {
@@ -217,6 +236,22 @@ mod tests {
         assert!(error.contains("61455 at row 1, column 1") && error.contains("4095"), "{error}");
         assert!(decoded("1x1:mono10", &[0, 4]).unwrap_err().contains("1024"));
         assert!(decoded("2x1:mono16", &[1, 2, 3]).unwrap_err().contains("3 bytes of 4"));
+    }
+
+    #[test]
+    fn memory_that_is_given_away_is_the_frame_where_bytes_are_pixels() {
+        let owned = |layout: &str, bytes: &[u8]| {
+            let (layout, bytes) = (layout.parse::<RawLayout>().unwrap(), bytes.to_vec());
+            let place = bytes.as_ptr();
+            let frame = layout.decode_owned(bytes, FrameMeta::default(), &Spare::default())?;
+            let is_kept = |buffer: &Buffer| matches!(buffer, Buffer::U8(b) if b.as_ptr() == place);
+            let buffer = frame.into_buffer();
+            Ok::<_, DecodeError>((is_kept(&buffer), buffer))
+        };
+        assert_eq!(owned("2x1:mono8", &[7, 255]).unwrap(), (true, Buffer::U8(vec![7, 255])));
+        assert_eq!(owned("2x1:mono8", &[7, 255, 3]).unwrap(), (false, Buffer::U8(vec![7, 255])));
+        assert_eq!(owned("1x1:mono16", &[1, 2]).unwrap(), (false, Buffer::U16(vec![0x201])));
+        assert!(owned("2x1:mono8", &[7]).unwrap_err().to_string().contains("1 bytes of 2"));
     }
 
     #[test]

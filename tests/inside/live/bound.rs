@@ -168,7 +168,7 @@ fn triggers_give_angles_and_an_ignored_or_doubled_one_voids_its_turn() {
             let settings = settings(latched_at, direction);
             for (bad, word) in [(vec![], "ignored"), (vec![40, 40], "doubled")] {
                 let triggers = (0..128).flat_map(|k| if k == 40 { bad.clone() } else { vec![k] });
-                let binding = Binding::Triggers(TriggerCount::new(settings, 0).unwrap());
+                let binding = Binding::Triggers(TriggerCount::new(settings, 0).unwrap(), None);
                 let (frames, gaps) = all(Box::new(Bound::new(Camera::boxed(triggers), binding, false)));
                 assert!(
                     gaps.iter().all(|(_, why)| why.contains("turn 2 is void") && why.contains(word)),
@@ -181,7 +181,9 @@ fn triggers_give_angles_and_an_ignored_or_doubled_one_voids_its_turn() {
                     let sign = if direction == EncoderDirection::Rising { 1.0 } else { -1.0 };
                     let angle = frame.meta.angle_deg.unwrap();
                     assert_eq!(angle.provenance, Provenance::TriggerCount);
-                    assert_eq!(frame.meta.u_angle_deg, None);
+                    // no index pulse: a quarter of the step of 11.25°, by √3
+                    let u_deg = frame.meta.u_angle_deg.unwrap();
+                    assert!((u_deg - 1.624).abs() < 0.01, "{u_deg}");
                     assert!(off_deg(angle.value, sign * 360.0 * since_ns / TURN_NS) < 0.2, "{latched_at:?}");
                 }
             }
