@@ -30,6 +30,9 @@ pub(crate) struct TrainArgs {
     /// Seed of the drawn pixels and features: the same bytes from the same images and seed.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// What the model states that it was trained on, instead of the number of images.
+    #[arg(long, value_name = "TEXT")]
+    trained_on: Option<String>,
     /// Channel of colour images.
     #[arg(long, default_value = "g")]
     channel: Channel,
@@ -58,7 +61,8 @@ pub(crate) fn run(args: &TrainArgs) -> CommandResult {
     let growth = Growth { seed: args.seed, ..Growth::default() };
     let (vb, vb_max) = left_out(&labelled, &growth);
     let mut forest = train(&labelled, &growth);
-    forest.facts.trained_on = format!("{} labelled images", labelled.len());
+    forest.facts.trained_on =
+        args.trained_on.clone().unwrap_or_else(|| format!("{} labelled images", labelled.len()));
     (forest.facts.vb_error_um, forest.facts.vb_max_error_um) = (vb, vb_max);
     let bytes = file::write(&forest).map_err(Failure::fail)?;
     say_line!(
@@ -104,8 +108,14 @@ fn one(args: &TrainArgs, path: &Path) -> Result<Option<Labelled>, Failure> {
         }
         grey_mask(&grey, full)
     };
-    let flank = locate(&image, args.um_per_px, None).map_err(|e| named(path, &e))?;
-    Ok(Some(Labelled::new(flank, &land)))
+    match locate(&image, args.um_per_px, None) {
+        Ok(flank) => Ok(Some(Labelled::new(flank, &land))),
+        Err(e) => {
+            // of a flank without an edge nothing is learnt; what remains is counted
+            tracing::warn!("{} is left out: {e}", path.display());
+            Ok(None)
+        }
+    }
 }
 
 /// Root mean squares of the errors of VB and VBmax of images that are left out in turn, µm.

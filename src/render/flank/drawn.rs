@@ -35,6 +35,7 @@ impl FlankScene {
         scene.wear = FlankWear {
             vb_um,
             scatter: random.random_range(0.03..0.3),
+            taper: if random.random_bool(0.6) { random.random_range(-0.9..0.9) } else { 0.0 },
             length_um: random.random_range(0.45..0.72) * width_um,
             notch_um: if random.random_bool(0.4) { vb_um * random.random_range(0.2..1.2) } else { 0.0 },
             corner_um: if random.random_bool(0.4) { vb_um * random.random_range(0.0..0.4) } else { 0.0 },
@@ -50,18 +51,29 @@ impl FlankScene {
 }
 
 fn surface(random: &mut Pcg64, width_um: f64) -> FlankSurface {
-    let flank = spread(random, 0.12, 0.6);
+    let flank = spread(random, 0.08, 0.6);
     FlankSurface {
         air: random.random_range(0.05..0.25),
         flank,
         texture: random.random_range(0.25..0.9),
         grinding_deg: random.random_range(30.0..150.0),
         grinding_um: spread(random, 6.0, 40.0),
-        land: spread(random, 0.1, 0.8),
+        land: spread(random, 0.05, 0.8),
         streaks: random.random_range(0.05..0.5),
-        line: if random.random_bool(0.6) { random.random_range(0.2..1.5) } else { 0.0 },
+        streak_deg: if random.random_bool(0.5) {
+            random.random_range(-6.0..6.0)
+        } else {
+            random.random_range(70.0..110.0)
+        },
+        line: if random.random_bool(0.7) { random.random_range(0.2..2.0) } else { 0.0 },
+        line_um: spread(random, 2.0, 16.0),
+        line_at: random.random_range(0.0..0.9),
         rim: if random.random_bool(0.7) { random.random_range(0.0..0.8) } else { 0.0 },
-        adhesion: if random.random_bool(0.5) { random.random_range(0.0..0.25) } else { 0.0 },
+        adhesion: if random.random_bool(0.5) { random.random_range(0.0..0.35) } else { 0.0 },
+        adhesion_level: spread(random, 0.15, 0.9),
+        adhesion_grain: random.random_range(0.2..1.2),
+        sparkles: spread(random, 0.01, 0.2),
+        shade: random.random_range(0.1..0.9),
         glare: if random.random_bool(0.4) { random.random_range(0.0..0.8) } else { 0.0 },
         glare_at_um: random.random_range(0.1..0.7) * width_um,
     }

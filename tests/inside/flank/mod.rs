@@ -6,6 +6,7 @@ mod found;
 mod parts;
 mod real;
 mod refused;
+mod trained;
 
 use shadowgauge::gauge::flank::{CornerSide, FlankSettings};
 
