@@ -11,10 +11,10 @@ fn spread(random: &mut Pcg64, low: f64, high: f64) -> f64 {
 }
 
 impl FlankScene {
-    /// A scene of a seed: any light, texture and wear from 15 to 400 µm.
+    /// A scene of a seed: any light and texture, wear from 15 µm to three tenths of the height.
     pub(crate) fn drawn(seed: u64, (columns, rows): (u32, u32), um_per_px: f64) -> Self {
         let random = &mut Pcg64::seed_from_u64(seed);
-        let vb_um = spread(random, 15.0, 0.2 * f64::from(rows) * um_per_px.min(3.0));
+        let vb_um = spread(random, 15.0, 0.3 * f64::from(rows) * um_per_px.min(3.0));
         let turn: f64 = random.random_range(-12.0..12.0);
         let width_um = f64::from(columns) * um_per_px;
         let mut scene = Self { columns, rows, um_per_px, ..Self::default() };

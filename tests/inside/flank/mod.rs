@@ -1,6 +1,7 @@
 //! Flank wear: the renderer's truth, the measurement against it, refusals, and real flanks
 //! (`SHADOWGAUGE_FLANKS`).
 
+mod by_paper;
 mod drawn;
 mod found;
 mod parts;

@@ -2,7 +2,7 @@
 
 use super::settings;
 use shadowgauge::gauge::flank::forest::{file, training::Growth};
-use shadowgauge::gauge::flank::{Labelled, Raster, locate, measure_flank, train};
+use shadowgauge::gauge::flank::{Labelled, Raster, drawn, locate, measure_flank, train};
 use shadowgauge::render::flank::{FlankScene, render_flank};
 
 const UM_PER_PX: f64 = 4.0;
@@ -21,7 +21,9 @@ fn training_twice_gives_the_same_bytes() {
     let all: Vec<Labelled> = (1..6).filter_map(labelled).collect();
     assert!(all.len() >= 3, "{}", all.len());
     let growth = Growth { trees: 4, depth: 6, ..Growth::default() };
-    let bytes = |seed: u64| file::write(&train(all.iter(), &Growth { seed, ..growth })).unwrap();
+    let bytes = |seed: u64| {
+        file::write(&train(&drawn(&all, seed), &Growth { seed, ..growth })).unwrap()
+    };
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| bytes(3));
     assert!(one == bytes(3) && one != bytes(4));
 }
@@ -30,7 +32,7 @@ fn training_twice_gives_the_same_bytes() {
 #[test]
 fn what_trees_disagree_about_is_in_the_models_row() {
     let all: Vec<Labelled> = (1..4).filter_map(labelled).collect();
-    let forest = train(all.iter(), &Growth { trees: 4, depth: 5, ..Growth::default() });
+    let forest = train(&drawn(&all, 1), &Growth { trees: 4, depth: 5, ..Growth::default() });
     let mut single = forest.clone();
     single.trees.truncate(1);
     let (frame, _, _) = render_flank(&FlankScene::default(), 11).unwrap();
