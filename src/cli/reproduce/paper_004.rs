@@ -25,7 +25,8 @@ pub(crate) struct Reproduce004Args {
 }
 
 /// Parts of the paper and the prefixes of their rows' ids.
-const PARTS: [(&str, &[&str]); 5] = [
+const PARTS: [(&str, &[&str]); 6] = [
+    ("The flank (section 2, Table 1)", &["flank."]),
     ("The nose by vision (section 2)", &["nose.", "lsd.", "eq6.", "eq7.", "eq10.", "insert."]),
     (
         "The four workpieces and the lathe (Tables 2 and 4)",

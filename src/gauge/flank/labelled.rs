@@ -3,6 +3,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use rayon::prelude::*;
 
 use super::features::{FEATURES, features};
 use super::forest::Forest;
@@ -45,8 +46,10 @@ impl Labelled {
         (0..self.land.columns).map(|c| sum(c) * frame.row_um()).collect()
     }
 
-    /// Draws pixels on both sides of the border.
-    fn draw(&self, samples: &mut Samples, random: &mut Pcg64) {
+    /// Pixels drawn on both sides of the border.
+    fn draw(&self, seed: u64) -> Samples {
+        let mut samples = Samples { features: FEATURES, ..Samples::default() };
+        let random = &mut Pcg64::seed_from_u64(seed);
         let frame = &self.flank.frame;
         let all = features(&normalised(&self.flank.strip, frame), frame);
         let (columns, top) = (self.land.columns, frame.above);
@@ -71,16 +74,23 @@ impl Labelled {
                 samples.land.push(land);
             }
         }
+        samples
     }
 }
 
-/// A forest from labelled flanks.
-pub(crate) fn train<'a>(labelled: impl IntoIterator<Item = &'a Labelled>, growth: &Growth) -> Forest {
+/// Pixels of every flank, each drawn by the seed and its own number.
+pub(crate) fn drawn(labelled: &[Labelled], seed: u64) -> Vec<Samples> {
+    let one = |(k, one): (usize, &Labelled)| one.draw(seed.wrapping_mul(1_000_003).wrapping_add(k as u64));
+    labelled.par_iter().enumerate().map(one).collect()
+}
+
+/// A forest from the pixels of flanks.
+pub(crate) fn train<'a>(drawn: impl IntoIterator<Item = &'a Samples>, growth: &Growth) -> Forest {
     let mut samples = Samples { features: FEATURES, ..Samples::default() };
-    let mut random = Pcg64::seed_from_u64(growth.seed);
     let mut images = 0;
-    for one in labelled {
-        one.draw(&mut samples, &mut random);
+    for one in drawn {
+        samples.values.extend_from_slice(&one.values);
+        samples.land.extend_from_slice(&one.land);
         images += 1;
     }
     let mut forest = grow(&samples, growth);

@@ -25,23 +25,30 @@ pub(crate) struct Land {
     pub depth_um: Vec<f64>,
     /// Its standard uncertainty in every column, µm.
     pub u_um: Vec<f64>,
+    /// Depth of the border by each group of the forest's trees, µm.
+    pub by_group_um: Vec<Vec<f64>>,
 }
 
 /// Finds the border in a strip; `inside` are the rows of each column within the image.
 pub(crate) fn land(strip: &Raster, frame: &Frame, inside: &[usize], forest: &Forest) -> Land {
-    let probability = probability(strip, frame, forest);
+    let all = features(&normalised(strip, frame), frame);
+    let row_um = frame.row_um();
+    let depth_um = |path: &[usize]| path.iter().map(|v| *v as f64 * row_um).collect::<Vec<f64>>();
+    let by_group =
+        |group: Forest| depth_um(&costs(&probability(&all, strip, frame, &group), frame, inside).cheapest());
+    let by_group_um = forest.groups().into_par_iter().map(by_group).collect();
+    let probability = probability(&all, strip, frame, forest);
     let costs = costs(&probability, frame, inside);
     let path = costs.cheapest();
     let spread = costs.spread(&path, TEMPERATURE);
-    let row_um = frame.row_um();
     Land {
-        depth_um: path.iter().map(|v| *v as f64 * row_um).collect(),
+        depth_um: depth_um(&path),
         u_um: spread.iter().map(|s| (s * row_um).hypot(row_um / 12f64.sqrt())).collect(),
+        by_group_um,
     }
 }
 
-fn probability(strip: &Raster, frame: &Frame, forest: &Forest) -> Raster {
-    let all = features(&normalised(strip, frame), frame);
+fn probability(all: &[Raster], strip: &Raster, frame: &Frame, forest: &Forest) -> Raster {
     let mut out = Raster::new(frame.below, strip.columns);
     out.values.par_chunks_mut(strip.columns).enumerate().for_each(|(row, line)| {
         for (column, value) in line.iter_mut().enumerate() {

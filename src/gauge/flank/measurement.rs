@@ -48,12 +48,14 @@ fn assess(
         .collect();
     let mut flags = Vec::new();
     let Some(worn) = worn else {
+        // a land that glare hides is none that is absent
+        glare(flank, found, (0, found.depth_um.len().saturating_sub(1)), settings.full_scale)?;
         flags.push("no_land");
         return Ok(finished(
             flank,
             settings,
             (widths, Zones { b: 0..0, c: None, n: None }, (0, 0)),
-            (forest, flags),
+            (forest, &found.by_group_um, flags),
         ));
     };
     leaves_field(flank, found, worn)?;
@@ -68,7 +70,7 @@ fn assess(
     if settings.um_per_px > 1.5 * limits.pitch_um {
         flags.push("coarse_scale");
     }
-    Ok(finished(flank, settings, (widths, zones, worn), (forest, flags)))
+    Ok(finished(flank, settings, (widths, zones, worn), (forest, &found.by_group_um, flags)))
 }
 
 /// The measurement with its uncertainties.
@@ -76,7 +78,7 @@ fn finished(
     flank: &Located,
     settings: &FlankSettings,
     (widths, zones, worn): (Vec<Width>, Zones, (usize, usize)),
-    (forest, flags): (&Forest, Vec<&'static str>),
+    (forest, by_group_um, flags): (&Forest, &[Vec<f64>], Vec<&'static str>),
 ) -> FlankMeasurement {
     let frame = &flank.frame;
     let shortened = settings.viewing_deg.to_radians().cos();
@@ -85,15 +87,23 @@ fn finished(
         reference_um: flank.u_reference_um / shortened,
         model_um,
         scale_um: um * settings.u_scale,
-        viewing_um: um * settings.viewing_deg.to_radians().tan() * settings.u_viewing_deg.to_radians(),
+        viewing_um: um * settings.viewing_deg.to_radians().tan().abs() * settings.u_viewing_deg.to_radians(),
     };
     let with = |width: Width, model_um: f64| {
         let budget = FlankBudget { border_um: width.u_um, ..common(width.um, model_um) };
         (Width { um: width.um, u_um: budget.combined_um() }, budget)
     };
     let facts = &forest.facts;
-    let (vbb, budget) = with(mean(&widths[zones.b.clone()], SHARED_COLUMNS), facts.vb_error_um);
-    let of = |range: &std::ops::Range<usize>| with(largest(&widths[range.clone()]), facts.vb_max_error_um).0;
+    let model_um = |range: &std::ops::Range<usize>, of: fn(&[f64]) -> f64, error_um: f64| {
+        let by_group: Vec<f64> = by_group_um.iter().map(|depth| of(&depth[range.clone()])).collect();
+        error_um.hypot(deviation(&by_group) / shortened)
+    };
+    let model_vbb_um = model_um(&zones.b, average, facts.vb_error_um);
+    let (vbb, budget) = with(mean(&widths[zones.b.clone()], SHARED_COLUMNS), model_vbb_um);
+    let of = |range: &std::ops::Range<usize>| {
+        let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        with(largest(&widths[range.clone()]), model_um(range, most, facts.vb_max_error_um)).0
+    };
     let worn_length_um = if worn.1 > worn.0 { (worn.1 - worn.0 + 1) as f64 * frame.column_um() } else { 0.0 };
     FlankMeasurement {
         vbb,
@@ -111,6 +121,17 @@ fn finished(
         curve: frame.curve.clone(),
         flags,
     }
+}
+
+fn average(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Standard deviation of a few values; 0 of fewer than two.
+fn deviation(values: &[f64]) -> f64 {
+    let mean = average(values);
+    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    (square / values.len().saturating_sub(1).max(1) as f64).sqrt()
 }
 
 impl FlankBudget {
@@ -147,7 +168,7 @@ fn glare(flank: &Located, found: &Land, worn: (usize, usize), full_scale: f32) -
     let level = limits.saturated as f32 * full_scale;
     let half = (limits.glare_um / frame.row_um()) as usize;
     let hidden = |k: &usize| {
-        let middle = frame.above + (found.depth_um[*k] / frame.row_um()) as usize;
+        let middle = frame.above + (found.depth_um[*k].max(limits.glare_um) / frame.row_um()) as usize;
         let rows = middle.saturating_sub(half)..(middle + half).min(flank.strip.rows);
         rows.into_iter().all(|r| flank.strip.at(r, *k) >= level)
     };

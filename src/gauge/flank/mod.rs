@@ -32,7 +32,7 @@ mod zones;
 pub(crate) use error::FlankError;
 pub(crate) use features::FEATURES;
 pub(crate) use forest::Forest;
-pub(crate) use labelled::{Labelled, errors_um, train};
+pub(crate) use labelled::{Labelled, drawn, errors_um, train};
 pub(crate) use located::locate;
 pub(crate) use measurement::measure_flank;
 pub(crate) use raster::Raster;

@@ -92,3 +92,55 @@ impl Costs {
         all
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn costs(columns: usize, step: f32) -> Costs {
+        let cost = |c: usize, r: usize| ((c * 37 + r * 101 + c * r * 13) % 29) as f32 / 7.0;
+        let columns = (0..columns).map(|c| (0..4).map(|r| cost(c, r)).collect()).collect();
+        Costs { columns, step, most_step: 1 }
+    }
+
+    /// All paths of four rows, and what each costs.
+    fn all(costs: &Costs) -> Vec<(Vec<usize>, f32)> {
+        let n = costs.columns.len();
+        let path = |k: usize| (0..n).map(|c| (k >> (2 * c)) & 3).collect::<Vec<usize>>();
+        let allowed = |p: &Vec<usize>| p.windows(2).all(|w| w[0].abs_diff(w[1]) <= costs.most_step);
+        let cost = |p: &Vec<usize>| {
+            let steps: usize = p.windows(2).map(|w| w[0].abs_diff(w[1])).sum();
+            p.iter().enumerate().map(|(c, r)| costs.columns[c][*r]).sum::<f32>() + costs.step * steps as f32
+        };
+        (0..4_usize.pow(n as u32)).map(path).filter(allowed).map(|p| (p.clone(), cost(&p))).collect()
+    }
+
+    #[test]
+    fn the_cheapest_path_is_that_of_all_paths() {
+        for step in [0.0, 0.4, 3.0] {
+            let costs = costs(6, step);
+            let best = all(&costs).into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+            let found = costs.cheapest();
+            let of_found = all(&costs).into_iter().find(|p| p.0 == found).unwrap().1;
+            assert!((of_found - best.1).abs() < 1e-5, "{step}: {of_found} {}", best.1);
+        }
+    }
+
+    /// Forward and backward sums against the sum over all paths.
+    #[test]
+    fn the_spread_is_that_of_the_distribution_of_paths() {
+        let (costs, temperature) = (costs(5, 0.7), 1.7);
+        let path = costs.cheapest();
+        let spread = costs.spread(&path, temperature);
+        for column in 0..5 {
+            let (mut sum, mut square) = (0.0, 0.0);
+            for (p, cost) in all(&costs) {
+                let weight = f64::from(-cost / temperature).exp();
+                sum += weight;
+                square += weight * (p[column] as f64 - path[column] as f64).powi(2);
+            }
+            let expected = (square / sum).sqrt();
+            assert!((spread[column] - expected).abs() < 1e-4, "{column}: {} {expected}", spread[column]);
+        }
+    }
+}

@@ -56,3 +56,42 @@ pub(crate) fn worn_range(widths_um: &[f64], least_um: f64, bridge: usize) -> Opt
     }
     runs.into_iter().max_by_key(|run| run.1 - run.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn widths(um: &[f64]) -> Vec<Width> {
+        um.iter().map(|um| Width { um: *um, u_um: 2.0 }).collect()
+    }
+
+    /// ISO 3685:1993, figure 2: C at the corner, N the farthest quarter of b, B between.
+    #[test]
+    fn zones_divide_the_worn_length() {
+        let first = zones((100, 499), Some(true), 50);
+        assert_eq!((first.c, first.b, first.n), (Some(100..150), 150..400, Some(400..500)));
+        let last = zones((100, 499), Some(false), 50);
+        assert_eq!((last.n, last.b, last.c), (Some(100..200), 200..450, Some(450..500)));
+        assert_eq!(zones((100, 499), None, 50), Zones { b: 100..500, c: None, n: None });
+        // without a nose radius there is no zone C, and a long one leaves zone B a column
+        assert_eq!(zones((0, 99), Some(true), 0).c, None);
+        assert_eq!(zones((0, 99), Some(true), 200).b, 74..75);
+    }
+
+    #[test]
+    fn means_share_their_scatter_and_the_largest_keeps_its_own() {
+        let found = mean(&widths(&[100.0, 120.0, 140.0, 160.0]), 1.0);
+        assert!((found.um - 130.0).abs() < 1e-12 && (found.u_um - 1.0).abs() < 1e-12);
+        assert!((mean(&widths(&[100.0; 4]), 12.0).u_um - 2.0).abs() < 1e-12);
+        assert_eq!(largest(&widths(&[3.0, 9.0, 4.0])).um, 9.0);
+        assert_eq!(largest(&[]), Width::default());
+    }
+
+    #[test]
+    fn a_worn_range_bridges_gaps_up_to_a_length() {
+        let um = [0.0, 9.0, 9.0, 0.0, 0.0, 9.0, 0.0, 0.0, 0.0, 9.0];
+        assert_eq!(worn_range(&um, 6.0, 3), Some((1, 5)));
+        assert_eq!(worn_range(&um, 6.0, 4), Some((1, 9)));
+        assert_eq!(worn_range(&[5.0; 4], 6.0, 4), None);
+    }
+}

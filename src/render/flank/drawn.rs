@@ -11,10 +11,10 @@ fn spread(random: &mut Pcg64, low: f64, high: f64) -> f64 {
 }
 
 impl FlankScene {
-    /// A scene of a seed: any light, texture and wear from 15 to 400 µm.
+    /// A scene of a seed: any light and texture, wear from 15 µm to three tenths of the height.
     pub(crate) fn drawn(seed: u64, (columns, rows): (u32, u32), um_per_px: f64) -> Self {
         let random = &mut Pcg64::seed_from_u64(seed);
-        let vb_um = spread(random, 15.0, 0.2 * f64::from(rows) * um_per_px.min(3.0));
+        let vb_um = spread(random, 15.0, 0.3 * f64::from(rows) * um_per_px.min(3.0));
         let turn: f64 = random.random_range(-12.0..12.0);
         let width_um = f64::from(columns) * um_per_px;
         let mut scene = Self { columns, rows, um_per_px, ..Self::default() };
@@ -35,6 +35,7 @@ impl FlankScene {
         scene.wear = FlankWear {
             vb_um,
             scatter: random.random_range(0.03..0.3),
+            taper: if random.random_bool(0.6) { random.random_range(-0.9..0.9) } else { 0.0 },
             length_um: random.random_range(0.45..0.72) * width_um,
             notch_um: if random.random_bool(0.4) { vb_um * random.random_range(0.2..1.2) } else { 0.0 },
             corner_um: if random.random_bool(0.4) { vb_um * random.random_range(0.0..0.4) } else { 0.0 },
@@ -50,18 +51,29 @@ impl FlankScene {
 }
 
 fn surface(random: &mut Pcg64, width_um: f64) -> FlankSurface {
-    let flank = spread(random, 0.12, 0.6);
+    let flank = spread(random, 0.08, 0.6);
     FlankSurface {
         air: random.random_range(0.05..0.25),
         flank,
         texture: random.random_range(0.25..0.9),
         grinding_deg: random.random_range(30.0..150.0),
         grinding_um: spread(random, 6.0, 40.0),
-        land: spread(random, 0.1, 0.8),
+        land: spread(random, 0.05, 0.8),
         streaks: random.random_range(0.05..0.5),
-        line: if random.random_bool(0.6) { random.random_range(0.2..1.5) } else { 0.0 },
+        streak_deg: if random.random_bool(0.5) {
+            random.random_range(-6.0..6.0)
+        } else {
+            random.random_range(70.0..110.0)
+        },
+        line: if random.random_bool(0.7) { random.random_range(0.2..2.0) } else { 0.0 },
+        line_um: spread(random, 2.0, 16.0),
+        line_at: random.random_range(0.0..0.9),
         rim: if random.random_bool(0.7) { random.random_range(0.0..0.8) } else { 0.0 },
-        adhesion: if random.random_bool(0.5) { random.random_range(0.0..0.25) } else { 0.0 },
+        adhesion: if random.random_bool(0.5) { random.random_range(0.0..0.35) } else { 0.0 },
+        adhesion_level: spread(random, 0.15, 0.9),
+        adhesion_grain: random.random_range(0.2..1.2),
+        sparkles: spread(random, 0.01, 0.2),
+        shade: random.random_range(0.1..0.9),
         glare: if random.random_bool(0.4) { random.random_range(0.0..0.8) } else { 0.0 },
         glare_at_um: random.random_range(0.1..0.7) * width_um,
     }

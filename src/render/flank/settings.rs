@@ -52,6 +52,9 @@ pub(crate) struct FlankWear {
     pub vb_um: f64,
     /// Relative scatter of the width along the edge.
     pub scatter: f64,
+    /// Relative growth of the width from the middle of the worn length to its far end; as much is
+    /// lost towards the corner.
+    pub taper: f64,
     /// Length over which it is worn, from the corner, µm.
     pub length_um: f64,
     /// Depth of a notch at the far end beyond VB, µm.
@@ -78,14 +81,29 @@ pub(crate) struct FlankSurface {
     pub grinding_um: f64,
     /// Mean level of the land.
     pub land: f64,
-    /// Contrast of its streaks, which run across the edge.
+    /// Contrast of its streaks.
     pub streaks: f64,
+    /// Direction of the streaks to the edge, degrees: 90 where the work slides across the edge
+    /// (turning), near 0 where the land wears in layers along it (milling).
+    pub streak_deg: f64,
     /// Level of the bright line along the land, where it turns towards the light.
     pub line: f64,
+    /// Half width of that line, µm.
+    pub line_um: f64,
+    /// Its mean place: depth over the width of the land.
+    pub line_at: f64,
     /// Level of the rim at the land's border.
     pub rim: f64,
     /// Share of the land under adhering material.
     pub adhesion: f64,
+    /// Mean level of the adhering material.
+    pub adhesion_level: f64,
+    /// Contrast of its grains.
+    pub adhesion_grain: f64,
+    /// Share of the flank's facets of 5 µm that lie in the direction of the light.
+    pub sparkles: f64,
+    /// Contrast of the light over the flank: spread of its logarithm.
+    pub shade: f64,
     /// Level of a reflex of the light on the flank.
     pub glare: f64,
     /// Place of that reflex along the edge, µm.
@@ -124,6 +142,7 @@ impl Default for FlankWear {
         Self {
             vb_um: 120.0,
             scatter: 0.15,
+            taper: 0.0,
             length_um: 1500.0,
             notch_um: 60.0,
             corner_um: 20.0,
@@ -142,9 +161,16 @@ impl Default for FlankSurface {
             grinding_um: 14.0,
             land: 0.3,
             streaks: 0.3,
+            streak_deg: 90.0,
             line: 0.7,
+            line_um: 7.0,
+            line_at: 0.35,
             rim: 0.4,
             adhesion: 0.1,
+            adhesion_level: 0.5,
+            adhesion_grain: 0.7,
+            sparkles: 0.03,
+            shade: 0.7,
             glare: 0.3,
             glare_at_um: 600.0,
         }
@@ -169,17 +195,30 @@ impl FlankScene {
         let wear = &self.wear;
         within("wear.vb_um", wear.vb_um, 0.0, 5e3)?;
         within("wear.scatter", wear.scatter, 0.0, 1.0)?;
+        within("wear.taper", wear.taper, -1.0, 1.0)?;
         within("wear.length_um", wear.length_um, 0.0, 1e5)?;
         within("wear.notch_um", wear.notch_um, 0.0, 5e3)?;
         within("wear.corner_um", wear.corner_um, 0.0, 5e3)?;
         within("wear.chipping_um", wear.chipping_um, 0.0, 500.0)?;
         within("surface.grinding_um", self.surface.grinding_um, 1.0, 1e3)?;
-        let s = &self.surface;
+        within("surface.line_um", self.surface.line_um, 0.1, 1e3)?;
+        within("surface.streak_deg", self.surface.streak_deg, -180.0, 180.0)?;
+        self.surface.check()
+    }
+}
+
+impl FlankSurface {
+    /// Checks levels and contrasts.
+    fn check(&self) -> Result<(), RenderError> {
+        let s = self;
         let levels = [
             ("surface.air", s.air),
             ("surface.flank", s.flank),
             ("surface.land", s.land),
             ("surface.adhesion", s.adhesion),
+            ("surface.adhesion_level", s.adhesion_level),
+            ("surface.sparkles", s.sparkles),
+            ("surface.line_at", s.line_at),
         ];
         levels.into_iter().try_for_each(|(name, value)| within(name, value, 0.0, 1.0))?;
         let contrasts = [
@@ -188,6 +227,8 @@ impl FlankScene {
             ("surface.line", s.line),
             ("surface.rim", s.rim),
             ("surface.glare", s.glare),
+            ("surface.adhesion_grain", s.adhesion_grain),
+            ("surface.shade", s.shade),
         ];
         contrasts.into_iter().try_for_each(|(name, value)| within(name, value, 0.0, 5.0))
     }

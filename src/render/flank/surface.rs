@@ -46,10 +46,11 @@ impl Surface<'_> {
         let pitch = surface.grinding_um;
         let lines = rough(across / pitch, along / (9.0 * pitch), self.seed ^ 41);
         let grain = noise(s / 5.0, v / 5.0, self.seed ^ 42);
-        // facets that happen to lie in the direction of the light
+        // facets that happen to lie in the direction of the light; `corner` is even over −1 to 1
         let cell = corner((s / 5.0).floor() as i64, (v / 5.0).floor() as i64, self.seed ^ 43);
-        let sparkle = if cell > 0.94 { 1.2 } else { 0.0 };
-        let shade = 1.0 + 0.7 * rough(s / 700.0, v / 700.0, self.seed ^ 44);
+        let sparkle = if cell > 1.0 - 2.0 * surface.sparkles { 1.2 } else { 0.0 };
+        // `rough` spreads by 0.35
+        let shade = (surface.shade / 0.35 * rough(s / 700.0, v / 700.0, self.seed ^ 44)).exp();
         let glare = surface.glare * (-0.5 * ((s - surface.glare_at_um) / 220.0).powi(2)).exp();
         let facet = if v > self.scene.edge.depth_um { 0.35 } else { 1.0 };
         let texture = 1.0 + surface.texture * (0.9 * lines + 0.8 * grain + sparkle);
@@ -59,15 +60,21 @@ impl Surface<'_> {
     /// Land; `t` is the depth over its width.
     fn land(&self, s: f64, v: f64, t: f64) -> f64 {
         let surface = &self.scene.surface;
-        let streaks = rough(s / 7.0, v / 140.0, self.seed ^ 51);
+        let (sin, cos) = surface.streak_deg.to_radians().sin_cos();
+        let (along, across) = (s * cos + v * sin, s * sin - v * cos);
+        let streaks = rough(across / 7.0, along / 140.0, self.seed ^ 51);
         let shade = 1.0 + 0.6 * rough(s / 350.0, v / 120.0, self.seed ^ 52);
-        let wanders = 0.35 + 0.3 * rough(s / 400.0, 1.0, self.seed ^ 53);
-        let width = 4.0 + 6.0 * self.broken(s, 200.0, 54);
-        let line = surface.line * self.broken(s, 300.0, 55) * bell((t - wanders) * 60.0 / width);
+        let wanders = surface.line_at + 0.3 * rough(s / 400.0, 1.0, self.seed ^ 53);
+        let width = surface.line_um * (0.6 + 0.8 * self.broken(s, 200.0, 54));
+        let from_line_um = v - wanders * v / t.max(1e-6);
+        let line = surface.line * self.broken(s, 300.0, 55) * bell(from_line_um / width);
         let grains = noise(s / 6.0, v / 6.0, self.seed ^ 56);
-        let adheres = rough(s / 90.0, v / 50.0, self.seed ^ 57) > 1.0 - 1.6 * surface.adhesion - 0.35;
+        // what was cut adheres where the land ends rather than at the edge
+        let adheres =
+            rough(s / 120.0, v / 50.0, self.seed ^ 57) + 0.5 * (t - 0.5) > 0.65 - 1.6 * surface.adhesion;
         if adheres && surface.adhesion > 0.0 {
-            return 1.4 * surface.land * (1.0 + 0.7 * grains) + 0.1;
+            let lumps = rough(s / 25.0, v / 18.0, self.seed ^ 58);
+            return surface.adhesion_level * (1.0 + surface.adhesion_grain * (grains + 0.8 * lumps)).max(0.1);
         }
         (surface.land * shade * (1.0 + surface.streaks * streaks + 0.08 * grains)).max(0.0) + line
     }

@@ -16,7 +16,8 @@ pub(super) fn land_um(wear: &FlankWear, s_um: f64, seed: u64) -> f64 {
     let corner = wear.corner_um * (-t / 0.1).exp();
     let notch = wear.notch_um * (-0.5 * ((t - 0.93) / 0.03).powi(2)).exp();
     let ends = ((1.0 - t) / 0.02).min(1.0) * ((t + 0.01) / 0.02).min(1.0);
-    ((wear.vb_um * scatter + corner + notch) * ends).max(0.0)
+    let taper = 1.0 + wear.taper * (2.0 * t - 1.0);
+    ((wear.vb_um * taper * scatter + corner + notch) * ends).max(0.0)
 }
 
 /// Depth to which the edge has chipped; never more than nine tenths of the land.

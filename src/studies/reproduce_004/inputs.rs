@@ -28,6 +28,15 @@ pub(crate) struct PrintedPart {
     pub rate_percent: f64,
 }
 
+/// A land of Table 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PrintedLand {
+    /// Mean width VB, mm.
+    pub vb_mm: f64,
+    /// Largest width, mm.
+    pub vb_max_mm: f64,
+}
+
 impl PrintedPart {
     /// Mean of four readings, mm.
     pub(crate) fn mean_mm(readings: &[f64; 4]) -> f64 {
@@ -109,6 +118,8 @@ pub(crate) struct Inputs {
     pub dx2_dz2_mm: [f64; 2],
     /// Radial compensation dx of part 4, mm.
     pub dx_mm: f64,
+    /// Table 1: slight, uniform and non-uniform wear of the flank.
+    pub lands: [PrintedLand; 3],
     /// Table 4.
     pub parts: [PrintedPart; 4],
     /// Repeatability along X and Z, mm.
@@ -138,6 +149,8 @@ impl Default for Inputs {
             e_mm: 0.015,
             dx2_dz2_mm: [0.011, 0.011],
             dx_mm: 0.016,
+            lands: [(0.048, 0.079), (0.156, 0.241), (0.190, 0.429)]
+                .map(|(vb_mm, vb_max_mm)| PrintedLand { vb_mm, vb_max_mm }),
             parts: table_4(),
             repeatability_mm: [0.004, 0.005],
             cone_deg: None,

@@ -58,3 +58,32 @@ pub(crate) fn write_history(rows: &[WearRow]) -> Result<Vec<u8>, String> {
     }
     writer.into_inner().map_err(|e| e.to_string())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "cut,image,vbb_um,u_vbb_um,vbb_max_um,u_vbb_max_um,verdict\n\
+        10.0,a,50.0,4.0,80.0,6.0,sharp\n20.0,b,70.5,4.0,120.0,6.0,doubtful\n";
+
+    #[test]
+    fn a_history_is_read_as_it_was_written() {
+        let rows = read_history(TEXT).unwrap();
+        assert_eq!((rows.len(), rows[1].vbb_um, rows[1].verdict), (2, 70.5, WearVerdict::Doubtful));
+        assert_eq!(String::from_utf8(write_history(&rows).unwrap()).unwrap(), TEXT);
+        assert_eq!(read_history("").unwrap(), []);
+        // columns are found by name, and others are left alone
+        let turned = "image,note,verdict,cut,vbb_um,u_vbb_um,vbb_max_um,u_vbb_max_um\na,new,sharp,1,2,3,4,5\n";
+        assert_eq!(read_history(turned).unwrap()[0].u_vbb_max_um, 5.0);
+    }
+
+    #[test]
+    fn a_row_that_is_no_reading_is_named_by_its_line() {
+        let refused = |from: &str, to: &str| read_history(&TEXT.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(refused("70.5", "-1").contains("line 3"));
+        assert!(refused("70.5", "NaN").contains("line 3"));
+        assert!(refused("doubtful", "perhaps").contains("line 3"));
+        assert!(refused("20.0", "9").contains("cut 9 follows cut 10"));
+        assert!(refused("vbb_um", "width").contains("line 2"));
+    }
+}

@@ -1,11 +1,13 @@
 //! Flank wear: the renderer's truth, the measurement against it, refusals, and real flanks
 //! (`SHADOWGAUGE_FLANKS`).
 
+mod by_paper;
 mod drawn;
 mod found;
 mod parts;
 mod real;
 mod refused;
+mod trained;
 
 use shadowgauge::gauge::flank::{CornerSide, FlankSettings};
 

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use shadowgauge::gauge::flank::forest::training::Growth;
-use shadowgauge::gauge::flank::{Labelled, Raster, errors_um, locate, train};
+use shadowgauge::gauge::flank::{Labelled, Raster, drawn, errors_um, locate, train};
 
 /// Their scale, µm per px (README of the images).
 const UM_PER_PX: f64 = 1.725;
@@ -38,7 +38,8 @@ fn lands_of_later_images_are_found_by_a_forest_of_the_earlier_ones() {
             Labelled::new(locate(&grey(path), UM_PER_PX, None).unwrap(), &mask)
         })
         .collect();
-    let forest = train(&labelled[..5], &Growth::default());
+    let growth = Growth::default();
+    let forest = train(&drawn(&labelled[..5], growth.seed), &growth);
     let mut errors: Vec<(f64, f64)> = labelled[5..].iter().map(|l| errors_um(&forest, l)).collect();
     for (vb, most) in &errors {
         println!("VB {:+.1} px, VBmax {:+.1} px", vb / UM_PER_PX, most / UM_PER_PX);

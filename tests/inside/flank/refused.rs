@@ -2,7 +2,7 @@
 
 use super::settings;
 use shadowgauge::frame::{FrameView, PixelFormat, Pixels};
-use shadowgauge::gauge::flank::{FlankError, measure_flank, shipped};
+use shadowgauge::gauge::flank::{FlankError, FlankSettings, measure_flank, shipped};
 use shadowgauge::render::flank::{FlankScene, render_flank};
 
 fn measured(pixels: &[u8], columns: usize) -> Result<(), FlankError> {
@@ -29,4 +29,16 @@ fn a_land_that_leaves_the_field_is_refused() {
     let (frame, _, _) = render_flank(&scene, 2).unwrap();
     let found = measure_flank(&frame.view(), &settings(scene.um_per_px), &shipped().unwrap());
     assert!(matches!(found, Err(FlankError::LeavesField { .. })), "{found:?}");
+}
+
+/// A flank and a land in full light: the border is not seen, whether a land is found or not.
+#[test]
+fn glare_over_the_land_is_refused() {
+    let mut scene = FlankScene::default();
+    (scene.surface.land, scene.surface.streaks, scene.surface.adhesion) = (1.0, 0.0, 0.0);
+    (scene.surface.flank, scene.surface.texture, scene.surface.glare) = (1.0, 0.6, 5.0);
+    let (frame, _, _) = render_flank(&scene, 2).unwrap();
+    let settings = FlankSettings { full_scale: 255.0, ..settings(scene.um_per_px) };
+    let found = measure_flank(&frame.view(), &settings, &shipped().unwrap());
+    assert!(matches!(found, Err(FlankError::Glare { .. })), "{:?}", found.map(|f| (f.vbb, f.flags)));
 }

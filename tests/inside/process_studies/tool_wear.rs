@@ -15,7 +15,17 @@ fn row<'a>(rows: &'a [Row], id: &str) -> &'a Row {
 }
 
 /// Figure, value by hand and half of its last digit.
-const BY_HAND: [(&str, f64, f64); 75] = [
+const BY_HAND: [(&str, f64, f64); 84] = [
+    // 79/48, 241/156, 429/190; (300 − 48)/1.644 854 and so on; acos(.429/.4295)
+    ("flank.slight.ratio", 1.645_833, 5e-7),
+    ("flank.uniform.ratio", 1.544_872, 5e-7),
+    ("flank.non_uniform.ratio", 2.257_895, 5e-7),
+    ("flank.slight.u", 0.153_205, 5e-7),
+    ("flank.uniform.u", 0.087_546, 5e-7),
+    ("flank.non_uniform.u", 0.066_875, 5e-7),
+    ("flank.blunt", 0.0, 0.0),
+    ("flank.classes", 3.0, 0.0),
+    ("flank.direction", 2.764_925, 5e-6),
     // 2.4/2.415; .154 982 6 · 2.415; .005 590 1 · 2.415; .4 − .0135; .3865 − .3743
     ("nose.magnification", 0.9938, 5e-5),
     ("nose.r", 0.374_283, 5e-7),
