@@ -1,12 +1,13 @@
-//! What leaves `measure` beside its table: `--csv` and `--report`.
+//! What leaves `measure` beside its table: `--csv`, `--report` and `--midline`.
 //!
-//! In: every frame as it is measured, then the series. Out: both files, each whole or not at all.
+//! In: every frame as it is measured, then the series. Out: the files, each whole or not at all.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::csv_file::DiameterRows;
 use super::edges_file::claim_output;
+use super::midline_file::MidlineRows;
 use crate::cli::failure::Failure;
 use crate::files::{OpenOutput, OutputFile};
 use crate::frame::Frame;
@@ -26,14 +27,17 @@ pub(crate) struct LeavesArgs {
     /// why, calibration, budget; it needs nothing beside it and prints on A4.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    /// Writes height and slope of the midline of both edges to this CSV file, a row a frame: readings
+    /// of `calibrate machine` (instrument = "midline"), by z_mm and angle_deg of frames.csv.
+    #[arg(long, value_name = "FILE.csv")]
+    midline: Option<PathBuf>,
 }
 
 impl LeavesArgs {
     /// The first option given, if any.
     pub(super) fn given(&self) -> Option<&'static str> {
-        [(self.csv.is_some(), "--csv"), (self.report.is_some(), "--report")]
-            .into_iter()
-            .find_map(|(given, name)| given.then_some(name))
+        let all = [(&self.csv, "--csv"), (&self.report, "--report"), (&self.midline, "--midline")];
+        all.into_iter().find_map(|(given, name)| given.is_some().then_some(name))
     }
 
     /// Whether a report is asked for, which shows a budget.
@@ -67,11 +71,12 @@ pub(super) struct MeasuredBy<'a> {
     pub(super) shows_budgets: bool,
 }
 
-/// Both files while frames are measured.
+/// The files while frames are measured.
 #[derive(Debug)]
 pub(super) struct Leaves {
     csv: Option<DiameterRows<OpenOutput>>,
     report: Option<(OutputFile, MeasureReport)>,
+    midline: Option<(OutputFile, MidlineRows)>,
     is_stdout: bool,
     is_stream: bool,
     shows_budgets: bool,
@@ -101,6 +106,7 @@ impl Leaves {
         };
         let csv = args.csv.as_ref().map(|path| claim("--csv", path)).transpose()?;
         let report = args.report.as_ref().map(|path| claim("--report", path)).transpose()?;
+        let midline = args.midline.as_ref().map(|path| claim("--midline", path)).transpose()?;
         let named: Vec<String> = inputs.named.iter().map(|path| path.display().to_string()).collect();
         let page = calibration.map(|calibration| {
             MeasureReport::begin(&MeasureSetup {
@@ -111,13 +117,14 @@ impl Leaves {
                 settings: by.settings,
             })
         });
-        let is_stdout = csv.iter().chain(&report).any(OutputFile::is_stdout);
+        let is_stdout = csv.iter().chain(&report).chain(&midline).any(OutputFile::is_stdout);
         let begin = |file: OutputFile| {
             DiameterRows::begin(file.begin()?, by.settings.factor_of_means()).map_err(Failure::fail)
         };
         Ok(Self {
             csv: csv.map(begin).transpose()?,
             report: report.zip(page),
+            midline: midline.map(|file| (file, MidlineRows::default())),
             is_stdout,
             is_stream: inputs.is_stream,
             shows_budgets: by.shows_budgets,
@@ -143,18 +150,26 @@ impl Leaves {
         if let Some((_, report)) = &mut self.report {
             report.add(stream.measurement(), frame);
         }
+        if let (Some((_, rows)), Some(frame)) = (&mut self.midline, frame) {
+            rows.add(&frame.meta, stream.measurement().midline);
+        }
         if !self.shows_budgets {
             stream.leave_out_budget();
         }
         Ok(())
     }
 
-    /// Writes both.
+    /// Writes them.
     ///
     /// # Errors
-    /// Exit 3 where a chart cannot be drawn, or the disk or the permissions refuse.
+    /// Exit 2 for midlines of frames without places, 3 where a chart cannot be drawn, or the disk or the permissions refuse.
     pub(super) fn finish(self, series: &Series) -> Result<(), Failure> {
-        // The page is made before either file appears.
+        // Page and midline are made before any file appears.
+        let of_text = |(file, rows): (OutputFile, MidlineRows)| {
+            let text = rows.text().map_err(|why| Failure::refuse(format!("--midline {why}")))?;
+            Ok::<_, Failure>((file, text))
+        };
+        let midline = self.midline.filter(|(_, rows)| !rows.is_empty()).map(of_text).transpose()?;
         let page = self
             .report
             .map(|(file, report)| Ok::<_, Failure>((file, report.finish(series).map_err(Failure::fail)?)));
@@ -165,6 +180,9 @@ impl Leaves {
         }
         if let Some((file, html)) = page {
             file.write(html.as_bytes())?;
+        }
+        if let Some((file, text)) = midline {
+            file.write(text.as_bytes())?;
         }
         Ok(())
     }
