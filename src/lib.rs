@@ -41,7 +41,7 @@
     allow(dead_code, unused_imports, reason = "the program uses what a part of the features leaves unused")
 )]
 
-// -- 0 vocabulary: types, the rule of conformity, mathematics without state
+// -- 0 vocabulary: types, the rule of conformity, tables of text, mathematics without state
 pub mod conformity;
 pub mod frame;
 pub(crate) mod nose;
@@ -52,6 +52,7 @@ pub mod position;
 pub mod profile;
 pub mod setting;
 pub mod shaft;
+mod text_table;
 // -- 1 stages: import the vocabulary and their own folder
 pub mod control;
 pub mod gauge;

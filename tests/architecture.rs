@@ -15,8 +15,19 @@ mod imports;
 
 /// Rooms by layer, bottom to top; a file imports its own room and earlier ones; the stages import
 /// only the vocabulary.
-const VOCABULARY: [&str; 10] =
-    ["numerics", "setting", "frame", "shaft", "profile", "plan", "position", "outline", "nose", "conformity"];
+const VOCABULARY: [&str; 11] = [
+    "numerics",
+    "setting",
+    "text_table",
+    "frame",
+    "shaft",
+    "profile",
+    "plan",
+    "position",
+    "outline",
+    "nose",
+    "conformity",
+];
 const STAGES: [&str; 10] =
     ["process", "render", "gauge", "probe", "control", "source", "nc", "stl", "tool", "machine"];
 const COMPOSITION: [&str; 9] = [

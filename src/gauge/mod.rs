@@ -36,6 +36,7 @@ pub use self::{
     diameter::ColumnDiameter,
     diameter::ColumnDiameters,
     diameter::axis_line::{AxisLine, AxisStation, TurningOffset},
+    diameter::field_midline::FieldMidline,
     diameter::plausibility::Jump,
     diameter::reading_scatter::ScatterTest,
     diameter::reading_series::{Averaging, Capability},

@@ -14,6 +14,7 @@ use super::calibration::optical_setup::SetupLimits;
 use super::calibration::unstated::UnstatedLimits;
 use super::diameter::axis_line::AxisLimits;
 use super::diameter::bursts::BurstLimits;
+use super::diameter::field_midline::FieldMidlineLimits;
 use super::diameter::plausibility::PlausibilityLimits;
 use super::diameter::reading_scatter::SeriesLimits;
 use super::diameter::sections::SectionLimits;
@@ -241,6 +242,7 @@ fn of_diameter() -> Vec<Vec<Limit>> {
     vec![
         AxisLimits::list(),
         BurstLimits::list(),
+        FieldMidlineLimits::list(),
         PlausibilityLimits::list(),
         SeriesLimits::list(),
         SectionLimits::list(),

@@ -1,5 +1,6 @@
-//! Readings from CSV text: `axis,position_mm,direction,run,error,value,unit`, with `angle_deg` (a
-//! midline's, averaged over φ and φ + 180°) and `setup` (a straightedge's) where they apply.
+//! Readings from a table of text ([`crate::text_table`]):
+//! `axis,position_mm,direction,run,error,value,unit`, with `angle_deg` (a midline's, averaged over φ
+//! and φ + 180°) and `setup` (a straightedge's) where they apply.
 //!
 //! Rows stand in the order in which they were read: that of a run shows whether its positions are
 //! those of one direction.
@@ -13,6 +14,7 @@ use super::turn_mean::turn_means;
 use crate::machine::Axis;
 use crate::machine::conditions::Direction;
 use crate::setting::SettingError;
+use crate::text_table::{self, Cells, Comments, TextTable};
 
 /// Largest reading, µm or µrad; as for the errors of a machine.
 const LARGEST: f64 = 1000.0;
@@ -26,25 +28,21 @@ const COLUMNS: [&str; 7] = ["axis", "position_mm", "direction", "run", "error", 
 /// does not read, a value in another unit, positions that are not those of one direction, angles of
 /// a midline without their opposite.
 pub(crate) fn read_readings(
-    from: impl Read,
+    mut from: impl Read,
     instrument: Instrument,
     key: &str,
     file: &str,
 ) -> Result<Vec<Reading>, SettingError> {
     let refuse = |problem: String| SettingError::at(key, format!("{file}: {problem}"));
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(from);
-    let header = reader.headers().map_err(|e| refuse(e.to_string()))?.clone();
-    let place = |name: &str| header.iter().position(|found| found == name);
-    if let Some(missing) = COLUMNS.iter().find(|name| place(name).is_none()) {
-        return Err(refuse(format!("has no column {missing}; its header must be {}", COLUMNS.join(","))));
-    }
+    let mut bytes = Vec::new();
+    from.read_to_end(&mut bytes).map_err(|e| refuse(e.to_string()))?;
+    let table = TextTable::parse(&bytes, &COLUMNS, Comments::Hash).map_err(|e| refuse(e.to_string()))?;
+    table.require(&COLUMNS).map_err(refuse)?;
     let mut rows = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|e| refuse(e.to_string()))?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let cell = |name: &str| place(name).and_then(|k| record.get(k)).unwrap_or_default().to_owned();
-        let row = row(&cell, instrument, line).map_err(|why| refuse(format!("line {line}: {why}")))?;
-        rows.push(row);
+    for cells in table.rows() {
+        let cells = cells.map_err(|e| refuse(e.to_string()))?;
+        let row = row(&cells, instrument);
+        rows.push(row.map_err(|why| refuse(format!("line {}: {why}", cells.line())))?);
     }
     if rows.is_empty() {
         return Err(refuse("has no readings below its header".to_owned()));
@@ -53,9 +51,10 @@ pub(crate) fn read_readings(
     turn_means(&rows).map_err(refuse)
 }
 
-fn row(cell: &dyn Fn(&str) -> String, instrument: Instrument, line: u64) -> Result<Row, String> {
+fn row(cells: &Cells<'_>, instrument: Instrument) -> Result<Row, String> {
+    let cell = |name: &str| cells.text(name).unwrap_or_default();
     let word = cell("error");
-    let quantity = Quantity::parse(&word).filter(|quantity| instrument.can_read(*quantity));
+    let quantity = Quantity::parse(word).filter(|quantity| instrument.can_read(*quantity));
     let quantity = quantity.ok_or_else(|| {
         format!("error '{word}' is not read by a {}: {}", instrument.name(), instrument.reads())
     })?;
@@ -69,24 +68,23 @@ fn row(cell: &dyn Fn(&str) -> String, instrument: Instrument, line: u64) -> Resu
     Ok(Row {
         reading: Reading {
             quantity,
-            position_mm: number("position_mm", &cell("position_mm"))?,
-            direction: direction(&cell("direction"))?,
+            position_mm: number("position_mm", cell("position_mm"))?,
+            direction: direction(cell("direction"))?,
             run,
-            setup: setup(&cell("setup"), instrument)?,
-            value: value(&cell("value"), &cell("unit"), quantity)?,
+            setup: setup(cell("setup"), instrument)?,
+            value: value(cell("value"), cell("unit"), quantity)?,
             rows: 1,
-            line,
+            line: cells.line(),
         },
         angle_deg: Some(cell("angle_deg"))
             .filter(|text| !text.is_empty())
-            .map(|text| number("angle_deg", &text))
+            .map(|text| number("angle_deg", text))
             .transpose()?,
     })
 }
 
 fn number(name: &str, text: &str) -> Result<f64, String> {
-    let found = text.parse::<f64>().ok().filter(|v| v.is_finite());
-    found.ok_or_else(|| format!("{name} '{text}' must be a finite number"))
+    text_table::number(text).ok_or_else(|| format!("{name} '{text}' must be a finite number"))
 }
 
 fn direction(text: &str) -> Result<Direction, String> {

@@ -141,13 +141,38 @@ impl Solution {
         along: usize,
         direction: Direction,
     ) -> Valued {
+        self.valued(&self.tool_factors(machine, at_mm, along, direction))
+    }
+
+    /// The tool's error at the second of two places less that at the first, where the tool was set,
+    /// mm: what both places have in common is in neither value nor uncertainty.
+    pub(crate) fn tool_between(
+        &self,
+        machine: &MachineSettings,
+        [set_mm, at_mm]: [[f64; 2]; 2],
+        along: usize,
+        direction: Direction,
+    ) -> Valued {
+        let mut factors = self.tool_factors(machine, at_mm, along, direction);
+        let set = self.tool_factors(machine, set_mm, along, direction);
+        factors.extend(set.into_iter().map(|(k, factor)| (k, -factor)));
+        self.valued(&factors)
+    }
+
+    fn tool_factors(
+        &self,
+        machine: &MachineSettings,
+        at_mm: [f64; 2],
+        along: usize,
+        direction: Direction,
+    ) -> Vec<(usize, f64)> {
         let mut factors = Vec::new();
         for term in tool_terms(machine, at_mm, along, direction, &self.errors) {
             let Some(sought) = self.unknowns.error(term.error) else { continue };
             let row = sought.row(term.position_mm, direction);
             factors.extend(row.into_iter().map(|(k, v)| (k, term.factor * v)));
         }
-        self.valued(&factors)
+        factors
     }
 
     /// A linear combination of the unknowns.

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::machine::spindle::{Separation, donaldson, multi_step, rechucked};
 use crate::setting::{SettingError, positive, require};
+use crate::text_table::{Comments, TextTable};
 
 /// Largest reading, µm; as for the errors of a machine.
 const LARGEST_UM: f64 = 1000.0;
@@ -125,29 +126,21 @@ fn not_separated(method: SpindleMethod, steps: usize) -> String {
 type Turn = Vec<(f64, f64)>;
 
 /// The turns by their steps.
-fn turns(from: impl Read) -> Result<Vec<Turn>, String> {
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(from);
-    let header = reader.headers().map_err(|e| e.to_string())?.clone();
-    let place = |name: &str| header.iter().position(|found| found == name);
-    if let Some(missing) = COLUMNS.iter().find(|name| place(name).is_none()) {
-        return Err(format!("has no column {missing}; its header must be {}", COLUMNS.join(",")));
-    }
+fn turns(mut from: impl Read) -> Result<Vec<Turn>, String> {
+    let mut bytes = Vec::new();
+    from.read_to_end(&mut bytes).map_err(|e| e.to_string())?;
+    let table = TextTable::parse(&bytes, &COLUMNS, Comments::Hash).map_err(|e| e.to_string())?;
+    table.require(&COLUMNS)?;
     let mut turns: Vec<Turn> = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|e| e.to_string())?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let cell = |name: &str| place(name).and_then(|k| record.get(k)).unwrap_or_default();
-        let number = |name: &str| {
-            let found = cell(name).parse::<f64>().ok().filter(|v| v.is_finite());
-            found.ok_or_else(|| format!("line {line}: {name} '{}' must be a finite number", cell(name)))
-        };
-        let (angle, value) = (number("angle_deg")?, number("value_um")?);
+    for cells in table.rows() {
+        let cells = cells.map_err(|e| e.to_string())?;
+        let (angle, value, line) = (cells.number("angle_deg")?, cells.number("value_um")?, cells.line());
         if value.abs() > LARGEST_UM {
             return Err(format!(
                 "line {line}: value_um {value} is beyond ±{LARGEST_UM}, a thousand times what a spindle has: was it read in nm?"
             ));
         }
-        let step = cell("step");
+        let step = cells.text("step").unwrap_or_default();
         let step: usize = step
             .parse()
             .ok()

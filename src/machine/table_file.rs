@@ -3,6 +3,7 @@
 use std::io::Read;
 
 use crate::setting::SettingError;
+use crate::text_table::{Comments, TextTable};
 
 /// Columns of a table: positions (mm or degrees), values and, where measured apart, those of the
 /// way back (µm or µrad).
@@ -16,43 +17,33 @@ pub(crate) struct Columns {
     pub backward: Vec<f64>,
 }
 
-/// Reads CSV text with a header: a position, a value and, of a slide, a backward value by their
-/// `names`; comments begin with `#`, further columns are passed over. `key` names the file in the
-/// config.
+/// Reads a table of text ([`crate::text_table`]): a position, a value and, of a slide, a backward
+/// value by their `names`; comments begin with `#`, further columns are passed over. `key` names
+/// the file in the config.
 ///
 /// # Errors
 /// A missing column (with the unit that it must have), and a cell that is not a finite number, with
 /// its line.
-pub(crate) fn read_columns(from: impl Read, key: &str, names: &[String; 3]) -> Result<Columns, SettingError> {
+pub(crate) fn read_columns(
+    mut from: impl Read,
+    key: &str,
+    names: &[String; 3],
+) -> Result<Columns, SettingError> {
     let refuse = |problem: String| SettingError::at(key, problem);
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(from);
-    let header = reader.headers().map_err(|e| refuse(e.to_string()))?.clone();
-    let place = |name: &String| header.iter().position(|found| found == name);
-    let needed = |name: &String| {
-        let found = header.iter().collect::<Vec<_>>().join(",");
-        place(name).ok_or_else(|| {
-            refuse(format!(
-                "has no column {name}, only '{found}'; its header must be {},{}",
-                names[0], names[1]
-            ))
-        })
-    };
-    let (position, forward, backward) = (needed(&names[0])?, needed(&names[1])?, place(&names[2]));
+    let mut bytes = Vec::new();
+    from.read_to_end(&mut bytes).map_err(|e| refuse(e.to_string()))?;
+    let [position, forward, backward] = [0, 1, 2].map(|k| names[k].as_str());
+    let table = TextTable::parse(&bytes, &[position, forward, backward], Comments::Hash)
+        .map_err(|e| refuse(e.to_string()))?;
+    table.require(&[position, forward]).map_err(refuse)?;
+    let has_backward = table.has(backward);
     let mut columns = Columns::default();
-    for record in reader.records() {
-        let record = record.map_err(|e| refuse(e.to_string()))?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let number = |k: usize| match record.get(k).unwrap_or_default().parse::<f64>() {
-            Ok(v) if v.is_finite() => Ok(v),
-            _ => {
-                let found = record.get(k).unwrap_or_default();
-                Err(refuse(format!("line {line}: '{found}' must be a finite number")))
-            }
-        };
-        columns.position.push(number(position)?);
-        columns.forward.push(number(forward)?);
-        if let Some(backward) = backward {
-            columns.backward.push(number(backward)?);
+    for cells in table.rows() {
+        let cells = cells.map_err(|e| refuse(e.to_string()))?;
+        columns.position.push(cells.number(position).map_err(refuse)?);
+        columns.forward.push(cells.number(forward).map_err(refuse)?);
+        if has_backward {
+            columns.backward.push(cells.number(backward).map_err(refuse)?);
         }
     }
     Ok(columns)

@@ -19,7 +19,7 @@ use crate::gauge::calibration::{Conditions, HeadGeometry};
 use crate::gauge::diameter::reading_series::Average;
 use crate::gauge::form::Cutoff;
 use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
-use crate::gauge::{Calibration, ColumnDiameters, FrameEdges};
+use crate::gauge::{Calibration, ColumnDiameters, FieldMidline, FrameEdges};
 use crate::profile::{Diameter, Reading, Reason};
 
 /// Columns of a local size without stations: as many as in the median of the largest diameter.
@@ -204,6 +204,7 @@ impl Inspector {
         }
         let mean = diameters.mean(0..diameters.columns.len());
         out.mean = mean.value();
+        out.midline = FieldMidline::of(&diameters);
         out.mean.into_iter().for_each(|d| self.means.push(d));
         let averaged = self.average.push(mean);
         out.average = averaged.value().filter(|_| self.settings.averages());

@@ -11,7 +11,7 @@ use crate::conformity::JudgementError;
 use crate::frame::FrameMeta;
 use crate::gauge::budget::{Budget, Contribution};
 use crate::gauge::plausibility::Jump;
-use crate::gauge::{Calibration, Edge, FrameEdges, LargestCaliper, ShadowsSeen};
+use crate::gauge::{Calibration, Edge, FieldMidline, FrameEdges, LargestCaliper, ShadowsSeen};
 use crate::profile::{Diameter, Reason};
 
 /// The measurement of one frame. Its JSON is an element of `frames` of `shadowgauge measure
@@ -46,6 +46,8 @@ pub struct Measurement {
     pub budget: Option<Budget>,
     /// Mean diameter of the frame, mm; with a calibration.
     pub mean: Option<Diameter>,
+    /// Midline of both edges at the middle of the field; with a calibration.
+    pub midline: Option<FieldMidline>,
     /// Average over this and earlier frames, mm, where that was asked for.
     pub average: Option<Diameter>,
     /// Stations along z, where these were asked for.

@@ -1,9 +1,7 @@
 //! `frames.csv`: metadata of each frame, as programs and spreadsheets write it.
 //!
-//! Separated by commas, semicolons or tabs; decimal points, or decimal commas where they do not
-//! separate; any line ending; UTF-8 with or without a byte order mark, or UTF-16 with one; quoted
-//! fields; Excel's `sep=` line. Everything else is refused with its row number as in a spreadsheet:
-//! the header is row 1.
+//! In any dialect of [`crate::text_table`]. Everything else is refused with its row number as in a
+//! spreadsheet: the header is row 1.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -15,6 +13,7 @@ use super::encoder_rows::bind_rows;
 use super::encoder_rows::check_stops;
 use super::frame_info::FrameInfo;
 use crate::position::EncoderSettings;
+use crate::text_table::{self, Cells, Comments, TextTable, TextTableError};
 
 /// Why a `frames.csv` cannot be parsed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -38,8 +37,6 @@ pub(crate) struct FrameTable {
     has_angles: bool,
 }
 
-/// Separators looked for, in this order.
-const SEPARATORS: [u8; 3] = *b",;\t";
 const COLUMNS: [&str; 10] = [
     "frame",
     "t_ns",
@@ -61,8 +58,7 @@ impl FrameTable {
     pub(crate) fn read(path: &Path) -> Result<Self, TableError> {
         let refuse = |what: String| TableError { path: path.to_owned(), row: None, what };
         let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
-        let text = text(&bytes).map_err(refuse)?;
-        Self::parse(path, &text)
+        Self::parse(path, &bytes)
     }
 
     /// The first column of a file that is missing of those that place a frame on a part.
@@ -73,12 +69,9 @@ impl FrameTable {
     pub(super) fn missing_place(path: &Path) -> Result<Option<&'static str>, TableError> {
         let refuse = |what: String| TableError { path: path.to_owned(), row: None, what };
         let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
-        let text = text(&bytes).map_err(refuse)?;
-        let (text, stated) = separator_line(&text);
-        let separators = stated.map_or(SEPARATORS.to_vec(), |s| vec![s]);
-        let has = |name: &str| separators.iter().any(|s| names(text, *s).iter().any(|n| n == name));
-        let angle = if has("encoder_count") { "encoder_count" } else { "angle_deg" };
-        Ok(["frame", "z_mm", angle].into_iter().find(|name| !has(name)))
+        let table = TextTable::parse(&bytes, &["frame"], Comments::None).map_err(|e| placed(path, e))?;
+        let angle = if table.has("encoder_count") { "encoder_count" } else { "angle_deg" };
+        Ok(["frame", "z_mm", angle].into_iter().find(|name| !table.has(name)))
     }
 
     /// Gives every row its angle by the encoder where one is stated; where none is, `angle_deg`
@@ -121,38 +114,25 @@ impl FrameTable {
         check_stops(&rows, planned, fields).map_err(refuse)
     }
 
-    fn parse(path: &Path, text: &str) -> Result<Self, TableError> {
-        let (text, told) = separator_line(text);
-        let refuse = |row: Option<usize>, what: String| TableError { path: path.to_owned(), row, what };
-        let head = usize::from(told.is_some());
-        let candidates = told.map_or(SEPARATORS.to_vec(), |s| vec![s]);
-        let header = candidates.into_iter().map(|s| (s, names(text, s)));
-        let best = header.filter(|(_, n)| n.iter().any(|n| n == "frame")).max_by_key(|(_, n)| n.len());
-        let Some((separator, names)) = best else {
-            let first = text.lines().next().unwrap_or("").trim();
-            return Err(refuse(
-                Some(1 + head),
-                format!(
-                    "no column `frame` among {first:?}; the names of the columns stand in the first row, one of them `frame`"
-                ),
-            ));
-        };
-        for name in COLUMNS {
-            if names.iter().filter(|n| *n == name).count() > 1 {
-                return Err(refuse(Some(1 + head), format!("two columns `{name}`")));
-            }
+    fn parse(path: &Path, bytes: &[u8]) -> Result<Self, TableError> {
+        let refuse = |row: usize, what: String| TableError { path: path.to_owned(), row: Some(row), what };
+        let text = TextTable::parse(bytes, &["frame"], Comments::None).map_err(|e| placed(path, e))?;
+        if !text.has("frame") {
+            let first = text.names().join(", ");
+            let what = format!(
+                "no column `frame` among {first:?}; the names of the columns stand in the first row, one of them `frame`"
+            );
+            return Err(refuse(text.head(), what));
         }
-        let has_angles = names.iter().any(|name| name == "angle_deg");
+        if let Some(name) = text.twice(&COLUMNS) {
+            return Err(refuse(text.head(), format!("two columns `{name}`")));
+        }
+        let has_angles = text.has("angle_deg");
         let mut table = Self { path: path.to_owned(), rows: HashMap::new(), has_angles };
-        for (index, record) in reader(text, separator).records().enumerate().skip(1) {
-            let row = index + 1 + head;
-            let record = record.map_err(|e| refuse(Some(row), e.to_string()))?;
-            if record.iter().all(str::is_empty) {
-                continue;
-            }
-            let fields = Fields { names: &names, record: &record, separator };
-            let info = fields.info(row).map_err(|what| refuse(Some(row), what))?;
-            table.insert(info).map_err(|what| refuse(Some(row), what))?;
+        for cells in text.rows() {
+            let cells = cells.map_err(|e| placed(path, e))?;
+            let info = Fields(cells).info().map_err(|what| refuse(cells.row(), what))?;
+            table.insert(info).map_err(|what| refuse(cells.row(), what))?;
         }
         Ok(table)
     }
@@ -218,51 +198,16 @@ fn key(name: &str) -> String {
     stem.parse::<u64>().map_or_else(|_| stem.to_owned(), |n| n.to_string())
 }
 
-/// The text of a file: UTF-8, UTF-16 with its mark, or Latin-1 (whose letters no column needs).
-fn text(bytes: &[u8]) -> Result<String, String> {
-    let wide = |pair: fn([u8; 2]) -> u16| {
-        let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|b| pair([b[0], b[1]])).collect();
-        String::from_utf16(&units).map_err(|_| "UTF-16 that ends within a letter".to_owned())
-    };
-    match bytes {
-        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
-        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
-        _ => {
-            let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-            let latin = |_| bytes.iter().map(|b| char::from(*b)).collect();
-            Ok(std::str::from_utf8(bytes).map_or_else(latin, str::to_owned))
-        }
-    }
-}
-
-/// Removes Excel's first line `sep=;`.
-fn separator_line(text: &str) -> (&str, Option<u8>) {
-    let Some(rest) = text.strip_prefix("sep=") else { return (text, None) };
-    let Some(separator) = rest.bytes().next() else { return (text, None) };
-    (rest[1..].trim_start_matches(['\r', '\n']), Some(separator))
-}
-
-fn reader(text: &str, separator: u8) -> csv::Reader<&[u8]> {
-    let mut builder = csv::ReaderBuilder::new();
-    builder.delimiter(separator).has_headers(false).flexible(true).trim(csv::Trim::All);
-    builder.from_reader(text.as_bytes())
-}
-
-fn names(text: &str, separator: u8) -> Vec<String> {
-    let first = reader(text, separator).records().next().and_then(Result::ok);
-    first.map_or_else(Vec::new, |r| r.iter().map(str::to_ascii_lowercase).collect())
+/// A refusal of the text with its file.
+fn placed(path: &Path, error: TextTableError) -> TableError {
+    TableError { path: path.to_owned(), row: error.row, what: error.what }
 }
 
 /// One row by the names of its columns.
-struct Fields<'a> {
-    names: &'a [String],
-    record: &'a csv::StringRecord,
-    separator: u8,
-}
+struct Fields<'a>(Cells<'a>);
 
 impl Fields<'_> {
-    fn info(&self, row: usize) -> Result<FrameInfo, String> {
-        self.check_length()?;
+    fn info(&self) -> Result<FrameInfo, String> {
         let frame = self.text("frame").unwrap_or("").to_owned();
         if frame.is_empty() {
             return Err("no name in column `frame`; the stem of an image is needed".to_owned());
@@ -292,28 +237,13 @@ impl Fields<'_> {
                 Some(stop @ 1..=0xffff_ffff) => Some(stop as u32),
                 Some(_) => return Err(self.wrong("stop", "a number from 1 on")),
             },
-            row,
+            row: self.0.row(),
             ..FrameInfo::default()
         })
     }
 
-    /// At least as many fields as names; additional ones must be empty.
-    fn check_length(&self) -> Result<(), String> {
-        let (found, right) = (self.record.len(), self.names.len());
-        if found < right || self.record.iter().skip(right).any(|f| !f.is_empty()) {
-            let comma = if self.separator == b',' {
-                " (a decimal comma between commas must stand in quotes)"
-            } else {
-                ""
-            };
-            return Err(format!("{found} fields under {right} names{comma}"));
-        }
-        Ok(())
-    }
-
     fn text(&self, name: &str) -> Option<&str> {
-        let index = self.names.iter().position(|n| n == name)?;
-        self.record.get(index)
+        self.0.text(name)
     }
 
     fn wrong(&self, name: &str, right: &str) -> String {
@@ -323,9 +253,7 @@ impl Fields<'_> {
     /// A finite number with a decimal point or a decimal comma.
     fn number(&self, name: &str) -> Result<Option<f64>, String> {
         let Some(field) = self.text(name).filter(|f| !f.is_empty()) else { return Ok(None) };
-        let point = if field.contains('.') { field.to_owned() } else { field.replacen(',', ".", 1) };
-        let number = point.parse::<f64>().ok().filter(|v| v.is_finite());
-        number.map(Some).ok_or_else(|| self.wrong(name, "a number"))
+        text_table::number(field).map(Some).ok_or_else(|| self.wrong(name, "a number"))
     }
 
     /// A whole number.
@@ -357,8 +285,7 @@ mod tests {
     use super::*;
 
     fn parsed(text: &[u8]) -> Result<FrameTable, String> {
-        let text = super::text(text).unwrap();
-        FrameTable::parse(Path::new("frames.csv"), &text).map_err(|e| e.to_string())
+        FrameTable::parse(Path::new("frames.csv"), text).map_err(|e| e.to_string())
     }
 
     /// The same two rows in every dialect.
@@ -398,7 +325,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named_with_its_row() {
         for (text, words) in [
-            ("name;bits\na;10\n", "row 1: no column `frame` among \"name;bits\""),
+            ("name;bits\na;10\n", "row 1: no column `frame` among \"name, bits\""),
             ("frame,z_mm\na,1\nb,far\n", "row 3: z_mm \"far\"; a number"),
             ("frame,z_mm\na,1,5\n", "row 2: 3 fields under 2 names (a decimal comma"),
             ("frame,z_mm,t_ns\na,1\n", "row 2: 2 fields under 3 names"),

@@ -23,6 +23,7 @@ pub(crate) mod limb_fit;
 pub(crate) mod limits;
 pub(crate) mod line_camera;
 pub(crate) mod machine;
+pub(crate) mod machine_coverage;
 pub(crate) mod machine_readings;
 pub(crate) mod noses;
 pub mod optimize;

@@ -1,12 +1,13 @@
-//! What leaves `measure` beside its table: `--csv` and `--report`.
+//! What leaves `measure` beside its table: `--csv`, `--report` and `--midline`.
 //!
-//! In: every frame as it is measured, then the series. Out: both files, each whole or not at all.
+//! In: every frame as it is measured, then the series. Out: the files, each whole or not at all.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::csv_file::DiameterRows;
 use super::edges_file::claim_output;
+use super::midline_file::MidlineRows;
 use crate::cli::failure::Failure;
 use crate::cli::store::args::StoreArgs;
 use crate::cli::store::measured::MeasuredStore;
@@ -28,6 +29,10 @@ pub(crate) struct LeavesArgs {
     /// why, calibration, budget; it needs nothing beside it and prints on A4.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    /// Writes height and slope of the midline of both edges to this CSV file, a row a frame: readings
+    /// of `calibrate machine` (instrument = "midline"), by z_mm and angle_deg of frames.csv.
+    #[arg(long, value_name = "FILE.csv")]
+    midline: Option<PathBuf>,
     #[command(flatten)]
     store: StoreArgs,
 }
@@ -38,6 +43,7 @@ impl LeavesArgs {
         [
             (self.csv.is_some(), "--csv"),
             (self.report.is_some(), "--report"),
+            (self.midline.is_some(), "--midline"),
             (self.store.file().is_some(), "--store"),
         ]
         .into_iter()
@@ -75,11 +81,12 @@ pub(super) struct MeasuredBy<'a> {
     pub(super) shows_budgets: bool,
 }
 
-/// Both files while frames are measured.
+/// The files while frames are measured.
 #[derive(Debug)]
 pub(super) struct Leaves {
     csv: Option<DiameterRows<OpenOutput>>,
     report: Option<(OutputFile, MeasureReport)>,
+    midline: Option<(OutputFile, MidlineRows)>,
     store: Option<MeasuredStore>,
     is_stdout: bool,
     is_stream: bool,
@@ -110,6 +117,7 @@ impl Leaves {
         };
         let csv = args.csv.as_ref().map(|path| claim("--csv", path)).transpose()?;
         let report = args.report.as_ref().map(|path| claim("--report", path)).transpose()?;
+        let midline = args.midline.as_ref().map(|path| claim("--midline", path)).transpose()?;
         let named: Vec<String> = inputs.named.iter().map(|path| path.display().to_string()).collect();
         let page = calibration.map(|calibration| {
             MeasureReport::begin(&MeasureSetup {
@@ -124,13 +132,14 @@ impl Leaves {
             (Some(store), Some(calibration)) => Some(MeasuredStore::begin(store, inputs.named, calibration)?),
             _ => None,
         };
-        let is_stdout = csv.iter().chain(&report).any(OutputFile::is_stdout);
+        let is_stdout = csv.iter().chain(&report).chain(&midline).any(OutputFile::is_stdout);
         let begin = |file: OutputFile| {
             DiameterRows::begin(file.begin()?, by.settings.factor_of_means()).map_err(Failure::fail)
         };
         Ok(Self {
             csv: csv.map(begin).transpose()?,
             report: report.zip(page),
+            midline: midline.map(|file| (file, MidlineRows::default())),
             store,
             is_stdout,
             is_stream: inputs.is_stream,
@@ -157,6 +166,9 @@ impl Leaves {
         if let Some((_, report)) = &mut self.report {
             report.add(stream.measurement(), frame);
         }
+        if let (Some((_, rows)), Some(frame)) = (&mut self.midline, frame) {
+            rows.add(&frame.meta, stream.measurement().midline);
+        }
         if let Some(store) = &mut self.store {
             store.add(stream.measurement())?;
         }
@@ -166,12 +178,17 @@ impl Leaves {
         Ok(())
     }
 
-    /// Writes both.
+    /// Writes them.
     ///
     /// # Errors
-    /// Exit 3 where a chart cannot be drawn, or the disk or the permissions refuse.
+    /// Exit 2 for midlines of frames without places, 3 where a chart cannot be drawn, or the disk or the permissions refuse.
     pub(super) fn finish(self, series: &Series) -> Result<(), Failure> {
-        // The page is made before either file appears.
+        // Page and midline are made before any file appears.
+        let of_text = |(file, rows): (OutputFile, MidlineRows)| {
+            let text = rows.text().map_err(|why| Failure::refuse(format!("--midline {why}")))?;
+            Ok::<_, Failure>((file, text))
+        };
+        let midline = self.midline.filter(|(_, rows)| !rows.is_empty()).map(of_text).transpose()?;
         let page = self
             .report
             .map(|(file, report)| Ok::<_, Failure>((file, report.finish(series).map_err(Failure::fail)?)));
@@ -185,6 +202,9 @@ impl Leaves {
         }
         if let Some((file, html)) = page {
             file.write(html.as_bytes())?;
+        }
+        if let Some((file, text)) = midline {
+            file.write(text.as_bytes())?;
         }
         Ok(())
     }

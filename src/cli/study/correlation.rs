@@ -7,12 +7,13 @@ use crate::cli::input_output::{StudyFolder, csv_text, json_text};
 use crate::report::html::{Page, Tone};
 use crate::report::plot::{Chart, Mark, Series};
 use crate::studies::correlation::{ComparedPart, Correlation, correlation};
+use crate::text_table::{Comments, TextTable};
 
 /// Arguments of `study correlation`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct StudyCorrelationArgs {
-    /// A CSV table, a row a part: part, d_mm (this gauge), reference_mm (the other), and
-    /// expanded_u_mm, reference_expanded_u_mm (U, k = 2).
+    /// A table as CSV, a row a part: part, d_mm (this gauge), reference_mm (the other), and
+    /// expanded_u_mm, reference_expanded_u_mm (U, k = 2); separated by commas, semicolons or tabs.
     table: PathBuf,
     /// U (k = 2) of this gauge where the table has no expanded_u_mm, µm.
     #[arg(long, value_name = "U", value_parser = above_zero)]
@@ -56,37 +57,29 @@ pub(crate) fn run(args: &StudyCorrelationArgs) -> CommandResult {
     Ok(if found.disagreeing == 0 { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 
-/// A row of the table.
-#[derive(serde::Deserialize)]
-struct Row {
-    part: String,
-    d_mm: f64,
-    expanded_u_mm: Option<f64>,
-    reference_mm: f64,
-    reference_expanded_u_mm: Option<f64>,
-}
+/// Columns that the table must have.
+const COLUMNS: [&str; 3] = ["part", "d_mm", "reference_mm"];
 
 fn read(args: &StudyCorrelationArgs) -> Result<Vec<ComparedPart>, Failure> {
-    let named = |e: &dyn std::fmt::Display| format!("{}: {e}", args.table.display());
-    let bytes = std::fs::read(&args.table).map_err(|e| Failure::fail(named(&e)))?;
-    let mut reader =
-        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(&bytes[..]);
+    let named = |e: String| format!("{}: {e}", args.table.display());
+    let bytes = std::fs::read(&args.table).map_err(|e| Failure::fail(named(e.to_string())))?;
+    let refuse = |e: String| Failure::refuse(named(e));
+    let table = TextTable::parse(&bytes, &COLUMNS, Comments::Hash).map_err(|e| refuse(e.to_string()))?;
+    table.require(&COLUMNS).map_err(refuse)?;
     let mut parts = Vec::new();
-    for row in reader.deserialize::<Row>() {
-        let row = row.map_err(|e| Failure::refuse(named(&e)))?;
-        let own = stated(row.expanded_u_mm, args.expanded_u_um, "expanded_u_mm", &args.table)?;
-        let other = stated(
-            row.reference_expanded_u_mm,
-            args.reference_expanded_u_um,
-            "reference_expanded_u_mm",
-            &args.table,
-        )?;
+    for cells in table.rows() {
+        let cells = cells.map_err(|e| refuse(e.to_string()))?;
+        let number = |name: &str| cells.number(name).map_err(refuse);
+        let expanded = |name: &str, for_all_um: Option<f64>| {
+            let of_row = cells.text(name).filter(|text| !text.is_empty());
+            stated(of_row.map(|_| number(name)).transpose()?, for_all_um, name, &args.table)
+        };
         parts.push(ComparedPart {
-            part: row.part,
-            d_mm: row.d_mm,
-            expanded_u_mm: own,
-            reference_mm: row.reference_mm,
-            reference_expanded_u_mm: other,
+            part: cells.text("part").unwrap_or_default().to_owned(),
+            d_mm: number("d_mm")?,
+            expanded_u_mm: expanded("expanded_u_mm", args.expanded_u_um)?,
+            reference_mm: number("reference_mm")?,
+            reference_expanded_u_mm: expanded("reference_expanded_u_mm", args.reference_expanded_u_um)?,
         });
     }
     Ok(parts)

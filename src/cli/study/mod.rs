@@ -14,6 +14,7 @@ mod in_process;
 mod limits;
 mod line_camera;
 mod machine;
+mod machine_coverage;
 mod machine_models;
 mod nose;
 mod nose_frames;
@@ -37,6 +38,7 @@ use self::in_process::StudyInProcessArgs;
 use self::limits::StudyLimitsArgs;
 use self::line_camera::StudyLineCameraArgs;
 use self::machine::StudyMachineArgs;
+use self::machine_coverage::StudyMachineCoverageArgs;
 use self::nose::StudyNoseArgs;
 use self::optics::StudyOpticsArgs;
 use self::parts::StudyPartsArgs;
@@ -66,6 +68,8 @@ pub(crate) enum Study {
     LineCamera(StudyLineCameraArgs),
     /// The 21 errors of a lathe over its working space, their budget, and what heads make of them.
     Machine(StudyMachineArgs),
+    /// Whether the uncertainty of an identified machine holds, over machines drawn of its class.
+    MachineCoverage(StudyMachineCoverageArgs),
     /// Noses of rendered inserts, measured: errors beside their stated uncertainties, by kind of
     /// wear.
     Nose(StudyNoseArgs),
@@ -110,6 +114,7 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::InProcess(args) => in_process::run(args),
         Study::LineCamera(args) => line_camera::run(args),
         Study::Machine(args) => machine::run(args),
+        Study::MachineCoverage(args) => machine_coverage::run(args),
         Study::Nose(args) => nose::run(args),
         Study::Optics(args) => optics::run(args),
         Study::Tool(args) => tool::run(args),

@@ -14,6 +14,7 @@
 pub(crate) mod axis_line;
 pub(crate) mod bursts;
 pub(crate) mod column_diameters;
+pub(crate) mod field_midline;
 pub(crate) mod plausibility;
 pub(crate) mod reading_scatter;
 pub(crate) mod reading_series;

@@ -9,6 +9,7 @@ mod map;
 pub(crate) mod models;
 mod prepared;
 mod separation;
+mod speed;
 mod spiral;
 mod warm_up;
 
@@ -22,6 +23,7 @@ pub(crate) use heads::{Comparison, Reading, ReadingPoint, Sensitivity};
 pub(crate) use map::{Extent, MapFigures, MapPoint};
 pub(crate) use models::{Models, ModelsAsked};
 pub(crate) use separation::SeparationRow;
+pub(crate) use speed::Speed;
 pub(crate) use spiral::{Alias, Spiral};
 pub(crate) use warm_up::WarmUpPoint;
 

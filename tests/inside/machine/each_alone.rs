@@ -73,6 +73,15 @@ fn closed_form(is_carriage: bool, v: &Values, p: &Place) -> [f64; 5] {
     [e_x, e_y, e_z, a, b]
 }
 
+/// Change of the diameter, µm, of a tool whose tip stands [`TIP`] above the axis: 2(|p + e| − R) with
+/// |p| = R, to second order 2·e_n + e_t²/R with e_n towards the axis and e_t across.
+fn cut_um(radius_mm: f64, [e_x, e_y]: [f64; 2]) -> f64 {
+    let sine = TIP / radius_mm;
+    let cosine = (1.0 - sine * sine).sqrt();
+    let (towards, across) = (e_x * cosine + e_y * sine, e_y * cosine - e_x * sine);
+    2.0 * towards + 1e-3 * across * across / radius_mm
+}
+
 /// The rows of the first pass with one error of [`SIZE`], stated under its own key.
 fn rows(chain: &str, name: ErrorName) -> Vec<MachineRow> {
     let code = name.code().to_lowercase();
@@ -111,9 +120,7 @@ fn each_error_alone_reaches_tool_cut_and_head_with_its_own_sign() {
                 close(row.tool_x_um, e_x, 1e-5, &format!("{what}: tool x"));
                 close(row.tool_y_um, e_y, 1e-5, &format!("{what}: tool y"));
                 close(row.tool_z_um, e_z, 1e-5, &format!("{what}: tool z"));
-                // 2·e_X + 2h·e_Y/R; e_Y²/R of 3 µm is a tenth of a nanometre a µm
-                let cut = 2.0 * e_x + 2.0 * TIP * e_y / radius;
-                close(row.cut_um, cut, 3e-3, &format!("{what}: cut"));
+                close(row.cut_um, cut_um(radius, [e_x, e_y]), 1e-5, &format!("{what}: cut"));
                 let on_axis = [W[0], W[1] + H[1] - T[1], W[2] + H[2] - T[2]];
                 let w = if is_carriage { on_axis } else { W };
                 let head = Place { t: H, slide_mm: T[0] - H[0], x_mm: 0.0, z_mm: row.z_mm, w };

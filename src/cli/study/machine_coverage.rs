@@ -1,0 +1,74 @@
+//! `shadowgauge study machine-coverage`: whether the uncertainty of an identified machine holds.
+
+use std::path::PathBuf;
+
+use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::input_output::{ConfigText, json_text};
+use crate::cli::terminal::progress;
+use crate::identification::IdentificationConfig;
+use crate::studies::machine_coverage::{CoverageRow, MachineCoverage, machine_coverage};
+
+/// Arguments of `study machine-coverage`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct StudyMachineCoverageArgs {
+    /// A plan of readings, as configs/machine_coverage.toml; every set has a plan, none a file.
+    config: PathBuf,
+    /// Machines of the class that are drawn, read and identified.
+    #[arg(long, value_name = "N", default_value_t = 4000)]
+    machines: u32,
+    /// Seed of the draws.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the study; exit 1 where the share of all figures together lies outside 94 to 96 %.
+///
+/// # Errors
+/// Exit 2 for a config that is refused.
+pub(crate) fn run(args: &StudyMachineCoverageArgs) -> CommandResult {
+    let text = ConfigText::read(&args.config)?;
+    let config: IdentificationConfig = text.parse()?;
+    let bar = progress::bar(u64::from(args.machines), "drawing and identifying", "machines");
+    let found = machine_coverage(&config, args.machines, args.seed, &|| bar.inc(1))
+        .map_err(|e| if e.key.starts_with("--") { Failure::refuse(e) } else { text.refuse_at(e) })?;
+    bar.finish_and_clear();
+    if args.json {
+        say_line!("{}", json_text(&found)?);
+    } else {
+        print(&found);
+    }
+    Ok(if found.holds() { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+fn print(found: &MachineCoverage) {
+    say_line!(
+        "{} machines of the class, identified from their simulated readings; deviations from the truth, µm",
+        found.machines
+    );
+    say_line!(
+        "{:<52} {:>8} {:>11} {:>9} {:>9} {:>13}",
+        "figure",
+        "values",
+        "within 2u",
+        "rms off",
+        "rms u",
+        "uncompensated"
+    );
+    found.figures.iter().for_each(print_row);
+    print_row(&found.together);
+}
+
+fn print_row(row: &CoverageRow) {
+    say_line!(
+        "{:<52} {:>8} {:>9.2} % {:9.4} {:9.4} {:13.3}",
+        row.figure,
+        row.values,
+        row.within_percent,
+        row.rms_off_um,
+        row.rms_u_um,
+        row.rms_uncompensated_um
+    );
+}

@@ -1,0 +1,131 @@
+//! Whether the stated uncertainty of what is compensated holds: machines of a class are drawn, their
+//! readings simulated as a plan has them, their errors identified, and every compensated figure is
+//! compared with the truth.
+//!
+//! In: a plan of readings as `calibrate machine` takes it, a number of machines, a seed. Out:
+//! [`MachineCoverage`], the share of figures within U = 2u of the truth, figure by figure. `drawn`
+//! draws a machine, `figures` are what is compensated. The identification gets the text of the
+//! readings alone. A machine has the errors that the plan seeks and no others: what is not sought is
+//! in no uncertainty, and is named in `machine.json`.
+
+mod drawn;
+mod figures;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use self::figures::{Off, compensated};
+use super::machine_readings::SimulatedMachine;
+use crate::identification::{IdentificationConfig, checked_set, identify};
+use crate::setting::{SettingError, require};
+
+/// Shares that a coverage of 95 % may have, per cent.
+const WANTED_PERCENT: [f64; 2] = [94.0, 96.0];
+/// Most machines: ten times what tells 95 from 95.5 %.
+const MOST_MACHINES: u32 = 100_000;
+
+/// A compensated figure over all machines.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct CoverageRow {
+    /// What was compensated.
+    pub figure: String,
+    /// Values of it: machines times places.
+    pub values: usize,
+    /// Share of the values within U = 2u of the truth, per cent.
+    pub within_percent: f64,
+    /// Deviations from the truth, rms, µm.
+    pub rms_off_um: f64,
+    /// Their standard uncertainties, rms, µm.
+    pub rms_u_um: f64,
+    /// What would be left without compensation, rms, µm.
+    pub rms_uncompensated_um: f64,
+}
+
+/// The figures over all machines.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct MachineCoverage {
+    /// Machines drawn.
+    pub machines: u32,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// Figure by figure.
+    pub figures: Vec<CoverageRow>,
+    /// All of them together.
+    pub together: CoverageRow,
+}
+
+impl MachineCoverage {
+    /// Whether the share of all figures together lies within 94 to 96 %.
+    pub(crate) fn holds(&self) -> bool {
+        let [least, most] = WANTED_PERCENT;
+        (least..=most).contains(&self.together.within_percent)
+    }
+}
+
+/// Draws machines, identifies them and compares; `done` is called after each.
+///
+/// # Errors
+/// A config that cannot be right, a set without a plan of its own, readings that do not hold what is
+/// sought.
+pub(crate) fn machine_coverage(
+    config: &IdentificationConfig,
+    machines: u32,
+    seed: u64,
+    done: &(dyn Fn() + Sync),
+) -> Result<MachineCoverage, SettingError> {
+    let right = format!("between 1 and {MOST_MACHINES}");
+    require((1..=MOST_MACHINES).contains(&machines), "--machines", machines, &right)?;
+    config.check()?;
+    if let Some(k) = config.readings.iter().position(|set| set.plan.is_none()) {
+        let why = "is needed: readings of drawn machines are simulated at the places of a plan";
+        return Err(SettingError::at(format!("readings[{k}].plan"), why));
+    }
+    let one = |k: u32| {
+        // sets of one machine have seeds that follow each other
+        let own = seed.wrapping_mul(1_000_003).wrapping_add(1000 * u64::from(k));
+        let found = of_machine(config, own);
+        done();
+        found
+    };
+    let all: Result<Vec<Vec<Off>>, SettingError> = (0..machines).into_par_iter().map(one).collect();
+    let all: Vec<Off> = all?.into_iter().flatten().collect();
+    let mut names: Vec<&str> = all.iter().map(|off| off.figure).collect();
+    names.sort_unstable();
+    names.dedup();
+    let of = |name: &&str| row(name, all.iter().filter(|off| off.figure == *name));
+    Ok(MachineCoverage {
+        machines,
+        seed,
+        figures: names.iter().map(of).collect(),
+        together: row("all figures", all.iter()),
+    })
+}
+
+/// The figures of one machine.
+fn of_machine(config: &IdentificationConfig, seed: u64) -> Result<Vec<Off>, SettingError> {
+    let truth = drawn::machine(config, seed)?;
+    let simulated = SimulatedMachine::new(truth.clone(), config.temperature_c, seed)?;
+    let set = |k: usize| {
+        let text = simulated.text(&config.readings[k], k)?;
+        checked_set(config, k, text.as_bytes(), "simulated readings")
+    };
+    let sets: Result<Vec<_>, SettingError> = (0..config.readings.len()).map(set).collect();
+    let found = identify(config, &sets?)?;
+    compensated(config, &found, &truth)
+}
+
+fn row<'a>(figure: &str, values: impl Iterator<Item = &'a Off> + Clone) -> CoverageRow {
+    let count = values.clone().count();
+    let rms = |of: fn(&Off) -> f64| {
+        (values.clone().map(|v| of(v).powi(2)).sum::<f64>() / count.max(1) as f64).sqrt()
+    };
+    let within = values.clone().filter(|v| v.off_um.abs() <= 2.0 * v.u_um).count();
+    CoverageRow {
+        figure: figure.to_owned(),
+        values: count,
+        within_percent: 1e2 * within as f64 / count.max(1) as f64,
+        rms_off_um: rms(|v| v.off_um),
+        rms_u_um: rms(|v| v.u_um),
+        rms_uncompensated_um: rms(|v| v.uncompensated_um),
+    }
+}
