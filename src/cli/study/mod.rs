@@ -15,10 +15,12 @@ mod limits;
 mod line_camera;
 mod machine;
 mod machine_models;
+mod merge;
 mod nose;
 mod nose_frames;
 mod optics;
 mod parts;
+mod shard;
 mod stability;
 mod tool;
 mod uncertainty;
@@ -37,6 +39,7 @@ use self::in_process::StudyInProcessArgs;
 use self::limits::StudyLimitsArgs;
 use self::line_camera::StudyLineCameraArgs;
 use self::machine::StudyMachineArgs;
+use self::merge::StudyMergeArgs;
 use self::nose::StudyNoseArgs;
 use self::optics::StudyOpticsArgs;
 use self::parts::StudyPartsArgs;
@@ -88,6 +91,8 @@ pub(crate) enum Study {
     Uncertainty(StudyUncertaintyArgs),
     /// Half and double of every threshold of the instrument: what each changes on the same scenes.
     Limits(StudyLimitsArgs),
+    /// Join the shards of a study that was split by --shard, and print what it prints unsplit.
+    Merge(StudyMergeArgs),
     /// Rings of known size, leave-one-out, beside a level crossing.
     Washers(StudyWashersArgs),
 }
@@ -116,5 +121,6 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::Factor(args) => factor::run(args),
         Study::Head(args) => head::run(args),
         Study::Limits(args) => limits::run(args),
+        Study::Merge(args) => merge::run(args),
     }
 }
