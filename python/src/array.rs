@@ -83,7 +83,7 @@ fn interface(array: &Bound<'_, PyAny>) -> PyResult<Interface> {
     };
     let (address, _): (usize, bool) = item(&found, "data")?.extract()?;
     let bytes = type_text.get(2..).and_then(|size| size.parse::<isize>().ok()).unwrap_or(1);
-    let strides = match found.get_item(&found, "strides")? {
+    let strides = match found.get_item("strides")? {
         Some(strides) if !strides.is_none() => {
             let strides = strides.cast_into::<PyTuple>().map_err(PyErr::from)?;
             (strides.get_item(0)?.extract::<isize>()?, strides.get_item(1)?.extract::<isize>()?)

@@ -57,6 +57,7 @@ mod render_shaft;
 mod ring_measure;
 mod run_truth;
 mod settled;
+mod sharding;
 mod stepped;
 mod stl;
 mod tool;
