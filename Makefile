@@ -6,12 +6,13 @@
 #          make pictures (the pictures of the documents -> docs)
 #          make reports-check (reports before axe-core in Chromium: contrast, names, small screens)
 #          make gpu-check (a hardware adapter against the CPU path; needs the built program alone)   make bench   make bless CASE=all
+#          make wheel (the Python package -> out/wheel)   make wheel-test (its tests and examples in a venv; TESTS="-k arrays" for some)
 #          make peers (this crate beside other software, in venvs below out/peers; ONLY="nose" for some of run, render, nose, camera)
 
 CARGO ?= cargo
 BIN := target/release/shadowgauge
 
-.PHONY: demo test studies studies-short study-limits pictures reports-check gpu-check peers bench build vulkan bless
+.PHONY: demo test studies studies-short study-limits pictures reports-check gpu-check peers bench build vulkan bless wheel wheel-test wheel-smoke
 
 # With wgpu at work where a Vulkan driver is (software drivers are taken by name only), else on the CPU path.
 demo: vulkan build
@@ -74,3 +75,26 @@ peers: build
 
 bless:
 	BLESS=$(CASE) $(CARGO) test --release --locked --lib render_golden
+
+PYTHON ?= python3
+WHEEL := out/wheel
+TESTS ?=
+
+# The Python package, one wheel for Python 3.10 and later, with the program's dependencies as they are compiled.
+wheel:
+	test -x $(WHEEL)/venv/bin/python || $(PYTHON) -m venv $(WHEEL)/venv
+	$(WHEEL)/venv/bin/pip install --quiet 'maturin>=1.9,<2'
+	rm -f $(WHEEL)/*.whl
+	$(WHEEL)/venv/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(WHEEL)
+
+# Everything of the package: tables in pandas, polars and pyarrow, a local Ray cluster, the examples.
+wheel-test: wheel
+	$(WHEEL)/venv/bin/pip install --quiet pytest pandas polars pyarrow matplotlib ray
+	$(WHEEL)/venv/bin/pip install --quiet --force-reinstall --no-deps $(WHEEL)/*.whl
+	$(WHEEL)/venv/bin/python -m pytest -q python/tests $(TESTS)
+
+# The part of it that needs NumPy alone and takes seconds.
+wheel-smoke: wheel
+	$(WHEEL)/venv/bin/pip install --quiet pytest numpy
+	$(WHEEL)/venv/bin/pip install --quiet --force-reinstall --no-deps $(WHEEL)/*.whl
+	$(WHEEL)/venv/bin/python -m pytest -q python/tests/test_arrays.py python/tests/test_streams.py

@@ -44,7 +44,7 @@ pub(crate) const SLENDER_SHAFT: &str = include_str!("../configs/slender_shaft.to
 /// Why a config is refused.
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
-pub(crate) enum ConfigError {
+pub enum ConfigError {
     /// The file cannot be read.
     #[error("{}: cannot be read: {cause}", path.display())]
     Read {
@@ -120,7 +120,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, ConfigError> {
 ///
 /// # Errors
 /// The first error, with the file, the key and the valid values.
-pub(crate) fn load(path: &Path) -> Result<Job, ConfigError> {
+pub fn load(path: &Path) -> Result<Job, ConfigError> {
     load_checked(path, |job, _| job.check())
 }
 
@@ -129,7 +129,7 @@ pub(crate) fn load(path: &Path) -> Result<Job, ConfigError> {
 ///
 /// # Errors
 /// As [`load`].
-pub(crate) fn load_scene(path: &Path) -> Result<Job, ConfigError> {
+pub fn load_scene(path: &Path) -> Result<Job, ConfigError> {
     load_checked(path, |job, text| {
         let is_set = |key: &str| place::of_key(text, key).is_set;
         if is_set("part.stock_diameter_mm") && !is_set("part.nominal_diameter_mm") {
@@ -153,7 +153,7 @@ fn load_checked(
 ///
 /// # Errors
 /// As [`load`].
-pub(crate) fn load_text(text: &str, file: &str, folder: &Path) -> Result<Job, ConfigError> {
+pub fn load_text(text: &str, file: &str, folder: &Path) -> Result<Job, ConfigError> {
     checked(text, (file, folder), |job, _| job.check())
 }
 

@@ -183,6 +183,45 @@ impl<'a> FrameView<'a> {
         })
     }
 
+    /// A view of pixels that lie `row_stride` and `column_stride` apart, in pixels: a transposed
+    /// buffer, every second column of one.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; rows or columns that overlap. A stride of 0 counts as 1.
+    pub fn strided(
+        (pixels, format): (Pixels<'a>, PixelFormat),
+        (rows, columns): (usize, usize),
+        (row_stride, column_stride): (usize, usize),
+    ) -> Result<Self, FrameError> {
+        if rows == 0 || columns == 0 {
+            return Err(FrameError::Empty { rows, columns });
+        }
+        check_container(&pixels, format)?;
+        let (row_stride, column_stride) = (row_stride.max(1), column_stride.max(1));
+        let spans = |count: usize, stride: usize| (count - 1).saturating_mul(stride).saturating_add(1);
+        let (down, along) = (spans(rows, row_stride), spans(columns, column_stride));
+        // One of them lies within the steps of the other, or pixels are shared.
+        if !(rows == 1 || columns == 1 || row_stride >= along || column_stride >= down) {
+            return Err(FrameError::StrideTooShort {
+                stride: row_stride.max(column_stride),
+                columns: along.min(down),
+            });
+        }
+        let needed = down.saturating_add(along - 1);
+        if pixels.len() < needed {
+            let found = pixels.len();
+            return Err(FrameError::TooShort { found, needed, rows, columns, stride: row_stride });
+        }
+        Ok(Self { pixels, format, rows, columns, row_stride, column_stride, stated_full_scale: None })
+    }
+
+    /// With a full scale, counts, that is not the format's own (10-bit values up to 1000). A value
+    /// that is not above 0 is ignored.
+    #[must_use]
+    pub fn with_full_scale(self, counts: f32) -> Self {
+        Self { stated_full_scale: (counts > 0.0).then_some(counts), ..self }
+    }
+
     /// The same pixels with rows and columns exchanged, without a copy: a vertical shaft seen as a
     /// horizontal one.
     #[must_use]

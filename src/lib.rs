@@ -88,7 +88,7 @@ pub mod truth;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "render")]
-pub(crate) mod config;
+pub mod config;
 #[cfg(feature = "report")]
 pub(crate) mod files;
 #[cfg(feature = "cli")]

@@ -11,7 +11,7 @@ use crate::shaft::{ProfileKnot, ShaftForm};
 ///
 /// # Errors
 /// Where optics or shaft are refused, or the tool cannot turn the contour.
-pub(crate) fn drawn_scene(job: &Job) -> Result<Scene, RenderError> {
+pub fn drawn_scene(job: &Job) -> Result<Scene, RenderError> {
     let setup = OpticalSetup::resolve(&job.setup_settings(), job.seed)?;
     let shaft = match job.worn_profile()? {
         Some(worn) => {
@@ -28,7 +28,7 @@ pub(crate) fn drawn_scene(job: &Job) -> Result<Scene, RenderError> {
 
 /// Request number `index` of a job's scan, starting over at its end: with noise, in the sensor's
 /// own format, one frame a camera period.
-pub(crate) fn scan_request(job: &Job, plan: &ScanPlan, index: usize) -> FrameRequest {
+pub fn scan_request(job: &Job, plan: &ScanPlan, index: usize) -> FrameRequest {
     let angles = plan.angle_deg.len().max(1);
     let place = index % plan.frames().max(1);
     let windows = job.camera.windows.map(|w| w.rois(job.camera.columns));

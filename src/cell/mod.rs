@@ -36,7 +36,7 @@ mod turning_cell;
 pub(crate) mod wire;
 
 #[cfg(feature = "render")]
-pub(crate) use drawn_scan::{drawn_scene, scan_request};
+pub use drawn_scan::{drawn_scene, scan_request};
 #[cfg(feature = "render")]
 pub(crate) use recorded::RecordedCell;
 #[cfg(feature = "render")]

@@ -40,6 +40,7 @@ mod study;
 mod tool;
 mod watch;
 
+use std::ffi::OsString;
 use std::io::Write as _;
 use std::process::ExitCode;
 
@@ -149,10 +150,10 @@ fn write_manual(arguments: &man::ManArgs) -> CommandResult {
     man::run(arguments, command())
 }
 
-/// The process's arguments; ends the process with a message where they are refused.
-fn arguments() -> Arguments {
+/// Arguments, the program's name first; ends the process with a message where they are refused.
+fn arguments(given: impl IntoIterator<Item = OsString>) -> Arguments {
     let mut command = command();
-    let mut matches = command.get_matches_mut();
+    let mut matches = command.try_get_matches_from_mut(given).unwrap_or_else(|error| error.exit());
     Arguments::from_arg_matches_mut(&mut matches).unwrap_or_else(|error| error.format(&mut command).exit())
 }
 
@@ -160,11 +161,18 @@ fn arguments() -> Arguments {
 /// defined above.
 pub fn main() -> ExitCode {
     process::provide_runtime_folder();
-    let arguments = arguments();
+    process::leave(run_arguments(std::env::args_os()))
+}
+
+/// Runs a command as the program does, from within another one: prints what it prints, and returns
+/// its exit code. Once a process, whose stdout and log it takes; arguments that are refused, and
+/// `--help`, end the process.
+pub fn run_arguments(given: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = arguments(given);
     log::start(arguments.verbose);
     let result = dispatch(&arguments.command).and_then(|outcome| output::finish().map(|()| outcome));
     log::finish();
-    let status = match result {
+    match result {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::OutOfTolerance) => 1,
         Err(failure) => {
@@ -172,6 +180,5 @@ pub fn main() -> ExitCode {
             let _ = writeln!(std::io::stderr(), "{:?}", failure.report);
             failure.exit
         }
-    };
-    process::leave(status)
+    }
 }

@@ -129,7 +129,7 @@ impl Job {
 
     /// The loop's half as the config gives it: the camera by its data sheet, and of the process
     /// only what drawing and handbooks give.
-    pub(crate) fn loop_job(&self) -> LoopJob {
+    pub fn loop_job(&self) -> LoopJob {
         let material = self.process.material.resolve();
         let steel = Conditions::default().expansion_um_per_m_k;
         LoopJob {
@@ -240,7 +240,8 @@ impl Job {
         }
     }
 
-    pub(super) fn nominal_mm_per_px(&self) -> f64 {
+    /// Size of a pixel on the object by the data sheets, mm.
+    pub fn nominal_mm_per_px(&self) -> f64 {
         self.setup_settings().nominal_pixel_mm()
     }
 

@@ -5,8 +5,9 @@
 //! the gauge's settings. *Harmful* is a frame where, with nothing refused, some station lies more
 //! than 5 µm from the clean one. It is *mishandled* where a station then is neither a gap nor
 //! within 1 µm + U (k = 2, random part) of the clean one.
+//!
+//! Frames are numbered by `contamination_plan`; here is what one shows, and the study of them all.
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::dirty_frames::{Bump, COLUMNS, Contaminant, DrawError, PIXEL_UM, Piece, STATION};
@@ -98,14 +99,14 @@ impl ContaminationStudy {
 type Stations = Vec<Option<(f64, f64)>>;
 
 /// Two gauges: with the default settings, and with nothing refused.
-struct Pair {
+pub(crate) struct Pair {
     on: Gauge,
     off: Gauge,
     min_fill: f64,
 }
 
 impl Pair {
-    fn new(settings: &GaugeSettings) -> Result<Self, crate::setting::SettingError> {
+    pub(super) fn new(settings: &GaugeSettings) -> Result<Self, crate::setting::SettingError> {
         let off = GaugeSettings { rejection: Rejection::Off, ..settings.clone() };
         Ok(Self {
             on: Gauge::new(settings.clone())?,
@@ -150,15 +151,46 @@ pub(super) fn station_px(
 }
 
 /// Result of one frame.
-#[derive(Clone, Copy, Debug, Default)]
-struct Outcome {
-    harmful: bool,
-    misled: bool,
-    kept: usize,
-    gaps: usize,
-    worst_um: f64,
-    square: f64,
-    square_off: f64,
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Outcome {
+    /// With nothing refused, a station would be off by more than 5 µm.
+    pub harmful: bool,
+    /// A station is neither a gap nor within 1 µm + U.
+    pub misled: bool,
+    /// Stations that kept a value.
+    pub kept: usize,
+    /// Stations that became gaps.
+    pub gaps: usize,
+    /// Largest |error| of a station that kept a value, µm.
+    pub worst_um: f64,
+    /// Sum of their squared errors, µm².
+    pub square: f64,
+    /// The same of all stations with nothing refused, µm².
+    pub square_off: f64,
+    /// Share of the columns refused, of a clean frame.
+    pub refused_share: f64,
+}
+
+impl Pair {
+    /// A clean frame by itself.
+    ///
+    /// # Errors
+    /// Where it cannot be drawn.
+    pub(super) fn look_at_clean(&self, seed: u64) -> Result<Outcome, DrawError> {
+        let frame = Piece::draw(seed).frame(None)?;
+        let Ok(edges) = self.on.edges(&frame.view()) else {
+            return Ok(Outcome { gaps: 1, refused_share: 1.0, ..Outcome::default() });
+        };
+        let stations = self.stations(&self.on, &frame, self.min_fill);
+        let gaps = stations.iter().filter(|station| station.is_none()).count();
+        let refused_share = 1.0 - edges.valid() as f64 / COLUMNS as f64;
+        Ok(Outcome { kept: stations.len() - gaps, gaps, refused_share, ..Outcome::default() })
+    }
+
+    /// A contaminated frame beside the clean one.
+    pub(super) fn judge(&self, clean: &Frame, dirty: &Frame) -> Outcome {
+        judge(self, clean, dirty)
+    }
 }
 
 fn judge(pair: &Pair, clean: &Frame, dirty: &Frame) -> Outcome {
@@ -185,87 +217,56 @@ fn judge(pair: &Pair, clean: &Frame, dirty: &Frame) -> Outcome {
     outcome
 }
 
-/// Is called with the number of frames that were measured since.
-type Done<'a> = &'a (dyn Fn(u64) + Sync);
-
-fn kind(
-    pair: &Pair,
-    contaminant: Contaminant,
-    frames: usize,
-    seed: u64,
-    done: Done<'_>,
-) -> Result<KindResult, DrawError> {
-    let outcomes: Vec<Outcome> = (0..frames as u64)
-        .into_par_iter()
-        .map(|i| {
-            let piece = Piece::draw(seed + i);
-            let outcome = judge(pair, &piece.frame(None)?, &piece.dirty(contaminant)?);
-            done(1);
-            Ok(outcome)
-        })
-        .collect::<Result<_, DrawError>>()?;
+fn kind(contaminant: Contaminant, outcomes: &[Outcome], seed: u64) -> KindResult {
     let harmful: Vec<&Outcome> = outcomes.iter().filter(|o| o.harmful).collect();
     let mishandled_seeds: Vec<u64> =
-        (seed..).zip(&outcomes).filter(|(_, o)| o.harmful && o.misled).map(|(seed, _)| seed).collect();
+        (seed..).zip(outcomes).filter(|(_, o)| o.harmful && o.misled).map(|(seed, _)| seed).collect();
     let kept: usize = harmful.iter().map(|o| o.kept).sum();
     let all: usize = harmful.iter().map(|o| o.kept + o.gaps).sum();
-    Ok(KindResult {
+    KindResult {
         contaminant,
-        frames,
+        frames: outcomes.len(),
         harmful: harmful.len(),
         mishandled: mishandled_seeds.len(),
         mishandled_seeds,
         misled: outcomes.iter().filter(|o| o.misled).count(),
         kept: (all > 0).then(|| kept as f64 / all as f64),
         worst_um: outcomes.iter().map(|o| o.worst_um).fold(0.0, f64::max),
-    })
+    }
 }
 
-/// Frames with one film in the middle of the field.
-fn point(pair: &Pair, size: f64, bump: Bump, frames: usize, seed: u64) -> Result<CurvePoint, DrawError> {
-    let outcomes: Vec<Outcome> = (0..frames as u64)
-        .into_par_iter()
-        .map(|i| {
-            let piece = Piece::draw(seed + i);
-            let upper = i % 2 == 0;
-            let dirty = piece.with_bumps(&[Bump { upper, ..bump }]).frame(None)?;
-            Ok(judge(pair, &piece.frame(None)?, &dirty))
-        })
-        .collect::<Result<_, DrawError>>()?;
-    let kept: usize = outcomes.iter().map(|o| o.kept).sum();
-    let all: usize = outcomes.iter().map(|o| o.kept + o.gaps).sum();
-    let rms = |square: f64, count: usize| (square / count.max(1) as f64).sqrt();
-    Ok(CurvePoint {
-        size,
-        noticed: outcomes.iter().filter(|o| o.gaps > 0).count() as f64 / frames.max(1) as f64,
-        rms_um: rms(outcomes.iter().map(|o| o.square).sum(), kept),
-        rms_off_um: rms(outcomes.iter().map(|o| o.square_off).sum(), all),
-    })
+/// A point of a curve: frames with one film in the middle of the field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    /// Height, µm, or half length, mm.
+    pub(super) size: f64,
+    /// Half length of the film, columns.
+    half_length: f64,
+    /// Its height, px.
+    height_px: f64,
+    /// What the seeds of its frames are counted from, above the study's.
+    pub(super) stream: u64,
 }
 
-/// (Frames lost, largest share of columns refused) of clean frames.
-fn clean(pair: &Pair, frames: usize, seed: u64) -> Result<(usize, f64), DrawError> {
-    let outcomes: Vec<(bool, f64)> = (0..frames as u64)
-        .into_par_iter()
-        .map(|i| {
-            let frame = Piece::draw(seed + i).frame(None)?;
-            let Ok(edges) = pair.on.edges(&frame.view()) else { return Ok((true, 1.0)) };
-            let lost = pair.stations(&pair.on, &frame, pair.min_fill).iter().any(Option::is_none);
-            Ok((lost, 1.0 - edges.valid() as f64 / COLUMNS as f64))
-        })
-        .collect::<Result<_, DrawError>>()?;
-    let worst = outcomes.iter().map(|o| o.1).fold(0.0, f64::max);
-    Ok((outcomes.iter().filter(|o| o.0).count(), worst))
-}
+impl Point {
+    /// The film, on the upper or on the lower edge.
+    pub(super) fn bump(&self, upper: bool) -> Bump {
+        let Self { half_length, height_px, .. } = *self;
+        Bump { column: COLUMNS as f64 / 2.0, half_length, height_px, upper }
+    }
 
-/// Frames that [`run`] measures in all.
-pub(crate) fn frames_in_all(frames: usize, clean_frames: usize) -> usize {
-    frames * Contaminant::KINDS.len() + clean_frames + few(frames) * (HEIGHTS_UM.len() + LENGTHS_MM.len())
-}
-
-/// Frames of a point of a curve.
-fn few(frames: usize) -> usize {
-    (frames / 20).max(4)
+    fn of(&self, outcomes: &[Outcome]) -> CurvePoint {
+        let kept: usize = outcomes.iter().map(|o| o.kept).sum();
+        let all: usize = outcomes.iter().map(|o| o.kept + o.gaps).sum();
+        let rms = |square: f64, count: usize| (square / count.max(1) as f64).sqrt();
+        let noticed = outcomes.iter().filter(|o| o.gaps > 0).count();
+        CurvePoint {
+            size: self.size,
+            noticed: noticed as f64 / outcomes.len().max(1) as f64,
+            rms_um: rms(outcomes.iter().map(|o| o.square).sum(), kept),
+            rms_off_um: rms(outcomes.iter().map(|o| o.square_off).sum(), all),
+        }
+    }
 }
 
 /// Heights of films, µm.
@@ -274,46 +275,46 @@ const HEIGHTS_UM: [f64; 10] = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0
 /// Lengths of films, mm.
 const LENGTHS_MM: [f64; 11] = [0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 20.0, 80.0];
 
-/// Runs the study: `frames` of every kind of contamination and clean ones each, a twentieth of that
-/// for each point of the curves; `done` is called with frames that are measured.
-///
-/// # Errors
-/// Where the gauge refuses its settings or a frame cannot be drawn.
-pub(crate) fn run(
-    settings: &GaugeSettings,
-    frames: usize,
-    clean_frames: usize,
-    seed: u64,
-    done: Done<'_>,
-) -> Result<ContaminationStudy, StudyError> {
-    let pair = Pair::new(settings)?;
-    let kinds = Contaminant::KINDS
-        .iter()
-        .enumerate()
-        .map(|(k, contaminant)| kind(&pair, *contaminant, frames, seed + ((k as u64) << 32), done))
-        .collect::<Result<_, _>>()?;
-    let (clean_lost, clean_worst_share) = clean(&pair, clean_frames, seed + (100 << 32))?;
-    done(clean_frames as u64);
-    let few = few(frames);
-    let of_point = |point: CurvePoint| {
-        done(few as u64);
-        point
+/// The points of both curves: over the height, then over the half length.
+pub(super) fn points() -> Vec<Point> {
+    let height =
+        |um: &f64| Point { size: *um, half_length: 40.0, height_px: um / PIXEL_UM, stream: 101 << 32 };
+    let length = |mm: &f64| Point {
+        size: *mm,
+        half_length: mm * 1e3 / PIXEL_UM,
+        height_px: 8.0 / PIXEL_UM,
+        stream: 102 << 32,
     };
-    let middle = Bump { column: COLUMNS as f64 / 2.0, half_length: 40.0, height_px: 0.0, upper: true };
-    let by_height = HEIGHTS_UM
-        .iter()
-        .map(|um| {
-            let bump = Bump { height_px: um / PIXEL_UM, ..middle };
-            point(&pair, *um, bump, few, seed + (101 << 32)).map(of_point)
-        })
-        .collect::<Result<_, _>>()?;
-    let by_length = LENGTHS_MM
-        .iter()
-        .map(|mm| {
-            let half_length = mm * 1e3 / PIXEL_UM;
-            let bump = Bump { half_length, height_px: 8.0 / PIXEL_UM, ..middle };
-            point(&pair, *mm, bump, few, seed + (102 << 32)).map(of_point)
-        })
-        .collect::<Result<_, _>>()?;
-    Ok(ContaminationStudy { seed, kinds, clean_frames, clean_lost, clean_worst_share, by_height, by_length })
+    HEIGHTS_UM.iter().map(height).chain(LENGTHS_MM.iter().map(length)).collect()
+}
+
+/// Frames of a point of a curve.
+pub(super) fn few(frames: usize) -> usize {
+    (frames / 20).max(4)
+}
+
+/// The study of the outcomes of all frames in their order: of every kind of contamination, clean,
+/// of the points of the curves.
+pub(super) fn result(outcomes: &[Outcome], frames: usize, clean: usize, seed: u64) -> ContaminationStudy {
+    let mut rest = outcomes;
+    let mut next = |count: usize| {
+        let (own, others) = rest.split_at(count.min(rest.len()));
+        rest = others;
+        own
+    };
+    let of_kind =
+        |(k, contaminant): (usize, &Contaminant)| kind(*contaminant, next(frames), seed + ((k as u64) << 32));
+    let kinds = Contaminant::KINDS.iter().enumerate().map(of_kind).collect();
+    let of_clean = next(clean);
+    let mut by_height: Vec<CurvePoint> = points().iter().map(|p| p.of(next(few(frames)))).collect();
+    let by_length = by_height.split_off(HEIGHTS_UM.len());
+    ContaminationStudy {
+        seed,
+        kinds,
+        clean_frames: clean,
+        clean_lost: of_clean.iter().filter(|o| o.gaps > 0).count(),
+        clean_worst_share: of_clean.iter().map(|o| o.refused_share).fold(0.0, f64::max),
+        by_height,
+        by_length,
+    }
 }

@@ -4,11 +4,13 @@
 //! In: a config of the study, a seed, a renderer where frames are drawn. Out: rows as serde types;
 //! the command of the same name prints them and writes tables. `calibration` computes a
 //! calibration from recorded or rendered frames, also for other commands; `reproduction` holds
-//! rows and verdicts of a paper's figures. A new study is a file or folder here with the
+//! rows and verdicts of a paper's figures; `sharding` splits studies of independent scenes between
+//! processes. A new study is a file or folder here with the
 //! computation, and a command in `cli/study` with its output.
 
 pub(crate) mod calibration;
 pub(crate) mod contamination;
+pub(crate) mod contamination_plan;
 pub(crate) mod controllers;
 pub(crate) mod correlation;
 pub(crate) mod coverage;
@@ -33,6 +35,7 @@ pub(crate) mod reproduce_001;
 pub(crate) mod reproduce_003;
 pub(crate) mod reproduce_004;
 pub(crate) mod reproduction;
+pub(crate) mod sharding;
 pub(crate) mod stability;
 pub(crate) mod uncertainty;
 pub(crate) mod washers;

@@ -123,6 +123,27 @@ fn a_stream_never_reports_a_part_that_has_gone() {
 }
 
 #[test]
+fn pixels_apart_both_ways_measure_as_their_copy() {
+    let synth = Synth::with_snr(0.8, 60.0, true);
+    let frame = synth.frame(drifting, Some(9));
+    let expected = values(&gauge().edges(&frame.view()).unwrap());
+    let Buffer::U16(pixels) = frame.into_buffer() else { panic!("12 bit") };
+    let (rows, columns) = (synth.rows, synth.columns);
+    let (row_stride, column_stride) = (3 * columns + 5, 3);
+    let mut apart = vec![4095_u16; row_stride * rows];
+    for (index, pixel) in pixels.iter().enumerate() {
+        apart[index / columns * row_stride + index % columns * column_stride] = *pixel;
+    }
+    let strided = |strides: (usize, usize)| {
+        FrameView::strided((Pixels::U16(&apart), PixelFormat::Mono12), (rows, columns), strides)
+    };
+    let view = strided((row_stride, column_stride)).unwrap();
+    assert_eq!(values(&gauge().edges(&view).unwrap()), expected);
+    assert!(strided((columns, column_stride)).is_err(), "rows share pixels");
+    assert!(strided((row_stride + 1, column_stride)).is_err(), "the buffer ends before the last row");
+}
+
+#[test]
 fn strides_orientation_polarity_and_threads_do_not_matter() {
     let synth = Synth::with_snr(0.8, 60.0, true);
     let frame = synth.frame(drifting, Some(9));

@@ -58,6 +58,7 @@ mod ring_measure;
 mod run_truth;
 mod serve;
 mod settled;
+mod sharding;
 mod stepped;
 mod stl;
 mod store;

@@ -247,7 +247,18 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge study correlation parts.csv --expanded-u-um 0.8 --reference-expanded-u-um 1.2 --json",
         ],
     ),
-    ("study coverage", &["shadowgauge study coverage --scenes 40 --json"]),
+    (
+        "study coverage",
+        &[
+            "shadowgauge study coverage --scenes 40 --json",
+            "shadowgauge study coverage --scenes 40 --shard 2/3 --shard-dir out/shards",
+        ],
+    ),
+    (
+        "study merge",
+        &["shadowgauge study merge out/shards/coverage-1-of-3.parquet out/shards/coverage-2-of-3.parquet \
+             out/shards/coverage-3-of-3.parquet"],
+    ),
     ("study uncertainty", &["shadowgauge study uncertainty calibrate.toml --diameter-mm 25"]),
     ("study limits", &["shadowgauge study limits --json"]),
     ("study washers", &["shadowgauge study washers washers --out out/washers"]),

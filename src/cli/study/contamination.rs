@@ -3,14 +3,16 @@
 
 use std::path::PathBuf;
 
+use super::shard::ShardArgs;
 use crate::cli::failure::{CommandResult, Failure};
 use crate::cli::input_output::{StudyFolder, say_study};
 use crate::cli::terminal::progress;
-use crate::gauge::GaugeSettings;
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
-use crate::studies::contamination::{self, ContaminationStudy, CurvePoint, KindResult, StudyError};
+use crate::studies::contamination::{ContaminationStudy, CurvePoint, KindResult, StudyError};
+use crate::studies::contamination_plan::ContaminationPlan;
 use crate::studies::dirty_frames::Contaminant;
+use crate::studies::sharding::{SceneStudy, outcomes};
 
 /// Arguments of `study contamination`.
 #[derive(Debug, clap::Args)]
@@ -28,29 +30,42 @@ pub(crate) struct StudyContaminationArgs {
     #[arg(long)]
     json: bool,
     /// Write report.html into this folder.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with = "shard")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    sharding: ShardArgs,
 }
 
-/// Runs the study.
+/// Runs the study, or one of its shards.
 ///
 /// # Errors
 /// Exit 2 for an output folder that holds anything, 3 for a disk that fails.
 pub(crate) fn run(args: &StudyContaminationArgs) -> CommandResult {
+    let plan =
+        ContaminationPlan { frames: args.frames as usize, clean: args.clean as usize, seed: args.seed };
+    if let Some(shard) = args.sharding.run(&plan) {
+        return shard;
+    }
     let folder = StudyFolder::claim(args.out.as_deref())?;
-    let settings = GaugeSettings::default();
-    let (frames, clean) = (args.frames as usize, args.clean as usize);
-    let count = contamination::frames_in_all(frames, clean) as u64;
-    let bar = progress::bar(count, "drawing and measuring", "frames");
-    let study = contamination::run(&settings, frames, clean, args.seed, &|more| bar.inc(more)).map_err(
-        |e| match e {
-            StudyError::Gauge(e) => Failure::refuse(e),
-            e => Failure::fail(e),
-        },
-    )?;
+    let bar = progress::bar(plan.scenes(), "drawing and measuring", "frames");
+    let failed = |e| match e {
+        StudyError::Gauge(e) => Failure::refuse(e),
+        e => Failure::fail(e),
+    };
+    let pair = plan.bench().map_err(failed)?;
+    let found = outcomes(&plan, &pair, 0..plan.scenes(), &|| bar.inc(1)).map_err(failed)?;
     bar.finish_and_clear();
+    let study = plan.result(&found);
     StudyFolder::fill(folder, |folder| folder.write("report.html", page(&study)?.as_bytes()))?;
-    say_study(&study, args.json, print)
+    say(&study, args.json)
+}
+
+/// Prints the study.
+///
+/// # Errors
+/// Figures that JSON cannot represent.
+pub(super) fn say(study: &ContaminationStudy, json: bool) -> CommandResult {
+    say_study(study, json, print)
 }
 
 fn name(contaminant: Contaminant) -> &'static str {

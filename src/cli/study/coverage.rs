@@ -1,10 +1,13 @@
 //! `shadowgauge study coverage`: whether stated intervals cover the true diameters, in rendered and
 //! measured scenes.
 
+use super::shard::ShardArgs;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::terminal::progress;
-use crate::render::{BackendChoice, Renderer};
-use crate::studies::coverage::{Class, ClassFigures, class_figures, coverage, scenes_in_all};
+use crate::studies::coverage::{
+    Class, ClassFigures, Coverage, CoveragePlan, CoverageResult, Outcome as SceneOutcome,
+};
+use crate::studies::sharding::{SceneStudy, outcomes};
 
 /// Arguments of `study coverage`.
 #[derive(Debug, clap::Args)]
@@ -22,36 +25,56 @@ pub(crate) struct StudyCoverageArgs {
     /// Print JSON.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    sharding: ShardArgs,
 }
 
-/// Runs the study; exit 1 where a figure is missed.
+impl StudyCoverageArgs {
+    fn plan(&self) -> CoveragePlan {
+        CoveragePlan { scenes: self.scenes, seed: self.seed, only: self.classes.clone() }
+    }
+}
+
+/// Runs the study, or one of its shards; exit 1 where a figure is missed.
 ///
 /// # Errors
 /// Exit 3 where a scene cannot be rendered or its masters cannot be measured.
 pub(crate) fn run(args: &StudyCoverageArgs) -> CommandResult {
-    let renderer = Renderer::new(BackendChoice::Cpu).map_err(Failure::fail)?;
-    if !args.classes.is_empty() {
-        return only(args, &renderer);
+    let plan = args.plan();
+    if let Some(shard) = args.sharding.run(&plan) {
+        return shard;
     }
-    let bar = progress::bar(scenes_in_all(args.scenes) as u64, "drawing and measuring", "scenes");
-    let result = coverage(args.scenes, args.seed, &renderer, &|| bar.inc(1)).map_err(Failure::fail)?;
+    let renderer = plan.bench().map_err(Failure::fail)?;
+    let bar = progress::bar(plan.scenes(), "drawing and measuring", "scenes");
+    let found = outcomes(&plan, &renderer, 0..plan.scenes(), &|| bar.inc(1)).map_err(Failure::fail)?;
     bar.finish_and_clear();
+    say(&plan, &found, args.json)
+}
+
+/// Prints the figures of all scenes' outcomes; exit 1 where one is missed.
+///
+/// # Errors
+/// None.
+pub(super) fn say(plan: &CoveragePlan, outcomes: &[SceneOutcome], json: bool) -> CommandResult {
+    match plan.result(outcomes) {
+        CoverageResult::Whole(result) => say_whole(&result, plan.scenes, json),
+        CoverageResult::Only(figures) => {
+            if json {
+                say_line!("{}", serde_json::json!({ "classes": figures }));
+            } else {
+                table("classes asked for", &figures, None);
+            }
+            Ok(Outcome::Done)
+        }
+    }
+}
+
+fn say_whole(result: &Coverage, scenes: usize, json: bool) -> CommandResult {
     let misses = result.misses(0.0);
-    if args.json {
+    if json {
         say_line!("{}", serde_json::json!({ "coverage": result, "misses": misses }));
     } else {
-        let wanted = "drawn from the budget's own distributions (94-96 % covered in all, 92 % a class)";
-        table(wanted, &result.drawn, Some(&result.drawn_together));
-        let wanted = "deviating inside the declared limits (95 % covered, U/p95 at most 1.5)";
-        table(wanted, &result.deviating, Some(&result.deviating_together));
-        let wanted = "round parts drawn from the rows of their limbs (94-96 % covered, U/p95 at most 1.3)";
-        table(wanted, &result.limbs, Some(&result.limbs_together));
-        table(
-            "outside the limits, detectable (99 % flagged; in other light flagged or covered)",
-            &result.detectable,
-            None,
-        );
-        table("outside the limits, no frame shows it", &result.undetectable, None);
+        say_tables(result);
         for miss in &misses {
             say_line!("MISSED  {miss}");
         }
@@ -60,12 +83,23 @@ pub(crate) fn run(args: &StudyCoverageArgs) -> CommandResult {
         return Ok(Outcome::Done);
     }
     tracing::error!(
-        "{} of the study's limits are missed with {} scenes (exit 1): {}",
+        "{} of the study's limits are missed with {scenes} scenes (exit 1): {}",
         misses.len(),
-        args.scenes,
         misses.join("; ")
     );
     Ok(Outcome::OutOfTolerance)
+}
+
+fn say_tables(result: &Coverage) {
+    let wanted = "drawn from the budget's own distributions (94-96 % covered in all, 92 % a class)";
+    table(wanted, &result.drawn, Some(&result.drawn_together));
+    let wanted = "deviating inside the declared limits (95 % covered, U/p95 at most 1.5)";
+    table(wanted, &result.deviating, Some(&result.deviating_together));
+    let wanted = "round parts drawn from the rows of their limbs (94-96 % covered, U/p95 at most 1.3)";
+    table(wanted, &result.limbs, Some(&result.limbs_together));
+    let wanted = "outside the limits, detectable (99 % flagged; in other light flagged or covered)";
+    table(wanted, &result.detectable, None);
+    table("outside the limits, no frame shows it", &result.undetectable, None);
 }
 
 fn at_least_one(text: &str) -> Result<usize, String> {
@@ -75,21 +109,6 @@ fn at_least_one(text: &str) -> Result<usize, String> {
 fn class(name: &str) -> Result<Class, String> {
     let found = Class::all().find(|c| format!("{c:?}").eq_ignore_ascii_case(name));
     found.ok_or_else(|| format!("no such class; there are {:?}", Class::all().collect::<Vec<_>>()))
-}
-
-/// Classes by name, without a verdict.
-fn only(args: &StudyCoverageArgs, renderer: &Renderer) -> CommandResult {
-    let scenes = args.classes.len() * args.scenes;
-    let bar = progress::bar(scenes as u64, "drawing and measuring", "scenes");
-    let run = |class: &Class| class_figures(*class, args.scenes, args.seed, renderer, &|| bar.inc(1));
-    let figures = args.classes.iter().map(run).collect::<Result<Vec<_>, _>>().map_err(Failure::fail)?;
-    bar.finish_and_clear();
-    if args.json {
-        say_line!("{}", serde_json::json!({ "classes": figures }));
-    } else {
-        table("classes asked for", &figures, None);
-    }
-    Ok(Outcome::Done)
 }
 
 /// Prints classes, with the row of all of them together where there is one, and the declaration of

@@ -16,10 +16,12 @@ mod line_camera;
 mod machine;
 mod machine_coverage;
 mod machine_models;
+mod merge;
 mod nose;
 mod nose_frames;
 mod optics;
 mod parts;
+mod shard;
 mod stability;
 mod tool;
 mod uncertainty;
@@ -39,6 +41,7 @@ use self::limits::StudyLimitsArgs;
 use self::line_camera::StudyLineCameraArgs;
 use self::machine::StudyMachineArgs;
 use self::machine_coverage::StudyMachineCoverageArgs;
+use self::merge::StudyMergeArgs;
 use self::nose::StudyNoseArgs;
 use self::optics::StudyOpticsArgs;
 use self::parts::StudyPartsArgs;
@@ -92,6 +95,8 @@ pub(crate) enum Study {
     Uncertainty(StudyUncertaintyArgs),
     /// Half and double of every threshold of the instrument: what each changes on the same scenes.
     Limits(StudyLimitsArgs),
+    /// Join the shards of a study that was split by --shard, and print what it prints unsplit.
+    Merge(StudyMergeArgs),
     /// Rings of known size, leave-one-out, beside a level crossing.
     Washers(StudyWashersArgs),
 }
@@ -121,5 +126,6 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::Factor(args) => factor::run(args),
         Study::Head(args) => head::run(args),
         Study::Limits(args) => limits::run(args),
+        Study::Merge(args) => merge::run(args),
     }
 }

@@ -99,7 +99,7 @@ impl Scene {
     }
 
     /// The true optical setup.
-    pub(crate) fn setup(&self) -> &OpticalSetup {
+    pub fn setup(&self) -> &OpticalSetup {
         &self.setup
     }
 

@@ -1,11 +1,11 @@
 //! Classes of scenes: their distributions and their declarations.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{illumination, limb};
 
 /// The class of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Class {
     /// Certificates of the masters dominate.

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::process::Process;
-use crate::control::external::{Fault, ProgramController, ProgramError};
+use crate::control::external::{Fault, ProgramError};
 use crate::control::{Controller, ControllerName};
 use crate::job::Job;
 use crate::studies::controllers::ControllerProgram;
@@ -135,8 +135,7 @@ impl ControllerProgram for StartedCommand {
     fn start(&self, job: &Job) -> Result<Box<dyn Controller + Send>, ProgramError> {
         let first = self.first.borrow_mut().take();
         let process = first.map_or_else(|| start(&self.line, self.timeout), Ok)?;
-        let (settings, facts) = (job.loop_job().run_control(), job.part_facts());
-        Ok(Box::new(ProgramController::new(process, self.name(), self.command(), &settings, facts)))
+        Ok(job.program_controller(process, self.name(), self.command()))
     }
 }
 
