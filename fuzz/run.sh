@@ -12,7 +12,7 @@ cat > "$wrapper" <<'WRAPPER'
 rustc=$1; shift
 case " $* " in
 *" --crate-name shadowgauge "* | *" --crate-name decode "* | *" --crate-name calibration "* | *" --crate-name measure "* | \
-*" --crate-name gvcp "* | *" --crate-name receiver "* | *" --crate-name viva_gige "*)
+*" --crate-name gvcp "* | *" --crate-name model "* | *" --crate-name receiver "* | *" --crate-name viva_gige "*)
   exec "$rustc" "$@" -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
     -Cllvm-args=-sanitizer-coverage-trace-compares ;;
@@ -23,7 +23,7 @@ chmod +x "$wrapper"
 [ -f Cargo.lock ] || cp ../Cargo.lock Cargo.lock
 RUSTC_WRAPPER=$wrapper CARGO_TARGET_DIR=$target cargo build --release
 failed=0
-for name in decode calibration measure gvcp receiver; do
+for name in decode calibration measure gvcp model receiver; do
   mkdir -p "corpus/$name" "artifacts/$name"
   [ -n "$(ls -A "corpus/$name")" ] || cp -r "seeds/$name/." "corpus/$name/"
   echo "== $name"

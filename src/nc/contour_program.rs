@@ -85,7 +85,7 @@ impl ContourProgram<'_> {
         let skeleton = self.skeleton(dialect, entry(first, self.lead_mm(), self.before_mm()).from)?;
         let mut lines = self.head(&skeleton, roughing);
         lines.extend(roughing.iter().flat_map(|r| self.roughing(&skeleton, r)));
-        lines.extend(self.approach(&skeleton));
+        lines.extend(self.approach(&skeleton, roughing.is_some()));
         lines.extend(self.blocks(&skeleton, &cut));
         lines.extend(self.leave(last, &skeleton));
         lines.extend(self.retracted(&skeleton));
@@ -194,11 +194,13 @@ impl ContourProgram<'_> {
         lines
     }
 
-    /// Facing and roughing with the same tool, without compensation.
+    /// Facing and roughing with the same tool, without compensation. The register is written before
+    /// the first call of the tool, with which a control takes it in.
     pub(super) fn roughing(&self, skeleton: &Skeleton<'_>, roughing: &Roughing<'_>) -> Vec<String> {
         let (d, route) = (skeleton.dialect, &skeleton.route);
         let first_mm = round3(self.piece.length_mm + self.lead_mm());
         let mut lines = self.retracted(skeleton);
+        lines.extend(self.register_words(d));
         lines.extend(self.started(d));
         lines.extend(d.approach(route.change, first_mm, route.clear_mm));
         lines.extend(roughing.blocks(d, route.clear_mm, first_mm));
@@ -206,10 +208,17 @@ impl ContourProgram<'_> {
         lines
     }
 
-    fn approach(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
-        let (d, s, route) = (skeleton.dialect, self.settings, &skeleton.route);
+    /// Blocks that write the nose's register.
+    fn register_words(&self, d: Dialect) -> Vec<String> {
+        self.register.iter().flat_map(|r| nose_words::writing(d, self.settings.tool, *r)).collect()
+    }
+
+    fn approach(&self, skeleton: &Skeleton<'_>, is_roughed: bool) -> Vec<String> {
+        let (d, route) = (skeleton.dialect, &skeleton.route);
         let mut lines = self.retracted(skeleton);
-        lines.extend(self.register.iter().flat_map(|r| nose_words::writing(d, s.tool, *r)));
+        if !is_roughed {
+            lines.extend(self.register_words(d));
+        }
         lines.extend(self.started(d));
         lines.extend(match self.bore {
             Some(_) => d.approach_into_bore(route.change, route.z_first, route.clear_mm),

@@ -9,7 +9,7 @@ use glam::DVec2;
 use super::contour_program::ContourProgram;
 use super::dialect::Dialect;
 use super::error::NcError;
-use super::replay::{self, Deed, TurnedStock};
+use super::replay::{self, Convex, Deed, TurnedStock};
 use super::roughing::{ALONG, Roughing};
 
 /// A program from the bar that has passed its replay.
@@ -70,19 +70,19 @@ impl ContourProgram<'_> {
         let from = self.pieces.first().map_or(0.0, |p| p.from.y.min(p.to.y));
         let mut left =
             TurnedStock::bar((from.min(0.0), self.piece.length_mm), 0.5 * self.piece.before_mm, STEP_MM);
+        let cutter = Convex::hull(roughing.edges.iter().map(|p| (p.y, p.x)).collect());
         let mut moves = Vec::new();
         let plane = |p: replay::Point| DVec2::new(0.5 * p.x, p.z);
         for event in &events {
             let Deed::Move { from, to, rapid } = event.deed else { continue };
-            let tool = &space.tool[0];
             if rapid {
-                if let Some((depth, z)) = left.touched(tool, from, to) {
+                if let Some((depth, z)) = left.touched(&cutter, from, to) {
                     let what =
                         format!("a rapid passes {depth:.3} mm inside of the bar as it stands, at Z {z:.2}");
                     return Err(refused(event.block, what));
                 }
             } else {
-                let deepest = left.cut(tool, from, to);
+                let deepest = left.cut(&cutter, from, to);
                 let is_level = event.block <= levels_end && from.x == to.x;
                 if let Some((depth, z)) =
                     deepest.filter(|(d, _)| is_level && *d > roughing.depth_mm * (1.0 + DEEPER))

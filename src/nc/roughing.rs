@@ -35,6 +35,8 @@ pub(crate) struct Roughing<'a> {
     pub depth_mm: f64,
     /// Feed, mm per revolution.
     pub feed_mm_per_rev: f64,
+    /// The nose and both cutting edges about the gauge point, (X, Z): what of the tool cuts.
+    pub edges: &'a [DVec2],
 }
 
 /// A cut along Z on one radius.
@@ -57,6 +59,9 @@ const SAGITTA_MM: f64 = 0.002;
 const SHORT_MM: f64 = 0.05;
 /// Way back from a wall along X and Z, mm, where there is room.
 const BACK_MM: f64 = 0.5;
+/// Feed out of the bar once the tool is off the wall, mm per revolution: in air, and quick enough
+/// that a rapid would save little.
+const OUT_MM_PER_REV: f64 = 1.0;
 
 impl Roughing<'_> {
     /// What it does, for a program's head.
@@ -131,7 +136,7 @@ impl Roughing<'_> {
     /// diameter, `first_mm` the Z there.
     pub(super) fn blocks(&self, d: Dialect, clear_mm: f64, first_mm: f64) -> Vec<String> {
         let mut lines = vec![d.comment("facing and roughing, explicit blocks")];
-        let feed = number(self.feed_mm_per_rev, 4);
+        let (feed, out) = (number(self.feed_mm_per_rev, 4), number(OUT_MM_PER_REV, 4));
         let x = |radius: f64| d.axis('X', &number(2.0 * radius, 3));
         let z = |at: f64| d.axis('Z', &number(at, 3));
         let centre = self.boundary.last().map_or(0.0, |piece| piece.to.x);
@@ -139,7 +144,7 @@ impl Roughing<'_> {
         for face in self.faces_mm() {
             lines.push(format!("G00 {}", z(face)));
             lines.push(format!("G01 {} F{feed}", x(centre)));
-            lines.push(z(first_mm));
+            lines.push(format!("{} F{out}", z(first_mm)));
             lines.push(format!("G00 {}", x(clear)));
         }
         for level in self.levels() {
@@ -157,7 +162,7 @@ impl Roughing<'_> {
             lines[begin] = format!("G01 {} F{feed}", lines[begin]);
             let back = BACK_MM.min((from - to) / 3.0);
             lines.push(format!("{} {}", x(level.x_mm + back), z(to + back)));
-            lines.push(x(clear));
+            lines.push(format!("{} F{out}", x(clear)));
         }
         lines.extend(self.along_the_boundary(d, (clear, first_mm), &feed));
         lines

@@ -14,8 +14,11 @@ use crate::shaft::ContourPoint;
 const TANGENT_RAD: f64 = 1e-6;
 /// Share of an end face's diameter that stays as the stretch beside an arc.
 const FACE_SHARE: f64 = 0.5;
-/// Digits of corners, mm: a hundredth of a control's finest increment.
-const DIGITS: f64 = 1e7;
+/// Steps of a corner's numbers a millimetre: a tenth of a control's finest increment, above the digits
+/// of a file in single precision.
+const DIGITS: f64 = 1e5;
+/// Z by which a shoulder may run back for rounding, mm.
+const ROUNDING_MM: f64 = 1e-4;
 
 /// The corners from the chuck to the tailstock.
 ///
@@ -45,6 +48,12 @@ pub(crate) fn shaft_corners(outline: &Outline) -> Result<Vec<ContourPoint>, Part
         }
         if closes && behind.is_none() && arc(before) {
             points.push(corner(piece.from * DVec2::new(FACE_SHARE, 1.0), 0.0));
+        }
+    }
+    for i in 1..points.len() {
+        let before = points[i - 1].z_mm;
+        if points[i].z_mm < before && before - points[i].z_mm < ROUNDING_MM {
+            points[i].z_mm = before;
         }
     }
     match points.windows(2).find(|w| w[1].z_mm < w[0].z_mm) {

@@ -92,7 +92,8 @@ impl PartPlan<'_> {
         let (done, _) = measured(&compensator, &tool, self.way)?;
         let gauge = compensator.setting.gauge_point();
         let boundary = self.boundary(&reachable.outline, nose, (&geometry, dialect), gauge)?;
-        let written = self.program(&placed, &done, &boundary, (&compensator.setting, dialect))?;
+        let written =
+            self.program((&placed, &done), &boundary, (&compensator.setting, &geometry, dialect))?;
         let own = |m: &ToolMove| (!m.rapid && !m.roughing).then_some((m.from - gauge, m.to - gauge));
         let moves: Vec<(DVec2, DVec2)> = written.moves.iter().filter_map(own).collect();
         let largest = LargestLeft::of(&remainders(&reachable.outline, &done.path, &moves, &tool));
@@ -161,13 +162,13 @@ impl PartPlan<'_> {
 
     fn program(
         &self,
-        placed: &Placed,
-        done: &Compensated,
+        (placed, done): (&Placed, &Compensated),
         boundary: &[Piece],
-        (setting, dialect): (&Setting<'_>, Dialect),
+        (setting, geometry, dialect): (&Setting<'_>, &ToolGeometry, Dialect),
     ) -> Result<FromBar, PartProgramError> {
         let gauge = setting.gauge_point();
         let nose: Vec<DVec2> = setting.nose.outline().into_iter().map(|p| p - gauge).collect();
+        let edges = self.edges(setting, geometry);
         let pieces: Vec<Piece> = done.programmed.iter().map(|e| e.piece).collect();
         let register =
             (done.way != Way::Path).then_some(NoseRegister { radius_mm: done.register_mm, tip: setting.tip });
@@ -192,8 +193,23 @@ impl PartPlan<'_> {
             facing_mm: (self.cuts.facing_mm - self.cuts.allowance_mm).max(0.0),
             depth_mm: self.cuts.depth_mm,
             feed_mm_per_rev: self.cutting.feed_mm_per_rev,
+            edges: &edges,
         };
         Ok(program.write_from_bar(dialect, &roughing)?)
+    }
+}
+
+impl PartPlan<'_> {
+    /// The nose with both edges, straight on from where it touches the steepest surfaces that they
+    /// clear, about the gauge point. They are longer than any bar is deep: how much of an edge is
+    /// there to cut is the setter's.
+    fn edges(&self, setting: &Setting<'_>, geometry: &ToolGeometry) -> Vec<DVec2> {
+        let (low, high) = geometry.range_rad();
+        let along = |a_rad: f64| 2.0 * self.stock_mm * DVec2::from_angle(a_rad).perp();
+        // what touches is −q(a) of the nose
+        let ends = [along(low) - setting.nose.contact(low), -along(high) - setting.nose.contact(high)];
+        let gauge = setting.gauge_point();
+        setting.nose.outline().into_iter().chain(ends).map(|p| p - gauge).collect()
     }
 }
 

@@ -39,8 +39,9 @@ pub(super) enum Carrier {
     },
 }
 
-/// Most segments whose tangency is kept by one system of equations.
-const MOST_SEGMENTS: usize = 300;
+/// Most segments, tangent one after the other, whose tangency is kept: a system of equations grows
+/// with the cube of their number, and no drawing has as many.
+const MOST_CHAIN: usize = 60;
 /// Steps of Gauss and Newton: the points determine the carriers within a few nm beforehand.
 const STEPS: usize = 6;
 /// Weight of an angle that stands, and of what the points leave free.
@@ -138,22 +139,34 @@ fn tangency(a: &Carrier, b: &Carrier) -> (f64, [f64; 3], [f64; 3]) {
     }
 }
 
-/// The carriers of segments, and which joints are tangent.
+/// The carriers of segments, and which joints are tangent. Segments that are tangent one after the
+/// other are fitted together, those beside a corner apart.
 pub(super) fn fitted(points: &[DVec2], segments: &[Segment], tolerance_mm: f64) -> (Vec<Carrier>, Vec<bool>) {
     let mut carriers: Vec<Carrier> =
         segments.iter().map(|s| Carrier::through(points, *s, tolerance_mm)).collect();
     let joint = |i: usize| are_tangent(&carriers[i], &carriers[i + 1], points[segments[i].last]);
-    let tangent: Vec<bool> = (1..segments.len()).map(|i| joint(i - 1)).collect();
-    if segments.len() > MOST_SEGMENTS {
-        return (carriers, vec![false; tangent.len()]);
+    let mut tangent: Vec<bool> = (1..segments.len()).map(|i| joint(i - 1)).collect();
+    let mut first = 0;
+    while first < segments.len() {
+        let last = (first..tangent.len()).find(|i| !tangent[*i]).unwrap_or(segments.len() - 1);
+        if last - first >= MOST_CHAIN {
+            tangent[first..last].fill(false);
+            continue;
+        }
+        fit(points, &segments[first..=last], &mut carriers[first..=last], &tangent[first..last]);
+        first = last + 1;
     }
+    (carriers, tangent)
+}
+
+/// Fits carriers that are tangent one after the other.
+fn fit(points: &[DVec2], segments: &[Segment], carriers: &mut [Carrier], tangent: &[bool]) {
     for _ in 0..STEPS {
-        let Some(step) = step(points, segments, &carriers, &tangent) else { break };
+        let Some(step) = step(points, segments, carriers, tangent) else { break };
         for (i, carrier) in carriers.iter_mut().enumerate() {
             *carrier = carrier.stepped([step[3 * i], step[3 * i + 1], step[3 * i + 2]]);
         }
     }
-    (carriers, tangent)
 }
 
 fn step(

@@ -34,7 +34,7 @@ type Strips = BTreeMap<(u32, u32), (usize, usize)>;
 /// The place where facets span other than two turns or do not go round, where surfaces meet in
 /// more than one profile, or where the profile crosses itself.
 pub(super) fn profile(mesh: &Mesh, axis: &Axis, turns: &Turns) -> Result<Profile, ModelFault> {
-    let mut links = strips(mesh, axis, turns)?;
+    let mut links = strips(mesh, turns)?;
     links.extend(flats(mesh, axis, turns)?);
     let chain = chained(turns, &links)?;
     let profile = oriented(turns, &chain);
@@ -46,18 +46,11 @@ fn middle(mesh: &Mesh, facet: [u32; 3]) -> DVec3 {
     mesh.corners(facet).iter().sum::<DVec3>() / 3.0
 }
 
-/// Whether a facet lies across the axis.
-fn is_flat(mesh: &Mesh, axis: &Axis, facet: [u32; 3]) -> bool {
-    let z = mesh.corners(facet).map(|c| axis.meridian(c).0);
-    let tolerance = 2.0 * GAP_SHARE * mesh.size_mm;
-    (z[0] - z[1]).abs() <= tolerance && (z[0] - z[2]).abs() <= tolerance && (z[1] - z[2]).abs() <= tolerance
-}
-
 /// The pairs of turns that facets span.
-fn strips(mesh: &Mesh, axis: &Axis, turns: &Turns) -> Result<Vec<(u32, u32)>, ModelFault> {
+fn strips(mesh: &Mesh, turns: &Turns) -> Result<Vec<(u32, u32)>, ModelFault> {
     let mut strips = Strips::new();
     for &facet in &mesh.facets {
-        if is_flat(mesh, axis, facet) {
+        if turns.is_flat(facet) {
             continue;
         }
         let off = || {
@@ -95,15 +88,22 @@ fn strips(mesh: &Mesh, axis: &Axis, turns: &Turns) -> Result<Vec<(u32, u32)>, Mo
 /// The pairs of turns that bound flat faces; the axis is a node of its own that is made here: a
 /// pair of a turn with itself.
 fn flats(mesh: &Mesh, axis: &Axis, turns: &Turns) -> Result<Vec<(u32, u32)>, ModelFault> {
-    let plane = |z: f64| (z / (8.0 * GAP_SHARE * mesh.size_mm)).round() as i64;
-    let mut planes: BTreeMap<(i64, bool), Vec<[u32; 3]>> = BTreeMap::new();
-    for &facet in mesh.facets.iter().filter(|f| is_flat(mesh, axis, **f)) {
-        let z = axis.meridian(mesh.vertices[facet[0] as usize]).0;
-        let up = mesh.double_area(facet).dot(axis.direction) > 0.0;
-        planes.entry((plane(z), up)).or_default().push(facet);
+    let mut flat: Vec<(f64, [u32; 3])> = mesh
+        .facets
+        .iter()
+        .filter(|f| turns.is_flat(**f))
+        .map(|f| (turns.z_of_vertex[f[0] as usize], *f))
+        .collect();
+    flat.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut planes: Vec<Vec<[u32; 3]>> = Vec::new();
+    for plane in flat.chunk_by(|a, b| b.0 - a.0 <= turns.flat_mm) {
+        let up = |f: &[u32; 3]| mesh.double_area(*f).dot(axis.direction) > 0.0;
+        let facets = plane.iter().map(|(_, f)| *f);
+        let (high, low): (Vec<[u32; 3]>, Vec<[u32; 3]>) = facets.partition(up);
+        planes.extend([high, low].into_iter().filter(|p| !p.is_empty()));
     }
     let mut links = Vec::new();
-    for facets in planes.values() {
+    for facets in &planes {
         let mut edges: BTreeMap<(u32, u32), usize> = BTreeMap::new();
         for [a, b, c] in facets {
             for (p, q) in [(a, b), (b, c), (c, a)] {

@@ -6,6 +6,8 @@
 
 use std::f64::consts::TAU;
 
+use rayon::slice::ParallelSliceMut;
+
 use super::axis::Axis;
 use super::mesh::Mesh;
 
@@ -49,7 +51,7 @@ pub(super) struct Ring {
 
 impl Ring {
     fn of(mut members: Vec<Turned>) -> Self {
-        members.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+        members.sort_unstable_by(|a, b| a.angle.total_cmp(&b.angle).then(a.vertex.cmp(&b.vertex)));
         let n = members.len() as f64;
         let z = members.iter().map(|t| t.z).sum::<f64>() / n;
         let r = members.iter().map(|t| t.r).sum::<f64>() / n;
@@ -76,32 +78,33 @@ impl Ring {
     }
 }
 
-/// The vertices of a mesh as an axis sees them.
-pub(super) fn turned(mesh: &Mesh, axis: &Axis) -> Vec<Turned> {
+/// Vertices of a mesh as an axis sees them.
+pub(super) fn turned(mesh: &Mesh, axis: &Axis, vertices: impl IntoIterator<Item = u32>) -> Vec<Turned> {
     let (e1, e2) = axis.across();
-    let of = |(at, vertex): (&glam::DVec3, u32)| {
-        let from = *at - axis.point;
+    let of = |vertex: u32| {
+        let from = mesh.vertices[vertex as usize] - axis.point;
         let (x, y) = (from.dot(e1), from.dot(e2));
         Turned { vertex, z: from.dot(axis.direction), r: x.hypot(y), angle: y.atan2(x) }
     };
-    mesh.vertices.iter().zip(0..).map(of).collect()
+    vertices.into_iter().map(of).collect()
 }
 
 /// The clusters of vertices without gaps wider than `gap_mm` in Z or in radius; vertices on the axis
 /// make clusters of their own.
-pub(super) fn clusters(turned: &[Turned], gap_mm: f64) -> Vec<Ring> {
-    let mut open = vec![(turned.to_vec(), true, false)];
+pub(super) fn clusters(turned: Vec<Turned>, gap_mm: f64) -> Vec<Ring> {
+    let mut open = vec![(turned, true, false)];
     let mut rings = Vec::new();
     while let Some((mut group, along, settled)) = open.pop() {
         let key = |t: &Turned| if along { t.z } else { t.r };
-        group.sort_by(|a, b| key(a).total_cmp(&key(b)).then(a.vertex.cmp(&b.vertex)));
+        group.par_sort_unstable_by(|a, b| key(a).total_cmp(&key(b)).then(a.vertex.cmp(&b.vertex)));
         let parts: Vec<&[Turned]> = group.chunk_by(|a, b| key(b) - key(a) <= gap_mm).collect();
-        if parts.len() == 1 && settled {
+        if parts.len() > 1 {
+            open.extend(parts.into_iter().map(|part| (part.to_vec(), !along, false)));
+        } else if settled {
             rings.push(Ring::of(group));
-            continue;
+        } else {
+            open.push((group, !along, true));
         }
-        let whole = parts.len() == 1;
-        open.extend(parts.into_iter().map(|part| (part.to_vec(), !along, whole)));
     }
     rings.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.r.total_cmp(&b.r)));
     rings

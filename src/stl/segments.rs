@@ -5,6 +5,8 @@
 //! points are an arc only where their circle is tangent to the lines on both sides. A line ends where
 //! an arc begins, although the first points of a fine arc lie on the line within any tolerance.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::DVec2;
 
 /// A run of points.
@@ -47,37 +49,94 @@ pub(super) fn of(points: &[DVec2], tolerance_mm: f64) -> Vec<Segment> {
 
 fn longest_line(points: &[DVec2], first: usize, tolerance_mm: f64) -> Segment {
     let mut last = first + 1;
-    let goes_on = |last: usize| {
-        last + 1 < points.len()
-            && is_line(&points[first..=last + 1], tolerance_mm)
-            && longest_arc(points, last, tolerance_mm).is_none()
-    };
-    while goes_on(last) {
+    let mut fan = Fan::new(points[first], points[last] - points[first]);
+    while last + 1 < points.len()
+        && fan.goes_on(points[last], points[last + 1], tolerance_mm)
+        && longest_arc(points, last, tolerance_mm).is_none()
+    {
         last += 1;
     }
     Segment { first, last, is_arc: false }
 }
 
-fn is_line(points: &[DVec2], tolerance_mm: f64) -> bool {
-    let (from, to) = (points[0], points[points.len() - 1]);
-    let Some(along) = (to - from).try_normalize() else { return false };
-    let forward = points.windows(2).all(|w| (w[1] - w[0]).dot(along) > 0.0);
-    forward && points.iter().all(|p| along.perp_dot(*p - from).abs() <= tolerance_mm)
+/// Directions of lines from one point that pass the points behind it within a tolerance and along
+/// which the points run forward: one more point costs the same however many there are.
+struct Fan {
+    from: DVec2,
+    /// Direction of the first chord, from which the others are counted.
+    along: DVec2,
+    low_rad: f64,
+    high_rad: f64,
 }
 
-fn longest_arc(points: &[DVec2], first: usize, tolerance_mm: f64) -> Option<Segment> {
-    let mut found = tangent_three(points, first, tolerance_mm).then_some(first + 2);
-    let mut last = first + 3;
-    // of a fine arc the first points are a line yet: more of them decide
-    while last < points.len()
-        && (is_arc(&points[first..=last], tolerance_mm) || found.is_none() && bends(points, first, last))
-    {
-        if is_arc(&points[first..=last], tolerance_mm) {
-            found = Some(last);
-        }
-        last += 1;
+impl Fan {
+    fn new(from: DVec2, along: DVec2) -> Self {
+        Self { from, along, low_rad: -FRAC_PI_2, high_rad: FRAC_PI_2 }
     }
-    found.map(|last| Segment { first, last, is_arc: true })
+
+    fn narrow(&mut self, middle_rad: f64, half_rad: f64) {
+        self.low_rad = self.low_rad.max(middle_rad - half_rad);
+        self.high_rad = self.high_rad.min(middle_rad + half_rad);
+    }
+
+    /// Whether the line to `next` passes the points up to `last`, which it takes in.
+    fn goes_on(&mut self, last: DVec2, next: DVec2, tolerance_mm: f64) -> bool {
+        let angle = |way: DVec2| self.along.angle_to(way);
+        let (seen, chord, end) = (angle(last - self.from), angle(next - last), angle(next - self.from));
+        let share = tolerance_mm / last.distance(self.from);
+        if share < 1.0 {
+            self.narrow(seen, share.asin());
+        }
+        self.narrow(chord, FRAC_PI_2);
+        self.low_rad <= end && end <= self.high_rad
+    }
+}
+
+/// The longest arc from a point on. Whether points are one is asked at ends that stand further and
+/// further off and halved in between: an arc goes on as long as every part of it.
+fn longest_arc(points: &[DVec2], first: usize, tolerance_mm: f64) -> Option<Segment> {
+    let holds = |last: usize| is_arc(&points[first..=last], tolerance_mm);
+    let arc = |last: usize| Segment { first, last, is_arc: true };
+    let Some(mut found) = first_arc(points, first, tolerance_mm) else {
+        return tangent_three(points, first, tolerance_mm).then(|| arc(first + 2));
+    };
+    let (mut stride, end) = (1, points.len());
+    while found + stride < end && holds(found + stride) {
+        found += stride;
+        stride *= 2;
+    }
+    let mut beyond = (found + stride).min(end);
+    while beyond - found > 1 {
+        let middle = usize::midpoint(found, beyond);
+        if holds(middle) { found = middle } else { beyond = middle }
+    }
+    Some(arc(found))
+}
+
+/// The last point of the shortest arc of four points or more: the first points of a fine one are a
+/// line within the tolerance yet.
+fn first_arc(points: &[DVec2], first: usize, tolerance_mm: f64) -> Option<usize> {
+    let mut again = 0;
+    for last in first + 3..points.len() {
+        let run = &points[first..=last];
+        if sagitta_mm(run) >= LEAST_SAGITTA * tolerance_mm && last >= again {
+            if is_arc(run, tolerance_mm) {
+                return Some(last);
+            }
+            // what is no arc here is hardly one a point further on
+            again = last + (last - first).div_ceil(4);
+        }
+        if !bends(points, first, last) {
+            return None;
+        }
+    }
+    None
+}
+
+/// How far the middle one of points stands off the line from the first to the last, mm.
+fn sagitta_mm(points: &[DVec2]) -> f64 {
+    let last = points.len() - 1;
+    (points[last] - points[0]).normalize_or_zero().perp_dot(points[last / 2] - points[0]).abs()
 }
 
 /// Whether points go on bending to one side in equal steps, as those of an arc do.
@@ -116,9 +175,7 @@ fn is_arc(points: &[DVec2], tolerance_mm: f64) -> bool {
         return false;
     }
     // digits of a file bend a line of many turns as well
-    let along = (points[last] - points[0]).normalize_or_zero();
-    let sagitta = points.iter().map(|p| along.perp_dot(*p - points[0]).abs()).fold(0.0, f64::max);
-    if sagitta < LEAST_SAGITTA * tolerance_mm {
+    if sagitta_mm(points) < LEAST_SAGITTA * tolerance_mm {
         return false;
     }
     let (least, most) = chords

@@ -37,8 +37,35 @@ pub(super) struct Turns {
     pub(super) nodes: Vec<Node>,
     /// The node of every vertex; none inside of a flat face.
     pub(super) of_vertex: Vec<Option<u32>>,
+    /// Z of every vertex along the axis from its point, mm.
+    pub(super) z_of_vertex: Vec<f64>,
+    /// Difference in Z of the vertices of a facet that lies across the axis, mm.
+    pub(super) flat_mm: f64,
     /// Largest distance of a vertex from its turn, mm.
     pub(super) scatter_mm: f64,
+}
+
+impl Turns {
+    /// Takes in a cluster that is a turn or a pole; whether it is one.
+    fn takes(&mut self, ring: &Ring, mesh: &Mesh, gap_mm: f64) -> bool {
+        let pole = ring.r <= gap_mm;
+        if !pole && !(ring.is_closed() && ring.scatter <= 2.0 * gap_mm) {
+            return false;
+        }
+        let number = self.nodes.len() as u32;
+        ring.members.iter().for_each(|t| self.of_vertex[t.vertex as usize] = Some(number));
+        let at = mesh.vertices[ring.members[0].vertex as usize];
+        let r = if pole { 0.0 } else { ring.r };
+        self.nodes.push(Node { z: ring.z, r, count: ring.members.len(), at });
+        self.scatter_mm = self.scatter_mm.max(ring.scatter);
+        true
+    }
+
+    /// Whether a facet lies across the axis.
+    pub(super) fn is_flat(&self, facet: [u32; 3]) -> bool {
+        let [a, b, c] = facet.map(|i| self.z_of_vertex[i as usize]);
+        a.max(b).max(c) - a.min(b).min(c) <= self.flat_mm
+    }
 }
 
 /// Largest distance of a chord's middle from its circle, mm: coarse settings of exporters keep to
@@ -47,6 +74,11 @@ const MOST_SAGITTA_MM: f64 = 0.25;
 /// Distance by which a normal passes the axis, as a share of the radius, from which the surface is
 /// called off the axis: the facets of an eccentric journal stay below it.
 const OFF_AXIS_SHARE: f64 = 0.02;
+/// Difference in Z of the vertices of one facet across the axis, in units of the largest distance of
+/// a vertex from its turn: the first facets of a finely divided fillet beside a face differ by more.
+const FLAT_FACTOR: f64 = 4.0;
+/// The same of a file without any, as a share of the body's size: a step of single precision.
+const LEAST_FLAT_SHARE: f64 = 1.2e-7;
 /// Widest gap of the corners of a polygon, in units of the mean one.
 const POLYGON_GAP: f64 = 1.5;
 
@@ -56,23 +88,20 @@ const POLYGON_GAP: f64 = 1.5;
 /// The first place, in this order: vertices off every turn, polygons, gaps, chords too long.
 pub(super) fn of(mesh: &Mesh, axis: &Axis, points: &[SurfacePoint]) -> Result<Turns, ModelFault> {
     let gap_mm = GAP_SHARE * mesh.size_mm;
-    let rings = clusters(&turned(mesh, axis), gap_mm);
-    let flat = inside_flats(mesh, axis, gap_mm);
-    let mut turns = Turns { nodes: Vec::new(), of_vertex: vec![None; mesh.vertices.len()], scatter_mm: 0.0 };
-    let mut others: Vec<&Ring> = Vec::new();
-    for ring in &rings {
-        let at = mesh.vertices[ring.members[0].vertex as usize];
-        let pole = ring.r <= gap_mm;
-        if pole || ring.is_closed() && ring.scatter <= 2.0 * gap_mm {
-            let number = turns.nodes.len() as u32;
-            ring.members.iter().for_each(|t| turns.of_vertex[t.vertex as usize] = Some(number));
-            let r = if pole { 0.0 } else { ring.r };
-            turns.nodes.push(Node { z: ring.z, r, count: ring.members.len(), at });
-            turns.scatter_mm = turns.scatter_mm.max(ring.scatter);
-        } else if !ring.members.iter().all(|t| flat[t.vertex as usize]) {
-            others.push(ring);
-        }
-    }
+    let seen = turned(mesh, axis, 0..mesh.vertices.len() as u32);
+    let mut turns = Turns {
+        nodes: Vec::new(),
+        of_vertex: vec![None; mesh.vertices.len()],
+        z_of_vertex: seen.iter().map(|t| t.z).collect(),
+        flat_mm: 0.0,
+        scatter_mm: 0.0,
+    };
+    let rings = clusters(seen, gap_mm);
+    let others: Vec<&Ring> = rings.iter().filter(|ring| !turns.takes(ring, mesh, gap_mm)).collect();
+    turns.flat_mm = (FLAT_FACTOR * turns.scatter_mm).max(LEAST_FLAT_SHARE * mesh.size_mm);
+    let flat = inside_flats(mesh, &turns);
+    let is_flat = |ring: &&Ring| ring.members.iter().all(|t| flat[t.vertex as usize]);
+    let others: Vec<&Ring> = others.into_iter().filter(|ring| !is_flat(ring)).collect();
     if let Some(fault) = not_turned(mesh, (axis, points), &others, &flat) {
         return Err(fault);
     }
@@ -83,15 +112,10 @@ pub(super) fn of(mesh: &Mesh, axis: &Axis, points: &[SurfacePoint]) -> Result<Tu
 }
 
 /// Whether all facets about a vertex lie in one plane across the axis.
-fn inside_flats(mesh: &Mesh, axis: &Axis, gap_mm: f64) -> Vec<bool> {
+fn inside_flats(mesh: &Mesh, turns: &Turns) -> Vec<bool> {
     let mut flat = vec![true; mesh.vertices.len()];
-    for &facet in &mesh.facets {
-        let z = mesh.corners(facet).map(|c| axis.meridian(c).0);
-        let [low, high] =
-            [z.into_iter().fold(f64::INFINITY, f64::min), z.into_iter().fold(f64::MIN, f64::max)];
-        if high - low > 2.0 * gap_mm {
-            facet.iter().for_each(|i| flat[*i as usize] = false);
-        }
+    for facet in mesh.facets.iter().filter(|f| !turns.is_flat(**f)) {
+        facet.iter().for_each(|i| flat[*i as usize] = false);
     }
     flat
 }

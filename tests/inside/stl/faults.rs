@@ -232,6 +232,37 @@ fn every_fault_is_refused_with_its_place() {
     assert!(bad.is_empty(), "{}", bad.join("\n"));
 }
 
+/// A text with decimal commas, as an exporter under another language writes it.
+fn commas(text: &[u8]) -> Vec<u8> {
+    text.iter().map(|b| if *b == b'.' { b',' } else { *b }).collect()
+}
+
+/// A text of which the first coordinate is no number.
+fn not_a_number(text: &[u8]) -> Vec<u8> {
+    let text = String::from_utf8(text.to_vec()).unwrap();
+    let (before, behind) = text.split_once("vertex ").unwrap();
+    let (_, behind) = behind.split_once(' ').unwrap();
+    format!("{before}vertex NaN {behind}").into_bytes()
+}
+
+/// What exporters write besides: names in Latin-1, normals that are no numbers, CRLF, capitals.
+#[test]
+fn ways_of_exporters_are_taken() {
+    let text = String::from_utf8(ascii(&shaft().triangles(), 8)).unwrap();
+    let (_, behind) = text.split_once('\n').unwrap();
+    let latin = [b"solid W\xfcrfel\n".to_vec(), behind.as_bytes().to_vec()].concat();
+    let taken = [
+        latin,
+        text.replacen("normal 0 0 0", "normal nan -nan(ind) inf", 3).into_bytes(),
+        text.replace('\n', "\r\n").into_bytes(),
+        text.to_uppercase().into_bytes(),
+        format!("\u{feff}\n{text}").into_bytes(),
+    ];
+    for (i, bytes) in taken.iter().enumerate() {
+        read_part(bytes, &SETTINGS).unwrap_or_else(|fault| panic!("{i}: {fault}"));
+    }
+}
+
 /// Files that hold no model, or one of another size.
 #[test]
 fn files_and_units_are_refused() {
@@ -245,15 +276,25 @@ fn files_and_units_are_refused() {
     infinite[96..100].copy_from_slice(&f32::NAN.to_le_bytes());
     let two = [text.clone(), text.clone()].concat();
     let flat: Triangles = vec![[DVec3::ZERO, DVec3::ZERO, DVec3::X]; 3];
-    let cases: [(&str, Vec<u8>, FaultKind, &str); 9] = [
+    let png = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".repeat(20);
+    let with = |from: &str, to: &str| String::from_utf8(text.clone()).unwrap().replacen(from, to, 1);
+    let vertex = with("vertex ", "vertex nan ");
+    let cases: [(&str, Vec<u8>, FaultKind, &str); 16] = [
         ("nothing", Vec::new(), FaultKind::Empty, "empty"),
         ("no facet", binary(&Vec::new()), FaultKind::Empty, "0 facets"),
         ("facets without area", binary(&flat), FaultKind::Empty, "none with an area"),
         ("cut off", good[..good.len() - 1000].to_vec(), FaultKind::File, "cut off"),
         ("ascii cut off", cut_text, FaultKind::File, "cut off"),
-        ("a word for a number", number, FaultKind::File, "facet 1"),
+        ("a word for a number", number, FaultKind::File, "line 4, `vertex abc"),
         ("not a number", infinite, FaultKind::File, "facet 1"),
-        ("another file", b"PK\x03\x04 a drawing".to_vec(), FaultKind::File, "no STL"),
+        ("another file", b"PK\x03\x04 a drawing".to_vec(), FaultKind::File, "ZIP archive"),
+        ("a picture", png, FaultKind::File, "PNG image"),
+        ("a letter", b"Dear Sir or Madam,\n".repeat(30), FaultKind::File, "does not begin with `solid`"),
+        ("a letter about solids", b"solid work,\n".repeat(30), FaultKind::File, "text of another kind"),
+        ("a number more", vertex.into_bytes(), FaultKind::File, "line 4, `vertex nan"),
+        ("commas", commas(&text), FaultKind::File, "decimal points"),
+        ("not a number in text", not_a_number(&text), FaultKind::File, "line 4, `vertex NaN"),
+        ("zeros", vec![0; 500], FaultKind::File, "cut off or no STL"),
         ("two solids", two, FaultKind::SeveralBodies, "2 solids"),
     ];
     for (name, bytes, kind, word) in cases {

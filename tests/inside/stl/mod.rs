@@ -3,4 +3,7 @@
 mod accuracy;
 mod body;
 mod faults;
+mod hostile;
+#[path = "../../../fuzz/model.rs"]
+mod model;
 mod program;

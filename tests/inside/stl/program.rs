@@ -1,7 +1,10 @@
 //! Models to programs from the bar, in every dialect: what they leave, what they refuse.
 
+use glam::DVec2;
+
 use super::accuracy::SETTINGS;
 use super::body::{Body, binary, corner, outline, papers_part, placed, pose, profile};
+use crate::inside::linuxcnc::{canonical, interpret};
 use crate::nc::{ChangePosition, Chuck, Dialect, GeometryOffset, NcSettings, Spindle, Tailstock, WearX};
 use crate::outline::Outline;
 use crate::part_program::{Cuts, PartPlan, PartProgram, PartProgramError, Placed, Reason, shaft_corners};
@@ -76,6 +79,42 @@ fn the_papers_parts_are_cut_from_the_bar_in_every_dialect() {
             assert!(program.places.iter().all(|p| p.reason == Reason::NoseRadius && p.most_mm < 0.45));
             let roughing = program.moves.iter().filter(|m| m.roughing && !m.rapid).count();
             assert!(roughing > 6, "{roughing}");
+        }
+    }
+}
+
+/// What moves of the gauge point leave of points along a normal, mm: the nearest place of the nose's
+/// middle less its radius. Tip direction 3 has the middle a radius further out along X and Z.
+fn left_mm(at: DVec2, moves: &[(DVec2, DVec2)]) -> f64 {
+    let beside = |(from, to): &(DVec2, DVec2)| {
+        let (way, at) = (*to - *from, at - DVec2::splat(0.4));
+        let share = ((at - *from).dot(way) / way.length_squared().max(1e-18)).clamp(0.0, 1.0);
+        at.distance(*from + share * way)
+    };
+    moves.iter().map(beside).fold(f64::INFINITY, f64::min) - 0.4
+}
+
+/// LinuxCNC's own interpreter takes every program and leaves of the part what the replay leaves.
+#[test]
+fn linuxcnc_leaves_what_the_replay_leaves() {
+    for number in 1..=4 {
+        let part = read(&papers_part(number));
+        for way in [Way::Register, Way::Path] {
+            let program = written(&part, (20.0, 42.0), way, Dialect::Linuxcnc).unwrap();
+            let Some((_, printed)) = interpret(&program.text) else { return };
+            let theirs = canonical(&printed);
+            let ours: Vec<(DVec2, DVec2)> = program.moves.iter().map(|m| (m.from, m.to)).collect();
+            let pieces = &program.reachable.outline.pieces;
+            let points = pieces.iter().flat_map(|p| (0..=40).map(|k| p.at(f64::from(k) / 40.0)));
+            let (mut apart, mut cut, mut left) = (0.0_f64, 0.0_f64, 0.0_f64);
+            for at in points.filter(|at| at.x > 0.1) {
+                let (a, b) = (1e3 * left_mm(at, &ours), 1e3 * left_mm(at, &theirs));
+                (apart, cut, left) = (apart.max((a - b).abs()), cut.min(b), left.max(b));
+            }
+            println!("rs274, part {number}, {}: {apart:.4} µm apart, {cut:.4} to {left:.4} µm", way.as_str());
+            assert!(apart < 0.1 && cut > -0.1, "part {number}: {apart} {cut}\n{printed}\n{}", program.text);
+            // two walls of a sharp inner corner keep the nose's fillet
+            assert!(left < 1e3 * 0.4 * (std::f64::consts::SQRT_2 - 1.0) + 0.1, "part {number}: {left}");
         }
     }
 }

@@ -4,8 +4,8 @@
 use glam::DVec2;
 
 use super::parts::*;
-use super::program::{canonical, difference_um, machine};
-use crate::inside::linuxcnc::interpret;
+use super::program::{difference_um, machine};
+use crate::inside::linuxcnc::{canonical, interpret};
 use crate::nc::{
     Bore, BoringBar, ContourProgram, Dialect, Direction, NcSettings, NoseRegister, Workpiece, WrittenContour,
 };

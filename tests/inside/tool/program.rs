@@ -4,7 +4,7 @@
 use glam::DVec2;
 
 use super::parts::{compensator, corner, flat_support, nose, papers, papers_support, round};
-use crate::inside::linuxcnc::interpret;
+use crate::inside::linuxcnc::{canonical, interpret};
 use crate::nc::replay::{self, Control, Deed, Point};
 use crate::nc::{
     ChangePosition, Chuck, ContourProgram, Dialect, Direction, GeometryOffset, NcSettings, NoseRegister,
@@ -205,46 +205,6 @@ fn a_gsk_takes_radius_and_tip_from_its_tool_page_and_drives_the_blocks_of_a_fanu
     // the manual: compensation starts in G00 or G01
     let arc = text.replacen("G42 ", "G42 G02 R50. ", 1);
     assert!(fault(&arc, Some(page)).contains("starts on an arc"), "{}", fault(&arc, Some(page)));
-}
-
-/// Straight moves of LinuxCNC's canonical commands, arcs by chords: (X radius, Z).
-pub fn canonical(printed: &str) -> Vec<(DVec2, DVec2)> {
-    let mut at: Option<DVec2> = None;
-    let mut moves = Vec::new();
-    for line in printed.lines() {
-        let Some((name, rest)) = line.split_once('(') else { continue };
-        let numbers: Vec<f64> =
-            rest.split(')').next().unwrap().split(',').filter_map(|n| n.trim().parse().ok()).collect();
-        let points = if name.ends_with("STRAIGHT_FEED") || name.ends_with("STRAIGHT_TRAVERSE") {
-            vec![DVec2::new(numbers[0], numbers[2])]
-        } else if name.ends_with("ARC_FEED") {
-            // first axis Z, second X in G18; rotation > 0 is anticlockwise from Z to X
-            let (end, centre) = (DVec2::new(numbers[1], numbers[0]), DVec2::new(numbers[3], numbers[2]));
-            let from = at.unwrap() - centre;
-            let angle = |v: DVec2| v.x.atan2(v.y);
-            let whole = std::f64::consts::TAU;
-            let mut turn = angle(end - centre) - angle(from);
-            if numbers[4] > 0.0 && turn < 0.0 {
-                turn += whole;
-            }
-            if numbers[4] < 0.0 && turn > 0.0 {
-                turn -= whole;
-            }
-            let radius = from.length();
-            let point = |k: i32| {
-                let a = angle(from) + turn * f64::from(k) / 500.0;
-                centre + radius * DVec2::new(a.sin(), a.cos())
-            };
-            (1..500).map(point).chain([end]).collect()
-        } else {
-            continue;
-        };
-        for to in points {
-            moves.extend(at.map(|from| (from, to)));
-            at = Some(to);
-        }
-    }
-    moves
 }
 
 #[test]
