@@ -205,7 +205,9 @@ fn configs_that_name_files_and_names_that_are_paths_are_refused() {
         assert_eq!(answer.status, status, "{}", answer.body);
         assert!(answer.body.contains(words), "{}", answer.body);
     }
-    for path in ["/api/runs/..%2f..%2fetc", "/api/runs/%2e%2e", "/api/history?from=yesterday", "/../Cargo.toml"] {
+    for path in
+        ["/api/runs/..%2f..%2fetc", "/api/runs/%2e%2e", "/api/history?from=yesterday", "/../Cargo.toml"]
+    {
         let status = server.get(path).status;
         assert!(matches!(status, 400 | 404 | 422), "{path}: {status}");
     }
@@ -250,7 +252,8 @@ fn live_lines_come_as_they_are_measured_and_a_dead_source_reads_invalid() {
     write!(stream, "GET /api/live HTTP/1.1\r\nHost: {}\r\n\r\n", server.host).unwrap();
     let lines = BufReader::new(stream).lines().map_while(Result::ok);
     let data = lines.filter_map(|line| line.strip_prefix("data: ").map(str::to_owned));
-    let frame = data.filter_map(|line| serde_json::from_str::<Value>(&line).ok()).find(|v| v["valid"] == true);
+    let frame =
+        data.filter_map(|line| serde_json::from_str::<Value>(&line).ok()).find(|v| v["valid"] == true);
     assert!(frame.is_some(), "no frame with a diameter came");
     let dead = Server::start(&["--source", text(&folder.path().join("absent")), "--", "--um-per-px", "50"]);
     let mut stream = dead.connect();

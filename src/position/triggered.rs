@@ -194,7 +194,7 @@ impl TriggerCount {
         let at = (*trigger as f64 - before + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
         let (off, is_off) = match self.index.phase {
             Some(phase) => (at - phase, (at - phase).abs() > OFF_INDEX),
-            None => (at.ceil(), at < -1.0 - OFF_STEPS || at > OFF_STEPS),
+            None => (at.ceil(), !(-1.0 - OFF_STEPS..=OFF_STEPS).contains(&at)),
         };
         self.index.phase.get_or_insert(if is_off { at - off } else { at });
         let why = is_off.then(|| {

@@ -49,7 +49,7 @@ impl Turns {
     /// Takes in a cluster that is a turn or a pole; whether it is one.
     fn takes(&mut self, ring: &Ring, mesh: &Mesh, gap_mm: f64) -> bool {
         let pole = ring.r <= gap_mm;
-        if !pole && !(ring.is_closed() && ring.scatter <= 2.0 * gap_mm) {
+        if !(pole || ring.is_closed() && ring.scatter <= 2.0 * gap_mm) {
             return false;
         }
         let number = self.nodes.len() as u32;

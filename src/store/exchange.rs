@@ -79,7 +79,7 @@ fn check_header(value: &Value) -> Result<(), String> {
 fn export_table(db: &Connection, table: &str, out: &mut dyn Write) -> Result<(), String> {
     let text = |e: rusqlite::Error| e.to_string();
     let mut query = db.prepare(&format!("SELECT * FROM {table}")).map_err(text)?;
-    let names: Vec<String> = query.column_names().into_iter().map(str::to_owned).collect();
+    let names: Vec<String> = query.column_names().map(str::to_owned).collect();
     let mut rows = query.query([]).map_err(text)?;
     while let Some(row) = rows.next().map_err(text)? {
         let mut columns = Map::new();

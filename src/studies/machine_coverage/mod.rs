@@ -92,12 +92,12 @@ pub(crate) fn machine_coverage(
     let mut names: Vec<&str> = all.iter().map(|off| off.figure).collect();
     names.sort_unstable();
     names.dedup();
-    let of = |name: &&str| row(name, all.iter().filter(|off| off.figure == *name));
+    let of = |name: &&str| row(name, &all.iter().filter(|off| off.figure == *name).collect::<Vec<_>>());
     Ok(MachineCoverage {
         machines,
         seed,
         figures: names.iter().map(of).collect(),
-        together: row("all figures", all.iter()),
+        together: row("all figures", &all.iter().collect::<Vec<_>>()),
     })
 }
 
@@ -114,12 +114,12 @@ fn of_machine(config: &IdentificationConfig, seed: u64) -> Result<Vec<Off>, Sett
     compensated(config, &found, &truth)
 }
 
-fn row<'a>(figure: &str, values: impl Iterator<Item = &'a Off> + Clone) -> CoverageRow {
-    let count = values.clone().count();
+fn row(figure: &str, values: &[&Off]) -> CoverageRow {
+    let count = values.len();
     let rms = |of: fn(&Off) -> f64| {
-        (values.clone().map(|v| of(v).powi(2)).sum::<f64>() / count.max(1) as f64).sqrt()
+        (values.iter().map(|v| of(v).powi(2)).sum::<f64>() / count.max(1) as f64).sqrt()
     };
-    let within = values.clone().filter(|v| v.off_um.abs() <= 2.0 * v.u_um).count();
+    let within = values.iter().filter(|v| v.off_um.abs() <= 2.0 * v.u_um).count();
     CoverageRow {
         figure: figure.to_owned(),
         values: count,
