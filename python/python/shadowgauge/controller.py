@@ -6,9 +6,7 @@ A controller is any object with ``decide(measured)``, which is called after ever
 ``begin`` (docs/controllers.md). An offset is subtracted from the nominal diameter: a shaft that is
 too thick needs a larger one. The guards of ``[control.guards]`` stand before what it returns.
 
-    python -m shadowgauge.controller MODULE:CLASS
-
-is the same controller as a program on pipes, which ``study controllers`` starts a process a shaft of.
+``python -m shadowgauge.serve MODULE:CLASS`` is the same controller as a program on pipes.
 """
 
 from __future__ import annotations
@@ -136,24 +134,3 @@ def load(name: str) -> Any:
         sys.path.insert(0, os.getcwd())
     found = getattr(importlib.import_module(module_name), attribute)
     return found() if isinstance(found, type) else found
-
-
-def serve(name: str) -> None:
-    """Answers the lines of stdin on stdout until they end."""
-    replies = sys.stdout
-    # What the controller prints is a remark.
-    sys.stdout = sys.stderr
-    answer = answers(load(name))
-    for line in iter(sys.stdin.readline, ""):
-        reply = answer(line)
-        if reply is not None:
-            replies.write(reply + "\n")
-            replies.flush()
-        if json.loads(line)["type"] == "end":
-            return
-
-
-if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("usage: python -m shadowgauge.controller MODULE:CLASS")
-    serve(sys.argv[1])
