@@ -29,7 +29,7 @@ def own_controllers(words: list[str]) -> list[str]:
             load(name)
         except Exception as error:  # whatever a module of the user's does at its import
             sys.exit(f"--with {name}: {type(error).__name__}: {error}; right is module:Class of a controller in Python")
-        program = f"{shlex.quote(sys.executable)} -m shadowgauge.controller {shlex.quote(name)}"
+        program = f"{shlex.quote(sys.executable)} -m shadowgauge.serve {shlex.quote(name)}"
         given += ["--with-command", f"{name.rpartition(':')[2]}={program}"]
     return given
 

@@ -6,9 +6,7 @@ A controller is any object with ``decide(measured)``, which is called after ever
 ``begin`` (docs/controllers.md). An offset is subtracted from the nominal diameter: a shaft that is
 too thick needs a larger one. The guards of ``[control.guards]`` stand before what it returns.
 
-    python -m shadowgauge.controller MODULE:CLASS
-
-is the same controller as a program on pipes, which ``study controllers`` starts a process a shaft of.
+``python -m shadowgauge.serve MODULE:CLASS`` is the same controller as a program on pipes.
 """
 
 from __future__ import annotations
@@ -34,11 +32,15 @@ class Hold:
 class MeasuredPass:
     """A pass that was cut and measured. Arrays have one value a station; NaN in a gap."""
 
-    __slots__ = ("message",)
+    __slots__ = ("message", "station_nominal_mm")
 
-    def __init__(self, message: dict[str, Any]):
+    def __init__(self, message: dict[str, Any], relative_mm: list[float] | None = None):
         #: All keys of ``pass``, as docs/controllers.md lists them.
         self.message = message
+        #: Nominal diameter r of every station, mm: of a stepped shaft each its own section's.
+        self.station_nominal_mm = message["nominal_mm"] + (
+            np.array(relative_mm) if relative_mm else np.zeros(len(message["stations"]))
+        )
 
     def _values(self, key: str) -> np.ndarray:
         readings = [station["reading"].get("value") for station in self.message["stations"]]
@@ -51,7 +53,7 @@ class MeasuredPass:
 
     @property
     def nominal_mm(self) -> float:
-        """Nominal diameter of the pass, mm."""
+        """Nominal diameter of the pass, mm; of a stepped shaft that of its largest section."""
         return self.message["nominal_mm"]
 
     @property
@@ -77,7 +79,7 @@ class MeasuredPass:
     @property
     def error_mm(self) -> np.ndarray:
         """Error D - r of every station, mm of diameter."""
-        return self.d_mm - self.nominal_mm
+        return self.d_mm - self.station_nominal_mm
 
     @property
     def offset_mm(self) -> np.ndarray:
@@ -114,13 +116,16 @@ def answers(controller: Any) -> Callable[[str], str | None]:
     if not callable(getattr(controller, "decide", None)):
         raise TypeError(f"{controller!r} is no controller: it has no method decide(measured)")
 
+    relative_mm: list[float] = []
+
     def answer(line: str) -> str | None:
         message = json.loads(line)
-        kind = message["type"]
-        if kind == "begin" and callable(getattr(controller, "begin", None)):
-            controller.begin(message)
-        elif kind == "pass":
-            return _reply(message["pass"], controller.decide(MeasuredPass(message)))
+        if message["type"] == "begin":
+            relative_mm[:] = message.get("station_relative_mm", [])
+            if callable(getattr(controller, "begin", None)):
+                controller.begin(message)
+        elif message["type"] == "pass":
+            return _reply(message["pass"], controller.decide(MeasuredPass(message, relative_mm)))
         return None
 
     return answer
@@ -136,24 +141,3 @@ def load(name: str) -> Any:
         sys.path.insert(0, os.getcwd())
     found = getattr(importlib.import_module(module_name), attribute)
     return found() if isinstance(found, type) else found
-
-
-def serve(name: str) -> None:
-    """Answers the lines of stdin on stdout until they end."""
-    replies = sys.stdout
-    # What the controller prints is a remark.
-    sys.stdout = sys.stderr
-    answer = answers(load(name))
-    for line in iter(sys.stdin.readline, ""):
-        reply = answer(line)
-        if reply is not None:
-            replies.write(reply + "\n")
-            replies.flush()
-        if json.loads(line)["type"] == "end":
-            return
-
-
-if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("usage: python -m shadowgauge.controller MODULE:CLASS")
-    serve(sys.argv[1])

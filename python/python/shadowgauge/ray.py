@@ -94,6 +94,7 @@ def shards(
 def _arguments(given: list[str]) -> tuple[argparse.Namespace, list[str]]:
     parser = argparse.ArgumentParser(
         prog="python -m shadowgauge.ray",
+        allow_abbrev=False,
         description="A study over a Ray cluster; options that are not below are the study's own.",
     )
     parser.add_argument("command", choices=["study"])
