@@ -23,7 +23,7 @@ pub(crate) fn model(bytes: &[u8]) -> bool {
             true
         }
         Err(fault) => {
-            assert!(!fault.to_string().is_empty() && fault.at.is_none_or(|at| at.is_finite()));
+            assert!(!fault.to_string().is_empty() && fault.at.is_none_or(glam::DVec3::is_finite));
             false
         }
     }

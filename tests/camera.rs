@@ -17,7 +17,7 @@ mod streamed;
 use std::io::{BufRead as _, BufReader};
 use std::net::Ipv4Addr;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
@@ -231,6 +231,15 @@ fn a_calibration_with_the_head_is_that_of_the_same_frames_in_files() {
     assert_eq!((places, client.float("ExposureTime")), ([0, 0, 0], 50.0));
 }
 
+/// u of the largest diameter of the first frame, mm.
+#[cfg(unix)]
+fn largest_u_mm(output: &Output) -> f64 {
+    assert!(output.status.success(), "{}", said(output));
+    let stdout = text(&output.stdout);
+    let first: Value = serde_json::from_str(stdout.lines().next().unwrap()).unwrap();
+    first["u_max_mm"].as_f64().unwrap()
+}
+
 /// A calibration holds for its camera as it was set, live and recorded; a window inside is allowed.
 #[cfg(unix)]
 #[test]
@@ -269,17 +278,11 @@ fn a_calibration_is_refused_by_another_camera_and_another_setting() {
     interrupt(&running);
     running.end();
     let replay = format!("replay:{file}");
-    let u_mm = |more: &[&str]| {
-        let output = by(&own, &replay, more);
-        assert!(output.status.success(), "{}", said(&output));
-        let stdout = text(&output.stdout);
-        let first: Value = serde_json::from_str(stdout.lines().next().unwrap()).unwrap();
-        first["u_max_mm"].as_f64().unwrap()
-    };
     // the scale's drift by the head's own thermometer, which stands in the recording
     let head_c = client.float("HeadTemperature");
     let drift = ["--scale-ppm-per-k", "1000", "--scale-calibrated-c", &format!("{}", head_c - 10.0)];
-    let (without_mm, with_mm) = (u_mm(&[]), u_mm(&drift));
+    let (without_mm, with_mm) =
+        (largest_u_mm(&by(&own, &replay, &[])), largest_u_mm(&by(&own, &replay, &drift)));
     // limits of 1 % of 11.5 mm, of a uniform distribution
     assert!(with_mm > without_mm + 0.05 && with_mm < 0.2, "{without_mm} {with_mm}");
     let output = by(&path("other.json"), &replay, &[]);

@@ -63,5 +63,6 @@ pub fn published(config: &Path, address: Ipv4Addr) -> Published {
             return Published { program, words, address };
         }
     }
+    let _ = (program.kill(), program.wait());
     panic!("the head does not start: {words:?}");
 }
