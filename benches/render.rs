@@ -15,7 +15,7 @@ use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
 use shadowgauge::render::{
     BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene, frame_job,
 };
-use shadowgauge::shaft::Shaft;
+use shadowgauge::shaft::{ProfileKnot, Shaft};
 
 fn scene(set: impl FnOnce(&mut SetupSettings)) -> Result<Scene, RenderError> {
     let mut settings = SetupSettings { departures: SetupDeviations::none(), ..SetupSettings::default() };
@@ -25,6 +25,44 @@ fn scene(set: impl FnOnce(&mut SetupSettings)) -> Result<Scene, RenderError> {
     let mut shaft = Shaft::cylinder(25.0);
     shaft.pose.tilt_mrad = 2.0;
     Scene::new(&OpticalSetup::resolve(&settings, 1)?, shaft)
+}
+
+/// A change to optics that are written as in a config.
+fn through(optics: &str) -> impl FnOnce(&mut SetupSettings) {
+    let read = toml::from_str(optics);
+    move |settings| match read {
+        Ok(optics) => settings.optics = optics,
+        Err(e) => eprintln!("not measured as meant: {e}"),
+    }
+}
+
+/// A taper of 24 to 25.5 mm over the field.
+fn taper(set: impl FnOnce(&mut SetupSettings)) -> Result<Scene, RenderError> {
+    let mut settings = SetupSettings { departures: SetupDeviations::none(), ..SetupSettings::default() };
+    (settings.camera.rows, settings.camera.columns) = (2048, 2048);
+    set(&mut settings);
+    let mut shaft = Shaft::cylinder(24.75);
+    shaft.profile = [(-20.0, 12.0), (20.0, 12.75)]
+        .map(|(z_mm, radius_mm)| ProfileKnot { z_mm, radius_mm })
+        .to_vec();
+    Scene::new(&OpticalSetup::resolve(&settings, 1)?, shaft)
+}
+
+/// A scene of a limb of another radius each: the tables of the limb and of a flat face.
+fn limbs(c: &mut Criterion) -> Result<(), RenderError> {
+    for ratio in [0.5, 0.85, 1.0] {
+        let mut settings = SetupSettings { departures: SetupDeviations::none(), ..SetupSettings::default() };
+        through(&format!("[esf.cylinder]\ncoherence_ratio = {ratio}"))(&mut settings);
+        let setup = OpticalSetup::resolve(&settings, 1)?;
+        let mut diameter_mm = 18.0;
+        c.bench_function(&format!("scene of a limb, two tables, S {ratio}"), |b| {
+            b.iter(|| {
+                diameter_mm += 1e-6;
+                black_box(Scene::new(&setup, Shaft::cylinder(diameter_mm)).is_ok())
+            });
+        });
+    }
+    Ok(())
 }
 
 fn dirty() -> Contamination {
@@ -46,12 +84,19 @@ fn frames(c: &mut Criterion) -> Result<(), RenderError> {
     let full = FrameRequest { noise: true, ..FrameRequest::default() };
     let windows = FrameRequest { roi: roi(190), second_roi: roi(1826), ..full.clone() };
     let level = scene(|s| s.camera.pixel_um = 3.45)?;
+    let (thin, thick) = ("[esf.partially_coherent]", "[esf.cylinder]");
+    let coma = "aberrations = [{ field = 1.0, coma_nm = 25.0 }]\n[esf.partially_coherent]";
     let cases = [
         ("even light", scene(|_| {})?, full.clone()),
         ("without noise", scene(|_| {})?, FrameRequest { noise: false, ..full.clone() }),
         ("uneven light", scene(|s| s.light.field = gradient)?, full.clone()),
         ("fixed pattern", scene(|s| s.sensor.prnu_rel = 0.01)?, full.clone()),
         ("contamination", scene(|s| s.contamination = dirty())?, full.clone()),
+        ("partially coherent", scene(through(thin))?, full.clone()),
+        ("limb", scene(through(thick))?, full.clone()),
+        ("partially coherent, taper", taper(through(thin))?, full.clone()),
+        ("limb, taper", taper(through(thick))?, full.clone()),
+        ("partially coherent, coma", scene(through(coma))?, full.clone()),
     ];
     for (name, scene, request) in &cases {
         c.bench_function(&format!("job, {name}"), |b| {
@@ -71,7 +116,7 @@ fn frames(c: &mut Criterion) -> Result<(), RenderError> {
 }
 
 fn all(c: &mut Criterion) {
-    if let Err(e) = frames(c) {
+    if let Err(e) = frames(c).and_then(|()| limbs(c)) {
         eprintln!("not measured: {e}");
     }
 }

@@ -152,7 +152,7 @@ fn parts_unlike_the_masters_are_corrected_or_covered() {
     let unknown = LimbDifference { material: KnownMaterial::Unknown, ..limb };
     let unknown = Conditions { limb: Some(unknown), limit_axis_y_mm: 0.3, ..Conditions::default() };
     let error = error_um(&seen, &calibration, &unknown, 22.0);
-    let limit_um: f64 = unknown.limb_rows(22.0).unwrap().iter().map(|row| 2.0 * row.limit_um).sum();
+    let limit_um: f64 = unknown.limb_rows(22.0, 0.0).unwrap().iter().map(|row| 2.0 * row.limit_um).sum();
     println!("neither stated: {error:+.4} µm, limits ± {limit_um:.3} µm");
     assert!(error.abs() > 0.1 && error.abs() < limit_um, "{error} {limit_um}");
 }

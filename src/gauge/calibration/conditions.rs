@@ -232,18 +232,21 @@ impl Conditions {
     /// The part's diameter at its temperature, mm, from what the masters' calibration gives for its
     /// shadow: without the shifts of its limbs.
     pub(crate) fn part_mm(&self, calibrated_mm: f64) -> f64 {
-        let shift_um: f64 = self.limb_rows(calibrated_mm).iter().flatten().map(|row| row.shift_um).sum();
+        // Telecentricity moves limits only.
+        let shift_um: f64 = self.limb_rows(calibrated_mm, 0.0).iter().flatten().map(|row| row.shift_um).sum();
         calibrated_mm - 2e-3 * shift_um
     }
 
-    /// Rows of the part's limbs, where they are stated.
-    pub(crate) fn limb_rows(&self, diameter_mm: f64) -> Option<[LimbRow; 6]> {
-        self.limb.map(|limb| limb.rows(diameter_mm, self.axis_in_frame_mm(), self.limit_axis_y_mm))
+    /// Rows of the part's limbs before a lens of the telecentricity `t_per_mm`, where they are
+    /// stated.
+    pub(crate) fn limb_rows(&self, diameter_mm: f64, t_per_mm: f64) -> Option<[LimbRow; 6]> {
+        let place_mm = (self.axis_in_frame_mm(), self.limit_axis_y_mm);
+        self.limb.map(|limb| limb.rows(diameter_mm, place_mm, t_per_mm))
     }
 
     /// Standard uncertainty by what is not known of the part's limbs, mm.
-    pub(crate) fn u_limb_mm(&self, diameter_mm: f64) -> f64 {
-        let rows = self.limb_rows(diameter_mm);
+    pub(crate) fn u_limb_mm(&self, diameter_mm: f64, t_per_mm: f64) -> f64 {
+        let rows = self.limb_rows(diameter_mm, t_per_mm);
         rows.iter().flatten().map(|row| row.u_mm().powi(2)).sum::<f64>().sqrt()
     }
 
@@ -262,8 +265,10 @@ impl Conditions {
     }
 
     /// Standard uncertainty by the axis' place before the camera, mm: t·y with t known to `u_t`,
-    /// 1/mm.
+    /// 1/mm. Where limbs are stated, t itself is part of their row of the depth, which the same y
+    /// enters, and what is not known of t remains.
     pub(crate) fn u_focus_mm(&self, diameter_mm: f64, t_per_mm: f64, u_t_per_mm: f64) -> f64 {
+        let t_per_mm = if self.limb.is_some() { 0.0 } else { t_per_mm };
         diameter_mm * t_per_mm.hypot(u_t_per_mm) * self.limit_axis_y_mm / 3.0_f64.sqrt()
     }
 

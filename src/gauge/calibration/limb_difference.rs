@@ -165,17 +165,25 @@ impl LimbDifference {
         c0 + x * (c1 + x * (c2 + x * c3))
     }
 
-    /// Shift at a depth and its limits, µm: the larger change towards either end of the interval.
-    fn by_depth(&self, y_mm: f64, limit_mm: f64) -> (f64, f64) {
+    /// Shift at a depth and its limits, µm: the larger change towards either end of the interval,
+    /// that of the lens's own scale, `lens_um_per_mm` an edge, with it.
+    fn by_depth(&self, y_mm: f64, limit_mm: f64, lens_um_per_mm: f64) -> (f64, f64) {
         let at = |y: f64| y * (self.by_depth_um_per_mm + y * self.by_depth_um_per_mm2);
         let here = at(y_mm);
-        let [near, far] = [y_mm + limit_mm, y_mm - limit_mm].map(|y| (at(y) - here).abs());
+        let [near, far] =
+            [limit_mm, -limit_mm].map(|off| (at(y_mm + off) - here + off * lens_um_per_mm).abs());
         (here, near.max(far))
     }
 
     /// The rows for a part of this diameter, its axis `axis_y_mm` ± `limit_y_mm` nearer to the
-    /// camera than the masters'.
-    pub(crate) fn rows(&self, diameter_mm: f64, axis_y_mm: f64, limit_y_mm: f64) -> [LimbRow; 6] {
+    /// camera than the masters'. One and the same distance moves the limb and, by the telecentricity
+    /// `t_per_mm`, the scale: the row of the depth holds both.
+    pub(crate) fn rows(
+        &self,
+        diameter_mm: f64,
+        (axis_y_mm, limit_y_mm): (f64, f64),
+        t_per_mm: f64,
+    ) -> [LimbRow; 6] {
         let limits = LimbLimits::get();
         let by_diameter = self.by_diameter_um(diameter_mm);
         let computed = (self.from_mm..=self.to_mm).contains(&diameter_mm);
@@ -195,7 +203,7 @@ impl LimbDifference {
             (by_material, of_material),
             (self.by_film_um, self.limit_film_um),
             (self.by_texture_um, self.limit_texture_um),
-            self.by_depth(axis_y_mm, limit_y_mm),
+            self.by_depth(axis_y_mm, limit_y_mm, 0.5e3 * diameter_mm * t_per_mm),
             (self.by_peaks_um, self.limit_peaks_um),
         ];
         std::array::from_fn(|k| LimbRow { source: OF_LIMB[k], shift_um: shifts[k].0, limit_um: shifts[k].1 })
@@ -235,18 +243,29 @@ mod tests {
 
     #[test]
     fn each_row_has_the_limits_of_what_is_known() {
-        let rows = soft().rows(18.0, -0.2, 0.5);
+        let rows = soft().rows(18.0, (-0.2, 0.5), 0.0);
         assert!((rows[0].limit_um - 0.2 * rows[0].shift_um).abs() < 1e-12);
         assert_eq!((rows[1].shift_um, rows[1].limit_um), (0.0, 0.11));
         assert!((rows[4].shift_um + 0.36).abs() < 1e-12 && (rows[4].limit_um - 0.9).abs() < 1e-12);
-        let bent = LimbDifference { by_depth_um_per_mm2: 1.0, ..soft() }.rows(18.0, 0.1, 0.3);
+        let bent = LimbDifference { by_depth_um_per_mm2: 1.0, ..soft() }.rows(18.0, (0.1, 0.3), 0.0);
         assert!((bent[4].shift_um - 0.19).abs() < 1e-12 && (bent[4].limit_um - (0.88 - 0.19)).abs() < 1e-12);
-        let named = LimbDifference { material: KnownMaterial::Named, ..soft() }.rows(18.0, 0.0, 0.0);
+        let named = LimbDifference { material: KnownMaterial::Named, ..soft() }.rows(18.0, (0.0, 0.0), 0.0);
         assert_eq!((named[1].shift_um, named[1].limit_um), (0.09, 0.018));
-        let alike = LimbDifference { material: KnownMaterial::LikeMasters, ..soft() }.rows(18.0, 0.0, 0.0);
+        let alike =
+            LimbDifference { material: KnownMaterial::LikeMasters, ..soft() }.rows(18.0, (0.0, 0.0), 0.0);
         assert_eq!((alike[1].shift_um, alike[1].limit_um, alike[4].limit_um), (0.0, 0.015, 0.0));
         // Not computed there: as wide as what is not stated.
-        assert_eq!(soft().rows(60.0, 0.0, 0.0)[0].limit_um, UnstatedLimits::get().edge_um);
+        assert_eq!(soft().rows(60.0, (0.0, 0.0), 0.0)[0].limit_um, UnstatedLimits::get().edge_um);
+    }
+
+    /// The limb grows by 1.8 µm an edge and millimetre, the image by 18 mm · 2e-4 of diameter, that
+    /// is 1.8 µm an edge, too: together, not as two independent causes; a lens that shrinks takes it
+    /// back.
+    #[test]
+    fn one_distance_moves_limb_and_scale_together() {
+        let depth = |t_per_mm: f64| soft().rows(18.0, (0.1, 0.5), t_per_mm)[4];
+        assert!((depth(2e-4).limit_um - 1.8).abs() < 1e-12 && depth(-2e-4).limit_um < 1e-12);
+        assert_eq!(depth(2e-4).shift_um, depth(0.0).shift_um);
     }
 
     #[test]

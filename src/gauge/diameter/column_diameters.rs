@@ -226,7 +226,7 @@ fn conditions_variance(calibration: &Calibration, conditions: &Conditions, d_mm:
         conditions.u_focus_mm(d_mm, t, u_t),
         conditions.u_machine_mm(d_mm, t, u_t),
         conditions.u_edges_mm(),
-        conditions.u_limb_mm(d_mm),
+        conditions.u_limb_mm(d_mm, t),
         conditions.u_drift_mm(d_mm),
     ]
     .iter()

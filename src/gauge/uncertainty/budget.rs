@@ -432,7 +432,8 @@ pub(crate) fn add_conditions(
         let (shape, share) = (Shape::Normal, Share::Common);
         budget.push(Contribution { source, input, shape, share, freedom: None, u_mm });
     }
-    for row in conditions.limb_rows(at_t).iter().flatten() {
+    let (t_per_mm, _) = budget_conditions::telecentricity(calibration);
+    for row in conditions.limb_rows(at_t, t_per_mm).iter().flatten() {
         budget.push(Contribution {
             source: texts.of(format_args!("{}", row.source)),
             input: texts.of(format_args!("{:.3} ± {:.3} um an edge", row.shift_um, row.limit_um)),

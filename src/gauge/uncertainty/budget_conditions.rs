@@ -31,7 +31,7 @@ pub(crate) struct Row {
 }
 
 /// The telecentricity of a calibration and its standard uncertainty, 1/mm.
-fn telecentricity(calibration: &Calibration) -> (f64, f64) {
+pub(crate) fn telecentricity(calibration: &Calibration) -> (f64, f64) {
     let setup = calibration.setup.as_ref();
     setup.map_or((0.0, 0.0), |b| (b.lens.telecentricity_per_mm, b.u_telecentricity_per_mm()))
 }
@@ -90,7 +90,7 @@ pub(crate) fn rows(calibration: &Calibration, conditions: &Conditions, at_t: f64
         (
             OF_CONDITIONS[2],
             texts.of(format_args!("{} ± {} mm", conditions.axis_y_mm, conditions.limit_axis_y_mm)),
-            Some(t.abs() / t.hypot(u_t).max(f64::MIN_POSITIVE)),
+            Some(if conditions.limb.is_some() { 0.0 } else { t.abs() / t.hypot(u_t).max(f64::MIN_POSITIVE) }),
             conditions.u_focus_mm(at_t, t, u_t),
         ),
         (

@@ -15,8 +15,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::edge_spread::gaussian::gaussian;
 use super::edge_spread::quadrature::gauss_legendre;
 use super::edge_spread::{
-    CylinderEdge, EdgeSpread, FocusStack, GaussianBlur, GrazingReflection, LaserShadow, LimbLayout,
-    LimbStack, PartiallyCoherentEdge, Shifts,
+    CylinderEdge, EdgeSpread, FieldGrid, FieldStack, FocusStack, GaussianBlur, GrazingReflection,
+    LaserShadow, LimbLayout, LimbStack, PartiallyCoherentEdge, Shifts,
 };
 use super::settings::{Esf, Optics};
 use crate::render::error::RenderError;
@@ -72,6 +72,8 @@ enum Focus {
     Signed { first_mm: f64, step_mm: f64, tables: u32 },
     /// Tables at equal steps of the radius' cube root (mm^(1/3)), linear between two.
     Radii { first: f64, step: f64, tables: u32 },
+    /// Tables over the field of a lens with aberrations, by distance; cubic between them.
+    Field(FieldGrid),
 }
 
 /// Edge-spread functions over u = d/scale, piecewise cubic, 0 in the shadow and 1 in the light.
@@ -203,6 +205,18 @@ impl EsfTable {
         if let Esf::Cylinder(edge) = esf {
             return Self::limbs(edge, extent);
         }
+        if let (Esf::PartiallyCoherent(edge), false) = (esf, optics.aberrations.is_empty()) {
+            let FieldStack { tables, grid } = FieldStack::new(edge, &optics.aberrations, extent.depth_mm)?;
+            let (focus, pixel_mm) = (Focus::Field(grid), extent.pixel_mm);
+            let sources = tables.into();
+            return Self::from_tables(Origin {
+                focus,
+                radii_mm: Vec::new(),
+                has_face: false,
+                sources,
+                pixel_mm,
+            });
+        }
         let family = Family { esf, na: optics.defocus_na, pixel_um: extent.pixel_mm * 1e3 };
         let (focus, tables) = family.over_focus(extent.depth_mm)?;
         let (radii_mm, tables) = match reflection {
@@ -242,6 +256,9 @@ impl EsfTable {
     pub(crate) fn over_pixel(&self) -> Option<&Self> {
         let made = || {
             let origin = &self.origin;
+            if self.is_by_field() {
+                return None;
+            }
             if origin.sources.is_empty() {
                 let mut folded = Self::gaussian_over(self.scale_px, 0.0, origin.pixel_mm, true);
                 folded.origin.focus = origin.focus;
@@ -333,6 +350,26 @@ impl EsfTable {
         self.origin.focus == Focus::Fixed && self.origin.radii_mm.len() < 2
     }
 
+    /// Whether the place in the field has an effect: [`Self::in_field`] has the tables of an edge
+    /// then, and [`Self::place`] the one of the middle.
+    pub(crate) fn is_by_field(&self) -> bool {
+        matches!(self.origin.focus, Focus::Field(_))
+    }
+
+    /// Tables and shares of an edge at a place of the field, `out` into its light and `along` it
+    /// from the middle in half diagonals; none where the place has no effect.
+    pub(crate) fn in_field(&self, place: [f64; 2], y_mm: f64) -> Option<Vec<(TablePlace, f64)>> {
+        let Focus::Field(grid) = self.origin.focus else { return None };
+        let of = |(table, share)| (TablePlace { table, blend: 0.0, scale_px: self.scale_px }, share);
+        Some(grid.shares(place, y_mm).into_iter().map(of).collect())
+    }
+
+    /// The table nearest to a place of the field, where that has an effect.
+    pub(crate) fn nearest_in_field(&self, place: [f64; 2], y_mm: f64) -> Option<TablePlace> {
+        let Focus::Field(grid) = self.origin.focus else { return None };
+        Some(TablePlace { table: grid.nearest(place, y_mm), blend: 0.0, scale_px: self.scale_px })
+    }
+
     /// Whether surfaces of different radius have tables of their own.
     pub(crate) fn has_radii(&self) -> bool {
         self.origin.radii_mm.len() > 1 || matches!(self.origin.focus, Focus::Radii { .. })
@@ -362,6 +399,10 @@ impl EsfTable {
             }
             Focus::Radii { first, step, tables } => {
                 self.between((radius_mm.cbrt() - first) / step, tables, 0)
+            }
+            Focus::Field(grid) => {
+                let table = grid.nearest([0.0, 0.0], y_mm);
+                TablePlace { table, blend: 0.0, scale_px: self.scale_px }
             }
         }
     }

@@ -15,7 +15,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::lens::{Distortion, FieldCurvature};
+use super::lens::{Distortion, FieldAberrations, FieldCurvature};
 use super::settings::Optics;
 use crate::setting::{SettingError, positive, within};
 
@@ -46,6 +46,10 @@ pub struct LensFile {
     /// Where it is in focus over the field: a lens maker's figure, which no width of a pin shows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field_curvature: Option<FieldCurvature>,
+    /// Spherical aberration, coma and astigmatism by the height in the field: the lens maker's
+    /// figures.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub aberrations: Vec<FieldAberrations>,
 }
 
 /// The gauge's own parameters of a lens.
@@ -77,6 +81,7 @@ impl LensFile {
                 ..Distortion::default()
             },
             field_curvature: None,
+            aberrations: Vec::new(),
         }
     }
 
@@ -109,6 +114,13 @@ impl LensFile {
         if self.field_curvature.is_some() && optics.field_curvature.is_some() {
             let why = "has a field_curvature and stands beside optics.field_curvature; give one of them";
             return Err(SettingError::at(KEY, why));
+        }
+        if !self.aberrations.is_empty() && !optics.aberrations.is_empty() {
+            let why = "has aberrations and stands beside optics.aberrations; give one of them";
+            return Err(SettingError::at(KEY, why));
+        }
+        if !self.aberrations.is_empty() {
+            optics.aberrations = self.aberrations;
         }
         optics.field_curvature = self.field_curvature.or(optics.field_curvature);
         optics.distortion = self.distortion;

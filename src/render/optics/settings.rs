@@ -3,8 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::edge_spread::{CylinderEdge, GrazingReflection, LaserShadow, MeasuredEsf, PartiallyCoherentEdge};
-use super::lens::{Distortion, FieldCurvature};
+use super::edge_spread::{
+    CylinderEdge, GrazingReflection, LaserShadow, MeasuredEsf, PartiallyCoherentEdge,
+    check_beside_aberrations,
+};
+use super::lens::{Distortion, FieldAberrations, FieldCurvature, aberrations};
 use crate::render::error::{RenderError, within};
 
 /// The family of the edge-spread function. One table in the config: `[optics.esf.gaussian]`.
@@ -98,9 +101,13 @@ pub struct Optics {
     /// Where the lens is in focus over the field; absent where it is a plane square to the axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub field_curvature: Option<FieldCurvature>,
+    /// Spherical aberration, coma and astigmatism by the height in the field, for
+    /// `partially_coherent`; absent for a lens without.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub aberrations: Vec<FieldAberrations>,
     /// A file `lens.toml` beside the config, as `calibrate --lens` writes it, in place of
-    /// `distortion`, `telecentricity_mrad` and `field_curvature`; its values take its place in the
-    /// resolved config.
+    /// `distortion`, `telecentricity_mrad`, `field_curvature` and `aberrations`; its values take
+    /// its place in the resolved config.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lens_file: Option<String>,
     /// Glancing reflection of a polished shaft in diffuse light; absent for a dull one.
@@ -118,6 +125,7 @@ impl Default for Optics {
             entocentric: None,
             distortion: Distortion::default(),
             field_curvature: None,
+            aberrations: Vec::new(),
             lens_file: None,
             reflection: None,
         }
@@ -153,10 +161,29 @@ impl Optics {
         }
         self.distortion.check()?;
         self.field_curvature.map_or(Ok(()), |curvature| curvature.check())?;
+        self.check_aberrations()?;
         if let Some(r) = &self.reflection {
             r.check()?;
         }
         self.esf.check()
+    }
+
+    /// Refuses aberrations out of range, and beside a family that has no pupil to put them in.
+    fn check_aberrations(&self) -> Result<(), RenderError> {
+        if self.aberrations.is_empty() {
+            return Ok(());
+        }
+        aberrations::check(&self.aberrations)?;
+        let rows = format!("{} rows", self.aberrations.len());
+        let Esf::PartiallyCoherent(edge) = &self.esf else {
+            let right = "need optics.esf.partially_coherent: no other family has them";
+            return Err(RenderError::setting("optics.aberrations", &rows, right));
+        };
+        if self.reflection.is_some() {
+            let right = "stand beside optics.reflection, which is not followed through them: leave out one of the two";
+            return Err(RenderError::setting("optics.aberrations", &rows, right));
+        }
+        check_beside_aberrations(edge)
     }
 
     /// Refuses what the limb of a cylinder already contains or does not follow.

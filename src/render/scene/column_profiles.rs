@@ -19,7 +19,8 @@
 //! monochromatic light from a point source, where the rings of both edges cross. There the
 //! shoulders of cylinders are computed from the amplitudes (`optics::laser_shoulder`;
 //! `tests/inside/render_shaft/corners.rs` compares them with the opaque quadrant). An edge in
-//! motion is the mean of its images.
+//! motion is the mean of its images. Through a lens with aberrations every edge has a profile, a
+//! blend of the tables about its place in the field; at a corner the nearest table serves.
 
 use std::sync::LazyLock;
 
@@ -167,7 +168,8 @@ impl Profiles<'_> {
                 (e.top_px - first.top_px).abs().max((e.bottom_px - first.bottom_px).abs()) > STILL_PX
             })
         };
-        let wanted: Vec<usize> = (0..columns.len()).filter(|&c| broken[c] || moved(c)).collect();
+        let by_field = self.esf.is_by_field();
+        let wanted: Vec<usize> = (0..columns.len()).filter(|&c| broken[c] || by_field || moved(c)).collect();
         if wanted.is_empty() {
             return Vec::new();
         }
@@ -214,7 +216,29 @@ impl Profiles<'_> {
 
     fn table(&self, column: usize, side: usize, extra_px2: f64) -> TablePlace {
         let depth = self.depth.get(column).copied().unwrap_or_default();
-        self.esf.place(depth.y_mm[side], depth.radius_mm, extra_px2)
+        let y_mm = depth.y_mm[side];
+        self.esf
+            .nearest_in_field(self.in_field(column, side), y_mm)
+            .unwrap_or_else(|| self.esf.place(y_mm, depth.radius_mm, extra_px2))
+    }
+
+    /// Tables and shares of a straight edge: several where its place in the field has an effect.
+    fn tables(&self, column: usize, side: usize, extra_px2: f64) -> Vec<(TablePlace, f64)> {
+        let y_mm = self.depth.get(column).copied().unwrap_or_default().y_mm[side];
+        self.esf
+            .in_field(self.in_field(column, side), y_mm)
+            .unwrap_or_else(|| vec![(self.table(column, side, extra_px2), 1.0)])
+    }
+
+    /// Place of an edge in the field: out into its light and along it, half diagonals.
+    fn in_field(&self, column: usize, side: usize) -> [f64; 2] {
+        let setup = &self.scene.setup;
+        let edges = &self.instants[0].edges[column + self.halo];
+        let row = f64::from(self.window.row) + if side == 0 { edges.top_px } else { edges.bottom_px };
+        let half = 0.5 * (setup.rows() as f64).hypot(setup.columns() as f64);
+        let down = (row - setup.centre_row()) / half;
+        let along = (f64::from(self.window.column) + column as f64 - setup.centre_column()) / half;
+        [if side == 0 { -down } else { down }, along]
     }
 
     /// Standard deviation of the Gaussian equivalent to the edge spread of a column, px.
@@ -312,12 +336,13 @@ impl Profiles<'_> {
         let mut light = vec![0.0; count];
         for (instant, s) in self.instants.iter().zip(&straights) {
             let cos = 1.0 / s.slope.hypot(1.0);
-            let place = self.table(column, side, s.excess_variance * cos * cos);
+            let places = self.tables(column, side, s.excess_variance * cos * cos);
             for (r, light) in light.iter_mut().enumerate() {
                 let above = (f64::from(first) + r as f64 - s.row) * sign;
                 let node = |n: &Node| {
                     let d = above + sign * (f64::from(n.down) - s.slope * f64::from(n.along));
-                    f64::from(n.weight) * self.esf.sample(&place, d * cos)
+                    let lit = |(place, share): &(TablePlace, f64)| share * self.esf.sample(place, d * cos);
+                    f64::from(n.weight) * places.iter().map(lit).sum::<f64>()
                 };
                 *light += instant.weight * self.quadrature.iter().map(node).sum::<f64>();
             }

@@ -89,7 +89,8 @@ fn column_tables<'a>(
     let mut quadrature = pixel_quadrature(scene.esf.sharp_px, steepest(&columns));
     let folded = fold_pixel(&scene.esf, &mut columns);
     let esf = folded.unwrap_or(&scene.esf);
-    let profiles = if instants.len() > 1 || scene.outline.has_breaks() {
+    let profiled = instants.len() > 1 || scene.outline.has_breaks() || scene.esf.is_by_field();
+    let profiles = if profiled {
         let frame = Profiles {
             scene,
             esf: &scene.esf,

@@ -217,7 +217,7 @@ fn contamination(
         Esf::Cylinder(c) => c.na * c.coherence_ratio.min(1.0),
         _ => settings.optics.defocus_na,
     };
-    let dull = Optics { reflection: None, ..settings.optics.clone() };
+    let dull = Optics { reflection: None, aberrations: Vec::new(), ..settings.optics.clone() };
     // Contamination is thin, whatever the part.
     let thin = match esf {
         Esf::Cylinder(c) => Esf::PartiallyCoherent(c.thin()),

@@ -92,9 +92,9 @@ mod tests {
             Readout { quadratic_rel, cubic_rel, ..Readout::default() }.check(2.0)
         };
         assert!(at(-0.02, 0.01).is_ok() && at(0.3, -0.2).is_ok());
-        // 1 + 2q + 3c = -0.1 at the full well; 1 - q²/3c = -0.04 within.
-        assert!(at(-0.4, -0.1).is_err());
-        assert!(at(-0.5, 0.08).is_err() && at(-0.5, 0.25).is_ok());
+        // 1 + 2q + 3c is -0.1 and -0.03 at the full well; the least slope within, 1 - q²/3c, is 0.67.
+        assert!(at(-0.4, -0.1).is_err() && at(-0.5, -0.01).is_err());
+        assert!(at(-0.5, 0.25).is_ok());
     }
 
     #[test]

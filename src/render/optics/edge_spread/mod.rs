@@ -11,11 +11,14 @@
 //! - [`LaserShadow`]: collimated laser light without a lens;
 //! - [`GrazingReflection`]: the reflection of a polished cylinder, in addition to any of them.
 //!
+//! `field_stack` has the partially coherent edge through a lens with aberrations.
+//!
 //! All but [`CylinderEdge`] are knife-edge results; for a thick, shiny cylinder each of them is an
 //! approximation (see [`GrazingReflection`]). The table holds the light at a point;
 //! [`EdgeSpread::over_pixel`] integrates it over a pixel's area.
 
 pub(crate) mod cylinder;
+mod field_stack;
 mod focus_stack;
 pub(crate) mod fresnel_integrals;
 pub(crate) mod gaussian;
@@ -33,6 +36,9 @@ pub use self::{
     cylinder::CylinderEdge, grazing::GrazingReflection, laser::LaserShadow, measured::MeasuredEsf,
     partial::PartiallyCoherentEdge,
 };
+#[cfg(test)]
+pub(crate) use field_stack::edge_in_field;
+pub(crate) use field_stack::{FieldGrid, FieldStack, check_beside_aberrations};
 pub(crate) use focus_stack::FocusStack;
 pub(crate) use gaussian::GaussianBlur;
 pub(crate) use limb_stack::{LimbLayout, LimbStack};

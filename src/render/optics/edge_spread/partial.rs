@@ -148,12 +148,7 @@ impl PartiallyCoherentEdge {
                 (sum + share * value, steepness + share * slope / unit)
             })
         })?;
-        if self.extra_sigma_um == 0.0 {
-            return Ok(table);
-        }
-        // The trapezoidal rule samples the table's finest ring, λ/2NA, at twelve points.
-        let nodes = 41 + (12.5 * 24.0 * self.extra_sigma_um / unit).ceil() as usize;
-        table.spread(&Shifts::gaussian(self.extra_sigma_um, nodes), TOLERANCE)
+        self.blurred(table, TOLERANCE)
     }
 }
 
@@ -165,11 +160,29 @@ impl PartiallyCoherentEdge {
             let reach = self.reach * self.wavelength_nm / wavelength_nm;
             (at.unit_um(), share, Waves::new(self.coherence_ratio, at.defocus(), reach))
         };
+        self.wavelengths().into_iter().map(|(nm, share)| one(nm, share)).collect()
+    }
+
+    /// Wavelengths (nm) of the band, and their shares of the light.
+    pub(super) fn wavelengths(&self) -> Vec<(f64, f64)> {
         if self.bandwidth_nm == 0.0 {
-            return vec![one(self.wavelength_nm, 1.0)];
+            return vec![(self.wavelength_nm, 1.0)];
         }
         let sigma_nm = self.bandwidth_nm / FWHM;
-        BAND.iter().map(|(x, share)| one(self.wavelength_nm + x * sigma_nm, *share)).collect()
+        BAND.iter().map(|(x, share)| (self.wavelength_nm + x * sigma_nm, *share)).collect()
+    }
+
+    /// A table under the further blur.
+    ///
+    /// # Errors
+    /// As [`EdgeSpread::tabulate`].
+    pub(super) fn blurred(&self, table: EdgeSpread, tolerance: f64) -> Result<EdgeSpread, RenderError> {
+        if self.extra_sigma_um == 0.0 {
+            return Ok(table);
+        }
+        // The trapezoidal rule samples the table's finest ring, λ/2NA, at twelve points.
+        let nodes = 41 + (12.5 * 24.0 * self.extra_sigma_um / self.unit_um()).ceil() as usize;
+        table.spread(&Shifts::gaussian(self.extra_sigma_um, nodes), tolerance)
     }
 }
 

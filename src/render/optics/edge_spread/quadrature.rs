@@ -1,7 +1,20 @@
 //! Gauss-Legendre rules over intervals, whole and divided at given points.
 
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
 /// Newton steps that bring a root of the Legendre polynomial to rounding from Tricomi's start.
 const NEWTON_STEPS: usize = 8;
+
+/// Rules that were computed. A rule of n nodes takes some n² steps, which is half of the time of a
+/// limb's table; tables of one setup need the same few tens of them.
+static RULES: Mutex<BTreeMap<usize, Arc<[(f64, f64)]>>> = Mutex::new(BTreeMap::new());
+
+/// [`gauss_legendre`], computed once for each number of nodes.
+pub(crate) fn kept_rule(n: usize) -> Arc<[(f64, f64)]> {
+    let mut rules = RULES.lock().unwrap_or_else(PoisonError::into_inner);
+    Arc::clone(rules.entry(n).or_insert_with(|| gauss_legendre(n).into()))
+}
 
 /// Nodes and weights on -1..1, exact for polynomials of degree 2n - 1.
 ///
@@ -13,7 +26,12 @@ pub(crate) fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
             let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
             for _ in 0..NEWTON_STEPS {
                 let (p, slope) = legendre(n, x);
+                let before = x;
                 x -= p / slope;
+                // Every further step would repeat this one.
+                if x == before {
+                    break;
+                }
             }
             let slope = legendre(n, x).1;
             (x, 2.0 / ((1.0 - x * x) * slope * slope))
@@ -73,6 +91,13 @@ mod tests {
             let degree = 2 * n as i32 - 2;
             let sum: f64 = rule.iter().map(|(x, w)| w * x.powi(degree)).sum();
             assert!((sum - 2.0 / f64::from(degree + 1)).abs() < 1e-14, "{n}: {sum}");
+        }
+    }
+
+    #[test]
+    fn a_kept_rule_is_the_computed_one() {
+        for n in [6, 37, 6] {
+            assert_eq!(kept_rule(n).as_ref(), gauss_legendre(n).as_slice());
         }
     }
 

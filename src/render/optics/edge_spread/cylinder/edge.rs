@@ -15,6 +15,7 @@ use crate::render::error::{RenderError, within};
 use crate::render::optics::edge_spread::partial::PartiallyCoherentEdge;
 use crate::render::optics::edge_spread::shifts::Shifts;
 use crate::render::optics::edge_spread::table::EdgeSpread;
+use crate::render::optics::lens::aberrations::PupilPath;
 
 /// Largest error of the table's interpolation, share of full intensity: it moves the edge by less
 /// than .001 µm. Many radii and distances have to fit into memory.
@@ -203,6 +204,7 @@ impl CylinderEdge {
             // Seen from the axis, the plane of focus lies behind where the axis is nearer.
             focus_mm: -self.defocus_mm,
             reach_um: self.reach * self.unit_um(),
+            path: PupilPath::default(),
         }
     }
 

@@ -16,7 +16,7 @@ use std::f64::consts::FRAC_PI_3;
 
 use super::airy::{C, airy, unit};
 use super::surface::Boundary;
-use crate::render::optics::edge_spread::quadrature::{gauss_legendre, panels};
+use crate::render::optics::edge_spread::quadrature::{kept_rule, panels};
 
 /// End of the path right of 0: |a| is e^(-36) of its start there.
 const RIGHT: f64 = 9.0;
@@ -108,7 +108,7 @@ pub(crate) fn lagrange<const N: usize>(place: f64) -> [f64; N] {
 
 /// Nodes t of the path and a(t), or a(t) - 1/2 left of 0, times their weights.
 fn path(surface: Boundary, largest: f64, turn: f64) -> Vec<(C, C)> {
-    let rule = gauss_legendre(NODES);
+    let rule = kept_rule(NODES);
     let [right, level, rotated] = [
         panels(0.0, RIGHT, &[], PANEL.min(PANEL_PHASE / largest), &rule),
         panels(-turn, 0.0, &[], PANEL.min(PANEL_PHASE / (largest + 2.0 * turn.sqrt())), &rule),

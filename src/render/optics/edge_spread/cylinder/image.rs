@@ -14,12 +14,15 @@
 //! source √(NA_i² - ζ²). |u|² is added over the source and divided by the part of it that passes
 //! directly.
 //!
+//! A lens with aberrations multiplies f by e^(-2πiW) of its own chord, W in waves
+//! ([`PupilPath`]); both halves of the source along the edge are added up where W tells them apart.
+//!
 //! The image is the square of a function of the bandwidth NA/λ, so that twelve samples a λ/NA
 //! contain it; between them a polynomial through twelve errs by less than 1e-6. The phase between
 //! the light of two source points grows with the distance from the limb, and with it the number of
 //! source points that is needed: the samples are computed in zones.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use multiversion::multiversion;
 use rayon::prelude::*;
@@ -27,7 +30,8 @@ use rayon::prelude::*;
 use super::airy::{C, unit};
 use super::half_shadow::{HalfShadow, lagrange};
 use super::surface::Boundary;
-use crate::render::optics::edge_spread::quadrature::{gauss_legendre, scaled};
+use crate::render::optics::edge_spread::quadrature::{kept_rule, scaled};
+use crate::render::optics::lens::aberrations::PupilPath;
 
 /// Samples of the image a λ/NA, and points of the polynomial between them.
 const SAMPLES: f64 = 12.0;
@@ -42,6 +46,9 @@ const NODES_PER_UNIT: f64 = 5.3;
 /// Chords near the limb for narrow sources, and all others.
 const FEW_CHORDS: usize = 8;
 const CHORDS: usize = 12;
+
+/// Further chords a wave by which the path may differ over half the pupil.
+const CHORDS_PER_WAVE: f64 = 1.0;
 
 /// S up to which, and distance in λ/NA to which, few chords do.
 const NARROW: f64 = 0.72;
@@ -112,6 +119,8 @@ pub(crate) struct View {
     pub focus_mm: f64,
     /// Reach of the samples to either side of the limb, µm.
     pub reach_um: f64,
+    /// Aberrations of the lens at the limb's place in the field.
+    pub path: PupilPath,
 }
 
 /// Light over the distance from the limb, sampled.
@@ -242,6 +251,8 @@ struct Chord {
     /// Half lengths, as sines of angles.
     pupil: f64,
     source: f64,
+    /// Its own angle along the limb.
+    along: f64,
     weight: f64,
     nodes: usize,
 }
@@ -250,19 +261,29 @@ struct Chord {
 /// for coherent light.
 fn chords(view: &View, reach: f64) -> Vec<Chord> {
     if view.source_na < COHERENT * view.na {
-        return vec![Chord { pupil: view.na, source: 0.0, weight: 1.0, nodes: 1 }];
+        return vec![Chord { pupil: view.na, source: 0.0, along: 0.0, weight: 1.0, nodes: 1 }];
     }
+    // Rays land as far beside their places as the path is steep, in λ/NA.
+    let steepest = view.path.steepest_waves();
+    let reach = reach + steepest;
     let ratio = (view.source_na / view.na).min(1.0);
     let nodes = 2 * (0.5 * (LEAST_NODES + NODES_PER_UNIT * ratio * reach)).ceil() as usize;
     let count = if ratio < NARROW && reach <= NEAR { FEW_CHORDS } else { CHORDS };
+    let count = count + (CHORDS_PER_WAVE * steepest).ceil() as usize;
     let most = view.na.min(view.source_na);
     let chord = |(u, w): (f64, f64)| {
         let (sin, cos) = (FRAC_PI_2 * u).sin_cos();
-        let square = (most * sin).powi(2);
+        let along = most * sin;
+        let square = along.powi(2);
         let half = |na: f64| (na * na - square).max(0.0).sqrt();
-        Chord { pupil: half(view.na), source: half(view.source_na), weight: w * cos, nodes }
+        Chord { pupil: half(view.na), source: half(view.source_na), along, weight: w * cos, nodes }
     };
-    scaled(&gauss_legendre(count), 0.0, 1.0).map(chord).collect()
+    let half: Vec<Chord> = scaled(&kept_rule(count), 0.0, 1.0).map(chord).collect();
+    if view.path.is_even_along() {
+        return half;
+    }
+    let other = half.iter().map(|chord| Chord { along: -chord.along, ..*chord });
+    half.iter().copied().chain(other).collect()
 }
 
 impl Chord {
@@ -273,7 +294,7 @@ impl Chord {
         }
         let (rim, end) = (m * self.pupil, m * self.source);
         let pieces = if end <= rim { vec![(-end, end)] } else { vec![(-end, -rim), (-rim, rim), (rim, end)] };
-        let rule = gauss_legendre(self.nodes);
+        let rule = kept_rule(self.nodes);
         let points = pieces.iter().flat_map(|&(a, b)| {
             rule.iter().map(move |(u, w)| {
                 let (sin, cos) = (FRAC_PI_2 * u).sin_cos();
@@ -294,7 +315,9 @@ impl Chord {
     ) -> (f64, Vec<f64>) {
         let rim = limb.m * self.pupil;
         let depth = limb.depth(view.focus_mm);
-        let own = |s: f64| unit(-s * s * (s * limb.cubic + depth));
+        let (aperture, along) = (limb.m * view.na, self.along / view.na);
+        let path = |s: f64| TAU * view.path.waves(s / aperture, along);
+        let own = |s: f64| unit(-s * s * (s * limb.cubic + depth) - path(s));
         // Phase of the integrand over the half pupil, with that of P.
         let far = zone
             .lanes
@@ -302,8 +325,11 @@ impl Chord {
             .map(|lane| grid.lane(limb, *lane))
             .map(|(x, step)| x.abs().max((x + step * LANES as f64).abs()));
         let far = far.fold(0.0, f64::max);
-        let rate = far + rim * (rim + 2.0 * depth.abs()) + 0.25 * (rim + limb.m * self.source).powi(2);
-        let rule = gauss_legendre(2 * (0.25 * rim * rate + 0.5 * MORE_NODES).ceil() as usize);
+        let rate = far
+            + rim * (rim + 2.0 * depth.abs())
+            + 0.25 * (rim + limb.m * self.source).powi(2)
+            + TAU * view.path.steepest_waves() / aperture;
+        let rule = kept_rule(2 * (0.25 * rim * rate + 0.5 * MORE_NODES).ceil() as usize);
         let pupil = Pupil::new(scaled(&rule, -rim, rim).map(|(s, w)| (s, own(s) * w, w)).collect());
         let (mut passed, mut waves) = (0.0, Vec::new());
         for (s0, weight) in self.source_points(limb.m) {
