@@ -104,3 +104,55 @@ fn what_is_refused_is_named_with_file_and_key() {
         assert!(output.stdout.is_empty());
     }
 }
+
+#[test]
+fn speed_and_coverage_are_commands() {
+    let speed = json(&shadowgauge(["study", "machine", PRESET, "--bench", "2", "--json"]));
+    assert_eq!((speed["points"].as_u64(), speed["rounds"].as_u64()), (Some(51 * 51), Some(2)));
+    assert!(speed["points_per_s_max"].as_f64().is_some_and(|rate| rate > 1e3), "{speed}");
+    let plan = "configs/machine_coverage.toml";
+    let covered = json(&shadowgauge(["study", "machine-coverage", plan, "--machines", "2", "--json"]));
+    assert_eq!(covered["machines"].as_u64(), Some(2));
+    assert_eq!(covered["figures"].as_array().map(Vec::len), Some(3));
+    assert!(covered["together"]["within_percent"].as_f64().is_some(), "{covered}");
+    let refused = shadowgauge(["study", "machine-coverage", plan, "--machines", "0"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(said(&refused).contains("--machines"), "{}", said(&refused));
+}
+
+/// Frames of a scan as readings of a midline; a scan over half a turn lacks the opposite angles, and
+/// `calibrate machine` says so.
+#[test]
+fn midlines_of_frames_are_readings() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let rendered =
+        shadowgauge(["render", "configs/small_shaft.toml", "--out", &at("scan"), "--frames", "16"]);
+    assert!(rendered.status.success(), "{}", said(&rendered));
+    let csv = at("midline.csv");
+    let measured =
+        shadowgauge(["measure", &at("scan/frames"), "--um-per-px", "file", "--midline", &csv, "--json"]);
+    assert!(measured.status.success(), "{}", said(&measured));
+    let text = std::fs::read_to_string(&csv).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], "axis,position_mm,direction,run,error,value,unit,angle_deg");
+    assert_eq!(lines.len(), 1 + 2 * 16);
+    assert!(
+        lines[1].starts_with("Z,") && lines[1].contains(",forward,1,midline,0.000000,um,0"),
+        "{}",
+        lines[1]
+    );
+    let one =
+        shadowgauge(["measure", &at("scan/frames/000000.png"), "--um-per-px", "file", "--midline", &csv]);
+    assert_eq!(one.status.code(), Some(2), "{}", said(&one));
+    assert!(said(&one).contains("frames.csv"), "{}", said(&one));
+    assert_eq!(std::fs::read_to_string(&csv).unwrap(), text, "nothing half-written");
+    let config = include_str!("../../../configs/machine_identify.toml");
+    let set = config.rsplit("[[readings]]").next().unwrap();
+    let set = set.split("\nplan").next().unwrap().replace("instrument", "file = \"midline.csv\"\ninstrument");
+    let head = config.split("[simulate]").next().unwrap().replace("\"ezz\", ", "");
+    std::fs::write(at("my.toml"), format!("{head}[[readings]]{set}\n")).unwrap();
+    let refused = shadowgauge(["calibrate", "machine", &at("my.toml"), "--out", &at("machine.json")]);
+    assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
+    assert!(said(&refused).contains("without 180"), "{}", said(&refused));
+}

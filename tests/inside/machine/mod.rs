@@ -4,11 +4,15 @@
 mod bad_input;
 mod chain;
 mod cli;
+mod coverage;
+mod dialects;
 mod displacement_probe;
 mod each_alone;
+mod feed_forward;
 mod functions;
 mod identification;
 mod identified_run;
+mod midline_frames;
 mod models;
 mod reading_correction;
 mod reproduce_001;
@@ -17,8 +21,10 @@ mod run;
 mod spindle;
 mod study;
 
+use crate::identification::{CheckedSet, Identification, IdentificationConfig, checked_set, identify};
 use crate::machine::MachineSettings;
 use crate::studies::machine::MachineStudyConfig;
+use crate::studies::machine_readings::SimulatedMachine;
 
 /// A machine with levers that all differ, without errors.
 const MACHINE: &str = r#"
@@ -42,6 +48,18 @@ fn study(changes: &[(&str, &str)], errors: &str) -> MachineStudyConfig {
         text = text.replace(from, to);
     }
     toml::from_str(&(text + errors)).unwrap()
+}
+
+/// What a config identifies from readings that are simulated on a machine.
+fn identification_of(config: &str, truth: &MachineSettings, seed: u64) -> Identification {
+    let config: IdentificationConfig = toml::from_str(config).unwrap();
+    let machine = SimulatedMachine::new(truth.clone(), config.temperature_c, seed).unwrap();
+    let set = |k: usize| {
+        let text = machine.text(&config.readings[k], k).unwrap();
+        checked_set(&config, k, text.as_bytes(), "drawn.csv").unwrap()
+    };
+    let sets: Vec<CheckedSet> = (0..config.readings.len()).map(set).collect();
+    identify(&config, &sets).unwrap()
 }
 
 /// The machine of [`study`].
