@@ -73,13 +73,15 @@ mod tests {
         assert_eq!(String::from_utf8(write_history(&rows).unwrap()).unwrap(), TEXT);
         assert_eq!(read_history("").unwrap(), []);
         // columns are found by name, and others are left alone
-        let turned = "image,note,verdict,cut,vbb_um,u_vbb_um,vbb_max_um,u_vbb_max_um\na,new,sharp,1,2,3,4,5\n";
+        let turned =
+            "image,note,verdict,cut,vbb_um,u_vbb_um,vbb_max_um,u_vbb_max_um\na,new,sharp,1,2,3,4,5\n";
         assert_eq!(read_history(turned).unwrap()[0].u_vbb_max_um, 5.0);
     }
 
     #[test]
     fn a_row_that_is_no_reading_is_named_by_its_line() {
-        let refused = |from: &str, to: &str| read_history(&TEXT.replacen(from, to, 1)).unwrap_err().to_string();
+        let refused =
+            |from: &str, to: &str| read_history(&TEXT.replacen(from, to, 1)).unwrap_err().to_string();
         assert!(refused("70.5", "-1").contains("line 3"));
         assert!(refused("70.5", "NaN").contains("line 3"));
         assert!(refused("doubtful", "perhaps").contains("line 3"));

@@ -21,9 +21,7 @@ fn training_twice_gives_the_same_bytes() {
     let all: Vec<Labelled> = (1..6).filter_map(labelled).collect();
     assert!(all.len() >= 3, "{}", all.len());
     let growth = Growth { trees: 4, depth: 6, ..Growth::default() };
-    let bytes = |seed: u64| {
-        file::write(&train(&drawn(&all, seed), &Growth { seed, ..growth })).unwrap()
-    };
+    let bytes = |seed: u64| file::write(&train(&drawn(&all, seed), &Growth { seed, ..growth })).unwrap();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| bytes(3));
     assert!(one == bytes(3) && one != bytes(4));
 }
