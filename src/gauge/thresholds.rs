@@ -73,7 +73,7 @@ use super::edge::wire::clipped::WireClipLimits;
 use super::edge::wire::frame::WireFrameLimits;
 use super::edge::wire::joint_fit::WireFitLimits;
 use super::edge::wire::rounding::WireRoundingLimits;
-use super::flank::limits::FlankLimits;
+use super::flank::limits::{FlankLimits, FlankTrainingLimits};
 use super::flank::paper::PaperFlankLimits;
 use super::limit::{Limit, Limits};
 use super::nose::axes::NoseAxesLimits;
@@ -264,7 +264,7 @@ fn of_nose() -> Vec<Vec<Limit>> {
 
 /// Thresholds of flanks, a group an entry.
 fn of_flank() -> Vec<Vec<Limit>> {
-    vec![FlankLimits::list(), PaperFlankLimits::list()]
+    vec![FlankLimits::list(), FlankTrainingLimits::list(), PaperFlankLimits::list()]
 }
 
 /// Thresholds of rings, a group an entry.

@@ -12,11 +12,6 @@ use super::path::Costs;
 use super::raster::{Raster, quantile};
 use super::strip::Frame;
 
-/// Powers of the reference curve: ground edges of inserts are straight or slightly cambered.
-const POWERS: usize = 4;
-/// Rounds of reweighting.
-const ROUNDS: usize = 12;
-
 /// A traced edge.
 #[derive(Clone, Debug)]
 pub(crate) struct TracedEdge {
@@ -71,7 +66,8 @@ pub(crate) struct ReferenceCurve {
 /// Fits the curve to a traced edge; `shape` is a curve whose bend is known (the baseline's), to
 /// which offset and slope are fitted then.
 pub(crate) fn reference(traced: &TracedEdge, frame: &Frame, shape: Option<&[f64]>) -> Option<ReferenceCurve> {
-    let powers = if shape.is_some() { 2 } else { POWERS };
+    let limits = FlankLimits::get();
+    let powers = if shape.is_some() { 2 } else { limits.edge_powers };
     let n = traced.depth_um.len();
     if n < 4 * powers {
         return None;
@@ -84,7 +80,7 @@ pub(crate) fn reference(traced: &TracedEdge, frame: &Frame, shape: Option<&[f64]
     let x = DMatrix::from_fn(n, powers, |k, p| t(k).powi(p as i32));
     let mut weights = DVector::from_element(n, 1.0);
     let (mut c, mut spread) = (DVector::zeros(powers), 1.0);
-    for _ in 0..ROUNDS {
+    for _ in 0..limits.edge_rounds {
         let weighted = DMatrix::from_fn(n, powers, |k, p| x[(k, p)] * weights[k]);
         let normal = weighted.transpose() * &x;
         c = normal.cholesky()?.solve(&(weighted.transpose() * &y));

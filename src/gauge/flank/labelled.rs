@@ -9,19 +9,10 @@ use super::features::{FEATURES, features};
 use super::forest::Forest;
 use super::forest::training::{Growth, Samples, grow};
 use super::land::land;
+use super::limits::FlankTrainingLimits;
 use super::located::Located;
 use super::raster::Raster;
 use super::strip::normalised;
-
-/// Pixels that are drawn from an image near its border: as many of a class as there are, since the
-/// border's place follows from the odds of both.
-const PIXELS: usize = 9000;
-/// Pixels that are drawn from what is farther below.
-const FAR_PIXELS: usize = 3000;
-/// Least depth below the land that is near its border, rows.
-const NEAR: usize = 12;
-/// Depth below the land from which pixels are drawn, rows: what is far below is never near it.
-const BELOW: usize = 160;
 
 /// A located flank with the land of its mask.
 #[derive(Clone, Debug)]
@@ -50,6 +41,7 @@ impl Labelled {
     fn draw(&self, seed: u64) -> Samples {
         let mut samples = Samples { features: FEATURES, ..Samples::default() };
         let random = &mut Pcg64::seed_from_u64(seed);
+        let limits = FlankTrainingLimits::get();
         let frame = &self.flank.frame;
         let all = features(&normalised(&self.flank.strip, frame), frame);
         let (columns, top) = (self.land.columns, frame.above);
@@ -57,14 +49,14 @@ impl Labelled {
         for column in 0..columns {
             let land = (top..self.land.rows).rev().find(|r| self.land.at(*r, column) > 0.5);
             let last = land.map_or(top, |r| r + 1);
-            let reach = last + (last - top).max(NEAR);
-            for row in top..(last + BELOW).min(self.flank.inside[column]) {
+            let reach = last + (last - top).max(limits.near_rows);
+            for row in top..(last + limits.below_rows).min(self.flank.inside[column]) {
                 // between edge and border everything is land, chips and gaps of the mask too
                 let pixel = (row * columns + column, row < last);
                 if row < reach { near.push(pixel) } else { far.push(pixel) }
             }
         }
-        for (pixels, count) in [(near, PIXELS), (far, FAR_PIXELS)] {
+        for (pixels, count) in [(near, limits.pixels), (far, limits.far_pixels)] {
             if pixels.is_empty() {
                 continue;
             }

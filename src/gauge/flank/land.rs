@@ -12,12 +12,6 @@ use super::path::Costs;
 use super::raster::Raster;
 use super::strip::{Frame, normalised};
 
-/// Log-odds of one pixel are worth no more: neighbours share what they are classified by.
-const MOST_LOG_ODDS: f32 = 3.0;
-/// Pixels that share their features: the log-odds of a column are divided by it where the spread
-/// of the border is estimated.
-const TEMPERATURE: f32 = 6.0;
-
 /// The border of the land.
 #[derive(Clone, Debug)]
 pub(crate) struct Land {
@@ -36,11 +30,11 @@ pub(crate) fn land(strip: &Raster, frame: &Frame, inside: &[usize], forest: &For
     let depth_um = |path: &[usize]| path.iter().map(|v| *v as f64 * row_um).collect::<Vec<f64>>();
     let by_group =
         |group: Forest| depth_um(&costs(&probability(&all, strip, frame, &group), frame, inside).cheapest());
-    let by_group_um = forest.groups().into_par_iter().map(by_group).collect();
+    let by_group_um = forest.groups(FlankLimits::get().tree_groups).into_par_iter().map(by_group).collect();
     let probability = probability(&all, strip, frame, forest);
     let costs = costs(&probability, frame, inside);
     let path = costs.cheapest();
-    let spread = costs.spread(&path, TEMPERATURE);
+    let spread = costs.spread(&path, FlankLimits::get().temperature as f32);
     Land {
         depth_um: depth_um(&path),
         u_um: spread.iter().map(|s| (s * row_um).hypot(row_um / 12f64.sqrt())).collect(),
@@ -61,6 +55,7 @@ fn probability(all: &[Raster], strip: &Raster, frame: &Frame, forest: &Forest) -
 
 fn costs(probability: &Raster, frame: &Frame, inside: &[usize]) -> Costs {
     let limits = FlankLimits::get();
+    let most = limits.most_log_odds as f32;
     let column = |c: usize| {
         let rows = inside[c].saturating_sub(frame.above).min(probability.rows);
         let mut sum = 0.0;
@@ -68,8 +63,8 @@ fn costs(probability: &Raster, frame: &Frame, inside: &[usize]) -> Costs {
         all.push(0.0);
         for row in 0..probability.rows {
             let p = probability.at(row, c).clamp(1e-3, 1.0 - 1e-3);
-            let odds = ((1.0 - p) / p).ln().clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS);
-            sum += if row < rows { odds } else { MOST_LOG_ODDS };
+            let odds = ((1.0 - p) / p).ln().clamp(-most, most);
+            sum += if row < rows { odds } else { most };
             all.push(sum);
         }
         all

@@ -53,4 +53,45 @@ limits! {
     step_cost: f64 = 1.5;
     /// Share of the worn length at its far end that is zone N (ISO 3685: the last quarter).
     notch_share: f64 = 0.25;
+    /// Distance of two columns of the strip over that of two rows: what counts is the width of the
+    /// land, and it changes slowly along the edge.
+    column_pitches: f64 = 2.0;
+    /// Powers of the reference curve: ground edges of inserts are straight or slightly cambered.
+    edge_powers: usize = 4;
+    /// Rounds of reweighting of the reference curve.
+    edge_rounds: usize = 12;
+    /// Log-odds of one pixel are worth no more: neighbours share what they are classified by.
+    most_log_odds: f64 = 3.0;
+    /// Pixels that share their features: the log-odds of a column are divided by it where the spread
+    /// of the border is estimated.
+    temperature: f64 = 6.0;
+    /// Columns over which the border's departures are alike: half of the step of 40 µm over which
+    /// features drawn out along the edge look.
+    shared_columns: f64 = 12.0;
+    /// Depth below the line of most detail in which steps are as sharp as an edge, µm.
+    step_um: f64 = 60.0;
+    /// Share of the sharp steps about that line which the edge has at least: it may be dimly lit,
+    /// what is out of focus has less than a tenth.
+    sharp_share: f64 = 0.3;
+    /// Steps over the median step above the line: noise reaches 5 times its median once in 1000.
+    sharp_noise: f64 = 8.0;
+    /// Places through which the line of the edge is laid: 1800 pairs have 1 % of scatter.
+    line_places: usize = 60;
+    /// Groups of trees whose disagreement is the model's: of 16 trees four each, which classify
+    /// nearly as well as all.
+    tree_groups: usize = 4;
+}
+
+limits! {
+    /// Which pixels of a labelled flank a forest is trained on.
+    FlankTrainingLimits = "flank_training";
+    /// Pixels that are drawn from an image near its border: as many of a class as there are, since
+    /// the border's place follows from the odds of both.
+    pixels: usize = 9000;
+    /// Pixels that are drawn from what is farther below.
+    far_pixels: usize = 3000;
+    /// Least depth below the land that is near its border, rows.
+    near_rows: usize = 12;
+    /// Depth below the land from which pixels are drawn, rows: what is far below is never near it.
+    below_rows: usize = 160;
 }

@@ -2,6 +2,7 @@
 
 use super::edge::{reference, trace};
 use super::error::FlankError;
+use super::lift::lifted;
 use super::limits::FlankLimits;
 use super::raster::Raster;
 use super::reference::edge_line;
@@ -40,7 +41,7 @@ pub(crate) fn locate(image: &Raster, um_per_px: f64, shape: Option<&[f64]>) -> R
     } else {
         image
     };
-    let line = edge_line(image)?;
+    let line = lifted(sampled, edge_line(image)?, um_per_px);
     let mut frame = Frame::about(line, um_per_px, (2.0 * limits.above_um, 2.0 * limits.above_um));
     let mut u_reference_um = 0.0;
     // the second round follows an edge that bends out of the first strip's middle

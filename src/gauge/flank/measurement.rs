@@ -11,10 +11,6 @@ use super::settings::{CornerSide, FlankSettings};
 use super::zones::{Zones, largest, mean, worn_range, zones};
 use crate::frame::FrameView;
 
-/// Columns over which the border's departures are alike: half of the step of 40 µm over which
-/// features drawn out along the edge look.
-const SHARED_COLUMNS: f64 = 12.0;
-
 /// Measures a flank by a forest.
 ///
 /// # Errors
@@ -99,7 +95,7 @@ fn finished(
         error_um.hypot(deviation(&by_group) / shortened)
     };
     let model_vbb_um = model_um(&zones.b, average, facts.vb_error_um);
-    let (vbb, budget) = with(mean(&widths[zones.b.clone()], SHARED_COLUMNS), model_vbb_um);
+    let (vbb, budget) = with(mean(&widths[zones.b.clone()], FlankLimits::get().shared_columns), model_vbb_um);
     let of = |range: &std::ops::Range<usize>| {
         let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         with(largest(&widths[range.clone()]), model_um(range, most, facts.vb_max_error_um)).0

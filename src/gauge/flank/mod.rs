@@ -1,6 +1,7 @@
 //! The worn land of a front-lit flank: a frame to VB along the edge, and ISO 3685's zones.
 //!
-//! `reference` finds the cutting edge as the straight border of what is in focus, `edge` follows it
+//! `reference` finds the straight border of what has detail, `lift` the cutting edge above it where
+//! a smooth land lies between, `edge` follows it
 //! and fits the curve of the new edge, `strip` rectifies the image along that curve (rows at right
 //! angles to it, 2 µm apart). A `forest` gives every pixel the probability of being land from its
 //! `features`; the cheapest `path` through these is the land's border (`land`), its distance from
@@ -17,6 +18,7 @@ mod features;
 pub(crate) mod forest;
 pub(crate) mod labelled;
 mod land;
+mod lift;
 pub(crate) mod limits;
 mod located;
 mod measurement;

@@ -7,10 +7,6 @@ use super::limits::FlankLimits;
 use super::raster::{Raster, quantile};
 use super::reference::EdgeLine;
 
-/// Columns are twice as far apart as rows: what counts is the width of the land, and it changes
-/// slowly along the edge.
-const COLUMN_PITCHES: f64 = 2.0;
-
 /// Where a strip lies in the image.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Frame {
@@ -44,7 +40,8 @@ impl Frame {
 
     /// Distance of two columns, µm.
     pub(crate) fn column_um(&self) -> f64 {
-        COLUMN_PITCHES * FlankLimits::get().pitch_um
+        let limits = FlankLimits::get();
+        limits.column_pitches * limits.pitch_um
     }
 
     /// Columns.

@@ -10,9 +10,6 @@ pub(crate) mod tree;
 
 use tree::Tree;
 
-/// Groups of trees: of 16 trees four each, which classify nearly as well as all.
-const GROUPS: usize = 4;
-
 /// What a forest states of itself.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
@@ -47,11 +44,12 @@ impl Forest {
         sum / self.trees.len().max(1) as f32
     }
 
-    /// The trees dealt out to [`GROUPS`] forests, whose disagreement is part of the model's
+    /// The trees dealt out to so many forests, whose disagreement is part of the model's
     /// uncertainty; of fewer trees a tree a group.
-    pub(crate) fn groups(&self) -> Vec<Self> {
-        let group = |k: usize| self.trees.iter().skip(k).step_by(GROUPS).cloned().collect::<Vec<Tree>>();
-        (0..GROUPS.min(self.trees.len()))
+    pub(crate) fn groups(&self, count: usize) -> Vec<Self> {
+        let group =
+            |k: usize| self.trees.iter().skip(k).step_by(count.max(1)).cloned().collect::<Vec<Tree>>();
+        (0..count.min(self.trees.len()))
             .map(|k| Self { trees: group(k), facts: self.facts.clone() })
             .collect()
     }
