@@ -12,7 +12,6 @@ use glam::DVec3;
 use super::axis::Axis;
 use super::fault::{FaultKind, ModelFault};
 use super::mesh::Mesh;
-use super::rings::GAP_SHARE;
 use super::turns::{Node, Turns};
 
 /// A profile.
