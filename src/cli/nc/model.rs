@@ -135,6 +135,19 @@ fn report(model: &TurnedPart, written: &PartProgram) {
             recess.z_mm
         );
     }
+    report_left(written);
+    if let Some(largest) = written.largest {
+        tracing::info!(
+            "largest remainder on what the tool reaches: {:+.3} µm at Ø{:.3} Z {:.3} mm",
+            largest.left_um,
+            largest.diameter_mm,
+            largest.z_mm
+        );
+    }
+}
+
+/// Where material stays, and why, on the log.
+fn report_left(written: &PartProgram) {
     for place in &written.places {
         let why = match place.reason {
             Reason::Grip => "in the grip",
@@ -165,14 +178,6 @@ fn report(model: &TurnedPart, written: &PartProgram) {
                 );
             }
         }
-    }
-    if let Some(largest) = written.largest {
-        tracing::info!(
-            "largest remainder on what the tool reaches: {:+.3} µm at Ø{:.3} Z {:.3} mm",
-            largest.left_um,
-            largest.diameter_mm,
-            largest.z_mm
-        );
     }
 }
 
