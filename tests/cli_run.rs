@@ -4,7 +4,7 @@
 #[path = "support/program.rs"]
 mod program;
 
-use program::{shadowgauge, text};
+use program::{json, said, shadowgauge, text};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -380,4 +380,146 @@ fn a_store_that_is_none_is_refused_before_a_run_or_a_measurement_begins() {
         assert_eq!(shadowgauge(command).status.code(), Some(2));
     }
     assert!(!Path::new(&absent).exists(), "a command that reads has made a store");
+}
+
+/// Facets of a profile (radius, Z) from the axis to the axis, 24 a turn, mm.
+fn facets(profile: &[(f32, f32)]) -> Vec<[[f32; 3]; 3]> {
+    let at = |(r, z): (f32, f32), k: usize| {
+        let a = std::f32::consts::TAU * (k % 24) as f32 / 24.0;
+        [r * a.cos(), r * a.sin(), z]
+    };
+    let mut all = Vec::new();
+    for pair in profile.windows(2) {
+        for k in 0..24 {
+            let corners = [at(pair[0], k), at(pair[0], k + 1), at(pair[1], k + 1), at(pair[1], k)];
+            if pair[0].0 > 0.0 {
+                all.push([corners[0], corners[1], corners[2]]);
+            }
+            if pair[1].0 > 0.0 {
+                all.push([corners[0], corners[2], corners[3]]);
+            }
+        }
+    }
+    all
+}
+
+fn binary(facets: &[[[f32; 3]; 3]]) -> Vec<u8> {
+    let mut bytes = vec![b' '; 80];
+    bytes.extend((facets.len() as u32).to_le_bytes());
+    for facet in facets {
+        bytes.extend([0; 12]);
+        facet.as_flattened().iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+fn ascii(facets: &[[[f32; 3]; 3]]) -> String {
+    let mut text = "solid part\n".to_owned();
+    for facet in facets {
+        text += "facet normal 0 0 0\nouter loop\n";
+        facet.iter().for_each(|[x, y, z]| text += &format!("vertex {x:.6} {y:.6} {z:.6}\n"));
+        text += "endloop\nendfacet\n";
+    }
+    text + "endsolid part\n"
+}
+
+/// Ø12, a cone, Ø8.
+const CONE: [(f32, f32); 6] = [(0.0, 0.0), (6.0, 0.0), (6.0, 10.0), (4.0, 14.0), (4.0, 24.0), (0.0, 24.0)];
+/// A collar whose side towards the chuck falls by 45°.
+const COLLAR: [(f32, f32); 8] =
+    [(0.0, 0.0), (6.0, 0.0), (6.0, 6.0), (4.0, 6.0), (4.0, 14.0), (6.0, 16.0), (6.0, 24.0), (0.0, 24.0)];
+
+/// A plain part of a length, as a file.
+fn facets_up_to(length_mm: f32) -> Vec<u8> {
+    binary(&facets(&[(0.0, 0.0), (6.0, 0.0), (6.0, length_mm), (0.0, length_mm)]))
+}
+
+const TOOL: &str = include_str!("../configs/tool/tool.toml");
+const MACHINE: &str = include_str!("../configs/tool/machine.toml");
+
+#[test]
+fn a_model_becomes_a_proven_part_in_one_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("part.stl");
+    std::fs::write(&model, binary(&facets(&CONE))).unwrap();
+    let (model, tool) = (model.to_string_lossy().into_owned(), write(folder.path(), "tool.toml", TOOL));
+    let run = |out: &str, tolerance: &str| {
+        let out = folder.path().join(out).to_string_lossy().into_owned();
+        let part = ["run", &model, "--unit", "mm", "--tool", &tool, "--stock", "14", "--out", &out];
+        let how = ["--size-tolerance", tolerance, "--backend", "cpu", "--no-reference", "--json"];
+        shadowgauge([&part[..], &how[..]].concat())
+    };
+    let output = run("good", "±0.02");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let report = json(&output);
+    assert_eq!(report["in_tolerance"], true, "{report}");
+    let last = report["passes"].as_array().unwrap().last().unwrap();
+    assert!((last["nominal_mm"].as_f64().unwrap() - 12.0).abs() < 1e-5, "{last}");
+    assert!(last["true_max_abs_error_mm"].as_f64().unwrap() < 0.002, "{last}");
+    assert!(folder.path().join("good/report.html").is_file());
+    let output = run("narrow", "±0.0001");
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+}
+
+#[test]
+fn a_model_becomes_a_program_and_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("part.stl");
+    std::fs::write(&model, binary(&facets(&COLLAR))).unwrap();
+    let (model, tool) = (model.to_string_lossy().into_owned(), write(folder.path(), "tool.toml", TOOL));
+    let machine = write(folder.path(), "machine.toml", MACHINE);
+    let svg = folder.path().join("part.svg").to_string_lossy().into_owned();
+    let part = ["nc", &model, "--unit", "mm", "--tool", &tool, "--stock", "14", "--machine", &machine];
+    let how = ["--from-z", "20", "--dialect", "linuxcnc", "--svg", &svg];
+    let output = shadowgauge([&part[..], &how[..]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(said(&output).contains("out of the tool's reach"), "{}", said(&output));
+    let program = text(&output.stdout);
+    assert!(program.contains("FACED AND ROUGHED FROM A BAR OF 14. MM"), "{program}");
+    assert!(std::fs::read_to_string(svg).unwrap().contains("what is left"));
+}
+
+/// (what is wrong, the file, arguments that differ, exit code, words of the error)
+#[test]
+fn a_model_that_makes_no_program_is_one_clear_error() {
+    let good = binary(&facets(&CONE));
+    let words = ascii(&facets(&CONE));
+    let not_a_number = words.replacen("vertex 6.000000", "vertex NaN", 1);
+    let commas = words.replace('.', ",");
+    let png = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".repeat(20);
+    let unmade = |name: &str, bytes: &[u8], more: &[&str], code: i32, words: &[&str]| {
+        let folder = tempfile::tempdir().unwrap();
+        let model = folder.path().join("part.stl");
+        std::fs::write(&model, bytes).unwrap();
+        let model = model.to_string_lossy().into_owned();
+        let tool = write(folder.path(), "tool.toml", TOOL);
+        write(folder.path(), "boring.toml", include_str!("../configs/tool/boring_tool.toml"));
+        let machine = write(folder.path(), "machine.toml", MACHINE);
+        let out = folder.path().join("part.ngc").to_string_lossy().into_owned();
+        let mut arguments = vec!["nc", &model, "--machine", &machine, "--dialect", "linuxcnc", "--out", &out];
+        for (key, value) in [("--unit", "mm"), ("--tool", &tool), ("--stock", "14"), ("--from-z", "20")] {
+            if !more.contains(&key) {
+                arguments.extend([key, value]);
+            }
+        }
+        let boring = folder.path().join("boring.toml").to_string_lossy().into_owned();
+        arguments.extend(more.iter().map(|word| if *word == "BORING" { &boring[..] } else { *word }));
+        let output = shadowgauge(&arguments);
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(code), "{name}: {said}");
+        assert!(words.iter().all(|word| said.contains(word)), "{name}: {said}");
+        assert!(!Path::new(&out).exists(), "{name}: half written");
+    };
+    unmade("a letter", &b"Dear Sir or Madam,\n".repeat(30), &[], 3, &["part.stl", "solid"]);
+    unmade("a picture", &png, &[], 3, &["a PNG image"]);
+    unmade("cut off", &good[..good.len() - 100], &[], 3, &["cut off"]);
+    unmade("no number", not_a_number.as_bytes(), &[], 3, &["line 4", "NaN"]);
+    unmade("commas", commas.as_bytes(), &[], 3, &["line 4", "decimal points"]);
+    unmade("inches", &good, &["--unit", "inch"], 2, &["--unit mm would make it 12.000 mm"]);
+    unmade("a thin bar", &good, &["--stock", "11"], 2, &["12.0000 mm", "another bar"]);
+    unmade("all in the grip", &facets_up_to(14.0), &["--from-z", "0"], 2, &["in the grip", "--from-z"]);
+    unmade("a boring tool", &good, &["--tool", "BORING"], 2, &["external"]);
+    unmade("a depth of none", &good, &["--depth", "0"], 2, &["depth"]);
+    unmade("a tolerance", &good, &["--size-tolerance", "h7"], 2, &["run part.stl"]);
 }

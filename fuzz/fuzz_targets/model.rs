@@ -6,10 +6,12 @@
 mod model;
 #[path = "../../src/outline/mod.rs"]
 mod outline;
+#[path = "../../src/setting.rs"]
+mod setting;
 #[path = "../../src/stl/mod.rs"]
 mod stl;
 
-use shadowgauge::{setting, shaft};
+use shadowgauge::shaft;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     model::model(bytes);

@@ -70,11 +70,22 @@ impl Axis {
     }
 }
 
-/// The vertices with their normals.
+/// Every so many of the vertices, by their numbers, that the first axis is found from.
+fn step(mesh: &Mesh) -> usize {
+    mesh.vertices.len().div_ceil(MOST_POINTS).max(1)
+}
+
+/// All vertices with their normals.
 pub(super) fn surface_points(mesh: &Mesh) -> Vec<SurfacePoint> {
+    points_of_every(mesh, 1)
+}
+
+/// All vertices, every `step` of them with its normal.
+fn points_of_every(mesh: &Mesh, step: usize) -> Vec<SurfacePoint> {
     let none = |at: &DVec3| SurfacePoint { at: *at, normal: DVec3::ZERO, area_mm2: 0.0 };
     let mut points: Vec<SurfacePoint> = mesh.vertices.iter().map(none).collect();
-    for &facet in &mesh.facets {
+    let is_chosen = |i: u32| i as usize % step == 0;
+    for &facet in mesh.facets.iter().filter(|f| f.iter().any(|i| is_chosen(*i))) {
         let double = mesh.double_area(facet);
         let (corners, normal) = (mesh.corners(facet), double.normalize_or_zero());
         for k in 0..3 {
@@ -92,9 +103,9 @@ pub(super) fn surface_points(mesh: &Mesh) -> Vec<SurfacePoint> {
 ///
 /// # Errors
 /// A body that several axes fit.
-pub(super) fn of_normals(points: &[SurfacePoint], size_mm: f64) -> Result<Axis, ModelFault> {
-    let step = points.len().div_ceil(MOST_POINTS).max(1);
-    let chosen: Vec<SurfacePoint> = points.iter().step_by(step).copied().collect();
+pub(super) fn of_normals(mesh: &Mesh) -> Result<Axis, ModelFault> {
+    let (size_mm, step) = (mesh.size_mm, step(mesh));
+    let chosen: Vec<SurfacePoint> = points_of_every(mesh, step).into_iter().step_by(step).collect();
     let area: f64 = chosen.iter().map(|p| p.area_mm2).sum();
     let middle = chosen.iter().map(|p| p.at * p.area_mm2).sum::<DVec3>() / area;
     let weight = |_: &SurfacePoint| 1.0;

@@ -58,12 +58,11 @@ const LEAST_SHARE: f64 = 0.125;
 pub(crate) fn read_part(bytes: &[u8], settings: &ReadSettings) -> Result<TurnedPart, ModelFault> {
     let mut mesh = Mesh::welded(&triangles(bytes, settings.unit)?)?;
     topology::checked(&mut mesh)?;
-    let points = axis::surface_points(&mesh);
-    let first = pointed(axis::of_normals(&points, mesh.size_mm)?);
+    let first = pointed(axis::of_normals(&mesh)?);
     let axis = ring_fit::refined(&mesh, first);
     // first of all: facets of another unit look too coarse
     fits_the_bar(&mesh, &axis, settings)?;
-    let turns = turns::of(&mesh, &axis, &points)?;
+    let turns = turns::of(&mesh, &axis)?;
     let profile = meridian::profile(&mesh, &axis, &turns)?;
     let outside = outside::of(&profile, settings.turn_round);
     let contour = contour::through(&outside.points, (settings.tolerance_mm, turns.scatter_mm));

@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::axis::{Axis, SurfacePoint};
+use super::axis::{Axis, surface_points};
 use super::fault::{FaultKind, ModelFault};
 use super::mesh::Mesh;
 use super::rings::{FEWEST, GAP_SHARE, Ring, clusters, turned};
@@ -86,7 +86,7 @@ const POLYGON_GAP: f64 = 1.5;
 ///
 /// # Errors
 /// The first place, in this order: vertices off every turn, polygons, gaps, chords too long.
-pub(super) fn of(mesh: &Mesh, axis: &Axis, points: &[SurfacePoint]) -> Result<Turns, ModelFault> {
+pub(super) fn of(mesh: &Mesh, axis: &Axis) -> Result<Turns, ModelFault> {
     let gap_mm = GAP_SHARE * mesh.size_mm;
     let seen = turned(mesh, axis, 0..mesh.vertices.len() as u32);
     let mut turns = Turns {
@@ -102,7 +102,7 @@ pub(super) fn of(mesh: &Mesh, axis: &Axis, points: &[SurfacePoint]) -> Result<Tu
     let flat = inside_flats(mesh, &turns);
     let is_flat = |ring: &&Ring| ring.members.iter().all(|t| flat[t.vertex as usize]);
     let others: Vec<&Ring> = others.into_iter().filter(|ring| !is_flat(ring)).collect();
-    if let Some(fault) = not_turned(mesh, (axis, points), &others, &flat) {
+    if let Some(fault) = not_turned(mesh, axis, &others, &flat) {
         return Err(fault);
     }
     match rings.iter().filter(|r| r.is_closed()).find(|r| r.sagitta_mm() > MOST_SAGITTA_MM) {
@@ -126,12 +126,11 @@ fn place(axis: &Axis, ring: &Ring, angle: f64) -> DVec3 {
     axis.point + ring.z * axis.direction + ring.r * (angle.cos() * e1 + angle.sin() * e2)
 }
 
-fn not_turned(
-    mesh: &Mesh,
-    (axis, points): (&Axis, &[SurfacePoint]),
-    others: &[&Ring],
-    flat: &[bool],
-) -> Option<ModelFault> {
+fn not_turned(mesh: &Mesh, axis: &Axis, others: &[&Ring], flat: &[bool]) -> Option<ModelFault> {
+    if others.is_empty() {
+        return None;
+    }
+    let points = surface_points(mesh);
     let (round, stray): (Vec<&Ring>, Vec<&Ring>) =
         others.iter().partition(|r| r.is_closed() || is_polygon(r));
     let away = |vertex: u32| axis.passed_by(mesh.vertices[vertex as usize], points[vertex as usize].normal);

@@ -59,6 +59,11 @@ fn refuse_others(args: &NcArgs) -> Result<(), Failure> {
         ("--dry-run", args.dry_run),
         ("--form", args.form != Form::Knots),
     ];
+    if args.model.has_size_tolerance() {
+        let why =
+            "--size-tolerance is what `run part.stl` judges by; a program has no word for it: leave it out";
+        return Err(Failure::refuse(why));
+    }
     match given.iter().find(|(_, is_given)| *is_given) {
         None => Ok(()),
         Some((name, _)) => Err(Failure::refuse(format!(
@@ -142,7 +147,7 @@ fn report(model: &TurnedPart, written: &PartProgram) {
     }
 }
 
-/// What stays on the part, and of what the tool cannot cut.
+/// Where material stays, and why, on the log.
 fn report_left(written: &PartProgram) {
     for place in &written.places {
         let why = match place.reason {

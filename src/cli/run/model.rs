@@ -43,6 +43,10 @@ pub(crate) struct ModelArgs {
     /// The lighter end comes to the chuck; else the heavier one.
     #[arg(long)]
     turn_round: bool,
+    /// Tolerance of the diameters of its cylinders in a run, as a drawing writes it behind the size:
+    /// h7, ±0.02; without it the run gives no verdict.
+    #[arg(long, value_name = "TEXT", allow_hyphen_values = true)]
+    size_tolerance: Option<String>,
 }
 
 fn way(word: &str) -> Result<Way, String> {
@@ -78,6 +82,7 @@ impl ModelArgs {
             ("--feed", self.feed.is_some()),
             ("--tolerance", self.tolerance.is_some()),
             ("--turn-round", self.turn_round),
+            ("--size-tolerance", self.size_tolerance.is_some()),
         ];
         match given.iter().find(|(_, is_given)| *is_given) {
             None => Ok(()),
@@ -99,6 +104,11 @@ impl ModelArgs {
             return Ok(stock);
         }
         Err(Failure::refuse(format!("--stock {stock}: must be a diameter above 0 mm")))
+    }
+
+    /// Whether a tolerance of the diameters is given, which a program has no word for.
+    pub(crate) fn has_size_tolerance(&self) -> bool {
+        self.size_tolerance.is_some()
     }
 
     /// The way of the finishing cut.
@@ -182,11 +192,15 @@ const PIXEL_MM: f64 = 3.45e-3;
 const MAGNIFICATION: f64 = 0.226;
 /// Largest and least length of a station, mm.
 const STATION_MM: (f64, f64) = (0.5, 2.0);
-/// Depth of the last pass on the diameter, mm, where the bar leaves so much.
-const LAST_MM: f64 = 0.4;
+/// Depth of both passes where the tool's measured pass states none, mm of radius.
+const DEPTH_MM: f64 = 0.2;
+/// Least step of the passes, mm of diameter, where the bar is as thick as the part.
+const LEAST_STEP_MM: f64 = 1e-3;
+/// Columns beside the end of a cylinder that a job keeps its stations out of, and one of rounding.
+const BESIDE_PX: f64 = 21.0;
 
-/// The job of a model: the part as `[shaft] contour`, two passes from the bar's allowance, a camera
-/// into which it fits.
+/// The job of a model: the part as `[shaft] contour`, two passes of equal depth (what the first one
+/// is corrected by holds for a cut of the same force), a camera into which it fits.
 ///
 /// # Errors
 /// As [`ModelArgs::part`] and [`ModelArgs::tool`]; an outline that `[shaft] contour` has no words for.
@@ -206,21 +220,26 @@ fn text(
     (args, tool): (&ModelArgs, &ModelTool),
     (stock_mm, cutting): (f64, CuttingData),
 ) -> String {
-    let diameters = || corners.iter().map(|c| c.diameter_mm);
-    let (least, largest) = (diameters().fold(f64::INFINITY, f64::min), diameters().fold(0.0, f64::max));
+    let largest = corners.iter().map(|c| c.diameter_mm).fold(0.0, f64::max);
     let length = corners.last().map_or(0.0, |c| c.z_mm);
-    let before = largest + LAST_MM.min(0.5 * (stock_mm - largest).max(1e-3));
+    let depth_mm = tool.tool.measured_pass.and_then(|pass| pass.depth_mm).unwrap_or(DEPTH_MM);
+    let step = (2.0 * depth_mm).min(0.5 * (stock_mm - largest)).max(LEAST_STEP_MM);
     let magnification = MAGNIFICATION.min(ROWS * PIXEL_MM / (FIELD * largest));
     let fields = 1.0 + (length * magnification / (COLUMNS * PIXEL_MM)).ceil();
-    let cylinders = corners.windows(2).map(|w| w[1].z_mm - w[0].z_mm).filter(|l| *l > STATION_MM.0);
-    let station = (0.5 * cylinders.fold(2.0 * STATION_MM.1, f64::min)).clamp(STATION_MM.0, STATION_MM.1);
+    let cylinders = cylinders(corners, BESIDE_PX * PIXEL_MM / magnification);
+    let least = cylinders.iter().map(|c| c.diameter_mm).fold(largest, f64::min);
+    let clear = cylinders.iter().map(|c| c.clear_mm).filter(|mm| *mm >= STATION_MM.0);
+    let station = (0.5 * clear.fold(2.0 * STATION_MM.1, f64::min)).clamp(STATION_MM.0, STATION_MM.1);
     let mut text = format!("name = {name:?}\nseed = 1\n\n[part]\nlength_mm = {length:?}\n");
     let _ = writeln!(
         text,
-        "stock_diameter_mm = {:?}\nnominal_diameter_mm = [{before:?}, {largest:?}]",
-        stock_mm.max(before)
+        "stock_diameter_mm = {:?}\nnominal_diameter_mm = [{:?}, {largest:?}]",
+        rounded(largest + 2.0 * step),
+        rounded(largest + step)
     );
-    let _ = writeln!(text, "station_mm = {station:?}\n\n[shaft]\ncontour = [");
+    let _ = writeln!(text, "station_mm = {station:?}\n");
+    text += &sections(&cylinders, args.size_tolerance.as_deref());
+    let _ = writeln!(text, "[shaft]\ncontour = [");
     for c in corners {
         let radius =
             if c.radius_mm > 0.0 { format!(", radius_mm = {:?}", c.radius_mm) } else { String::new() };
@@ -245,5 +264,52 @@ fn text(
         1e3 * PIXEL_MM
     );
     let _ = writeln!(text, "[optics]\nmagnification = {magnification:.4}");
+    text
+}
+
+/// A diameter without the digits of its sum, mm.
+fn rounded(mm: f64) -> f64 {
+    (mm * 1e6).round() / 1e6
+}
+
+/// A cylinder of a part.
+struct Cylinder {
+    /// Its middle, mm.
+    z_mm: f64,
+    /// Diameter, mm.
+    diameter_mm: f64,
+    /// Length that is clear of arcs and of the blur beside its ends, mm.
+    clear_mm: f64,
+}
+
+/// The cylinders between corners; `beside_mm` is what the blur of a shoulder takes of one.
+fn cylinders(corners: &[ContourPoint], beside_mm: f64) -> Vec<Cylinder> {
+    let last = corners.len().saturating_sub(1);
+    let beside = |i: usize| if i == 0 || i == last { 0.0 } else { beside_mm };
+    let mut found = Vec::new();
+    for (i, pair) in corners.windows(2).enumerate() {
+        let (from, to) = (pair[0].z_mm + pair[0].radius_mm, pair[1].z_mm - pair[1].radius_mm);
+        if pair[0].diameter_mm == pair[1].diameter_mm && to > from {
+            let clear_mm = (to - beside(i + 1)) - (from + beside(i));
+            found.push(Cylinder { z_mm: 0.5 * (from + to), diameter_mm: pair[0].diameter_mm, clear_mm });
+        }
+    }
+    found
+}
+
+/// The cylinders as `[[part.sections]]`: those too short for a station are not measured, the others
+/// have the tolerance.
+fn sections(cylinders: &[Cylinder], tolerance: Option<&str>) -> String {
+    let mut text = String::new();
+    for cylinder in cylinders {
+        let word = match tolerance {
+            _ if cylinder.clear_mm < STATION_MM.0 => "measured = false".to_owned(),
+            Some(tolerance) => {
+                format!("tolerance = {:?}", format!("{} {tolerance}", cylinder.diameter_mm))
+            }
+            None => continue,
+        };
+        let _ = writeln!(text, "[[part.sections]]\nz_mm = {:?}\n{word}\n", rounded(cylinder.z_mm));
+    }
     text
 }
