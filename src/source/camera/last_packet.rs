@@ -2,12 +2,14 @@
 //!
 //! The receiver of `viva-genicam` asks for packets that lie before the newest one of a block; the
 //! trailer, which no packet follows, is not among them, and the block is closed after 100 ms
-//! without a packet. Here the next block after the last one that came is overdue when its period
-//! and a margin are over, or when packets came and no more follow. Its trailer is then asked for by
-//! a request of our own (PACKETRESEND, GigE Vision 2.2, 14.10) to the control port, from the
+//! without a packet. Here the next block after the last one that came is overdue when its packets
+//! came but for few, and its period and a margin are over or no more packets follow. Its trailer is
+//! then asked for by a request of our own (PACKETRESEND, GigE Vision 2.2, 14.10) to the control port, from the
 //! address that has control, as the receiver asks from its own socket. The camera sends it to the
-//! stream. The receiver takes it, and asks for payload before it that is missing. A request for a
-//! frame that was not sent yet, or has arrived meanwhile, costs a datagram each way.
+//! stream. The receiver takes it, and asks for payload before it that is missing: a trailer that
+//! came early would have it ask for all that is under way still, and spend the quarter of the
+//! frame's packets that it may ask for. A request for a frame that has arrived meanwhile costs a
+//! datagram each way.
 
 use std::net::{SocketAddr, SocketAddrV4, UdpSocket};
 use std::time::{Duration, Instant};
@@ -21,6 +23,9 @@ const MARGIN: Duration = Duration::from_millis(20);
 const LOOK: Duration = Duration::from_millis(20);
 /// Requests for a frame at most: they span 140 ms, and its block is closed before.
 const MOST: u32 = 8;
+/// Share of a block's packets that may be missing, one in so many, half of what the receiver asks
+/// for at most: of a block that lacks more, packets are under way, or it cannot be made whole.
+const MISSING: u64 = 8;
 /// Bytes of the IP and UDP headers, which the size of a packet counts.
 const IP_UDP_BYTES: u32 = 28;
 
@@ -49,16 +54,17 @@ impl Overdue {
         (self.next_look, self.asked) = (now + self.period.map_or(LOOK, |period| period + MARGIN), 0);
     }
 
-    /// Whether its last packet is to be asked for now.
-    fn is_due(&mut self, now: Instant, packets: u64) -> bool {
+    /// Whether its last packet, of this number, is to be asked for now.
+    fn is_due(&mut self, now: Instant, packets: u64, trailer: u32) -> bool {
         if now < self.next_look {
             return false;
         }
         self.next_look = now + LOOK;
-        let has_begun = packets > self.packets;
+        let before_trailer = u64::from(trailer);
+        let has_come = packets.saturating_sub(self.packets) >= before_trailer - before_trailer / MISSING;
         let stands = packets == std::mem::replace(&mut self.looked, packets);
         let is_late = self.period.is_some_and(|period| now - self.since >= period + MARGIN);
-        let is_due = has_begun && (stands || is_late) && self.asked < MOST;
+        let is_due = has_come && (stands || is_late) && self.asked < MOST;
         self.asked += u32::from(is_due);
         is_due
     }
@@ -135,11 +141,11 @@ impl LastPacket {
     /// Asks for the last packet of the next block where that is overdue, after so many packets of
     /// the stream.
     pub(super) fn look(&mut self, now: Instant, packets: u64) {
-        if !self.overdue.is_due(now, packets) {
+        let trailer = self.trailer[usize::from(self.is_long)];
+        if !self.overdue.is_due(now, packets, trailer) {
             return;
         }
         let block = self.awaited();
-        let trailer = self.trailer[usize::from(self.is_long)];
         // 0 is no number of a request
         self.request = self.request.checked_add(1).unwrap_or(1);
         let request = encode_packet_resend(self.request, self.channel, block, trailer, trailer, self.is_long);
@@ -170,25 +176,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_frame_is_overdue_after_its_period_or_where_its_packets_stand() {
+    fn a_frame_that_came_but_for_few_packets_is_overdue_after_its_period_or_where_packets_stand() {
         let start = Instant::now();
         let at = |ms: u64| start + Duration::from_millis(ms);
-        // 50 frames a second, of which packets go on coming
+        // 50 frames a second of 80 packets and a trailer; packets go on coming
         let mut free = Overdue::new(Some(Duration::from_millis(20)), start);
         free.came(at(0), 100);
-        assert_eq!([10, 39].map(|ms| free.is_due(at(ms), 150)), [false; 2], "not yet");
-        assert!(free.is_due(at(40), 200));
-        assert!(!free.is_due(at(50), 220), "asked 10 ms ago");
-        assert!(free.is_due(at(60), 240));
-        assert_eq!((80..400).step_by(20).filter(|ms| free.is_due(at(*ms), 1000 + ms)).count(), 6);
+        assert_eq!([10, 39].map(|ms| free.is_due(at(ms), 180, 80)), [false; 2], "not yet");
+        assert!(!free.is_due(at(40), 169, 80), "more than an eighth is under way");
+        assert!(free.is_due(at(60), 170, 80));
+        assert!(!free.is_due(at(70), 180, 80), "asked 10 ms ago");
+        assert!(free.is_due(at(80), 190, 80));
+        assert_eq!((100..400).step_by(20).filter(|ms| free.is_due(at(*ms), 1000 + ms, 80)).count(), 6);
         free.came(at(400), 2000);
-        assert!(!free.is_due(at(1000), 2000), "nothing of the next one came");
-        // by triggers: packets that stand from one look to the next
+        assert!(!free.is_due(at(1000), 2000, 80), "nothing of the next one came");
+        // by triggers: leader and pixels that stand from one look to the next
         let mut triggered = Overdue::new(None, start);
         triggered.came(at(0), 10);
-        assert_eq!([20, 40].map(|ms| triggered.is_due(at(ms), 10)), [false; 2]);
-        assert_eq!([60, 80].map(|ms| triggered.is_due(at(ms), 10 + ms)), [false; 2], "under way");
-        assert!(triggered.is_due(at(100), 90));
+        assert_eq!([20, 40].map(|ms| triggered.is_due(at(ms), 11, 2)), [false; 2], "a leader alone");
+        assert!(!triggered.is_due(at(60), 12, 2), "it came since the last look");
+        assert!(triggered.is_due(at(80), 12, 2));
     }
 
     #[test]
