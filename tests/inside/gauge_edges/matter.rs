@@ -3,12 +3,15 @@
 
 use shadowgauge::gauge::{Gauge, GaugeSettings, Rejection};
 use shadowgauge::profile::Reason;
-use shadowgauge::studies::contamination;
+use shadowgauge::studies::contamination_plan::ContaminationPlan;
 use shadowgauge::studies::dirty_frames::{Bump, COLUMNS, Piece};
+use shadowgauge::studies::sharding::{SceneStudy, outcomes};
 
 #[test]
 fn harmful_frames_are_gaps_or_right_and_clean_ones_are_kept() {
-    let study = contamination::run(&GaugeSettings::default(), 12, 60, 4242, &|_| {}).unwrap();
+    let plan = ContaminationPlan { frames: 12, clean: 60, seed: 4242 };
+    let found = outcomes(&plan, &plan.bench().unwrap(), 0..plan.scenes(), &|| {}).unwrap();
+    let study = plan.result(&found);
     for kind in &study.kinds {
         println!("{kind:?}");
     }
