@@ -66,7 +66,7 @@ fn a_shard_that_is_there_is_left_and_one_that_was_lost_is_made_again() {
 fn shards_that_do_not_belong_together_are_refused_by_name() {
     let [folder, other, more] = std::array::from_fn(|_| tempfile::tempdir().unwrap());
     let files = shards(&COVERAGE, 2, folder.path());
-    let seeded = [&COVERAGE[..], &["--seed", "8"]].concat();
+    let seeded = [&COVERAGE[..], &["--seed", "8"][..]].concat();
     let of_another_seed = shards(&seeded, 2, other.path());
     let larger = ["coverage", "--scenes", "4", "--class", "noise", "--class", "mixed"];
     let of_another_config = shards(&larger, 2, more.path());

@@ -3,10 +3,9 @@
 
 use shadowgauge::gauge::{Gauge, GaugeSettings, Rejection};
 use shadowgauge::profile::Reason;
+use shadowgauge::studies::contamination_plan::ContaminationPlan;
 use shadowgauge::studies::dirty_frames::{Bump, COLUMNS, Piece};
-
-use crate::studies::contamination_plan::ContaminationPlan;
-use crate::studies::sharding::{SceneStudy as _, outcomes};
+use shadowgauge::studies::sharding::{SceneStudy, outcomes};
 
 #[test]
 fn harmful_frames_are_gaps_or_right_and_clean_ones_are_kept() {
