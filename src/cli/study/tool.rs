@@ -181,8 +181,8 @@ fn write(folder: &StudyFolder, study: &Study, noses: &Noses) -> Result<(), Failu
     page.text(
         "The workpieces of the paper on tool wear by vision (Zhang, Lu, Xia, Zhang, Zhu 2025), cut by the nose of a rendered \
          insert. Programs are made for the nose as measured in its frame, or by the paper's two registers; the true nose cuts. \
-         The diameter of workpiece 4 is measured through frames by the gauge, the others on the surface itself, since cones of \
-         these angles are beyond the gauge's slopes. The paper's columns are the means of its four readings. Every workpiece is cut \
+         The diameter of workpiece 4 is measured through frames by the gauge, the others on the surface itself, since the \
+         gauge of diameters reads neither faces nor arcs up to 87 degrees. The paper's columns are the means of its four readings. Every workpiece is cut \
          with the cutting data of the one before compensation.",
     );
     page.text(&nose_in_words(study));
