@@ -98,29 +98,29 @@ fn rotated_and_mirrored_pictures() {
     }
 }
 
-/// Every second pixel of an insert twice as large, and its centre in the small picture's pixels.
-fn made_smaller(sigma_px: f64) -> (Frame, [f64; 2]) {
+/// Every second pixel of an insert twice as large, and its truth in the small picture's pixels.
+fn made_smaller(sigma_px: f64) -> (Frame, [f64; 2], f64) {
     let mut s = insert(0);
     (s.camera.columns, s.camera.rows) = (1040, 840);
     s.nose.radius_mm = 0.4;
     s.nose.centre_px = [450.0, 520.0];
     s.esf = Esf::Gaussian(GaussianEsf { sigma_px });
     let (frame, truth) = render_insert(&s, (1, 0), true).unwrap();
-    (moved(&frame, (420, 520), |row, column| (2 * row, 2 * column)), truth.centre_px.map(|c| 0.5 * c))
+    let small = moved(&frame, (420, 520), |row, column| (2 * row, 2 * column));
+    (small, truth.centre_px.map(|c| 0.5 * c), 0.5 * truth.nominal_radius_px)
 }
 
 #[test]
-fn a_picture_made_smaller_is_measured_while_its_blur_shows_and_refused_where_it_does_not() {
-    let settings = NoseSettings { nominal_radius_px: None, um_per_px: 4.83, expected: None };
-    let (frame, centre) = made_smaller(1.2);
+fn a_picture_made_smaller_is_measured_while_its_blur_shows_and_named_where_it_does_not() {
+    let (frame, centre, radius_px) = made_smaller(1.2);
+    let settings = NoseSettings { nominal_radius_px: Some(radius_px), ..NoseSettings::default() };
     let found = measure_nose(&frame.view(), &settings).unwrap();
-    // a blur of .6 px in pixels of half its width: five u of the centre and of the angle
+    // a blur of .6 px, with pixels of half its width: within .02 px as of full pictures
     let off = DVec2::new(found.centre.x - centre[0], found.centre.y + centre[1]).length();
-    assert!(off < 0.02 && (found.angle_deg - 60.0).abs() < 0.005, "{off} px, {} deg", found.angle_deg);
-    // .2 px: the edges are straight, but where within a pixel they stand does not show
-    let (frame, _) = made_smaller(0.4);
+    assert!(off < 0.02 && (found.angle_deg - 60.0).abs() < 0.005, "{off} px, {}°", found.angle_deg);
+    let (frame, ..) = made_smaller(0.4);
     let said = measure_nose(&frame.view(), &settings).unwrap_err().to_string();
-    assert!(said.contains("cannot be fitted") && !said.contains("not straight"), "{said}");
+    assert!(said.contains("made smaller") && said.contains("as the camera took it"), "{said}");
 }
 
 #[test]
