@@ -7,7 +7,7 @@
 //! `instrument` (camera or probe) is calibrated on `masters`; a pass is cut, then scanned (`scan`;
 //! `touches` by a probe), or measured while it is cut (`in_process`); `pass_before` compares it
 //! with the last one, `evidence` is the input of a decision besides the profile; `station_scan` is
-//! a scan whose frames come from elsewhere. A new way to
+//! a scan whose frames come from elsewhere, `part_frames` hands out the frames themselves. A new way to
 //! measure a pass is a method of [`ClosedLoop`] in a file of its own that returns a `Scanned`.
 
 mod error;
@@ -15,6 +15,8 @@ mod evidence;
 mod in_process;
 mod instrument;
 mod masters;
+#[cfg(feature = "render")]
+mod part_frames;
 mod pass_before;
 mod scan;
 #[cfg(feature = "render")]

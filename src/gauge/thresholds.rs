@@ -75,6 +75,7 @@ use super::edge::wire::joint_fit::WireFitLimits;
 use super::edge::wire::rounding::WireRoundingLimits;
 use super::flank::limits::{FlankLimits, FlankTrainingLimits};
 use super::flank::paper::PaperFlankLimits;
+use super::generatrix::limits::GeneratrixLimits;
 use super::limit::{Limit, Limits};
 use super::nose::axes::NoseAxesLimits;
 use super::nose::limits::NoseLimits;
@@ -259,7 +260,7 @@ fn of_uncertainty() -> Vec<Vec<Limit>> {
 
 /// Thresholds of noses, a group an entry.
 fn of_nose() -> Vec<Vec<Limit>> {
-    vec![NoseLimits::list(), NoseAxesLimits::list(), PaperNoseLimits::list()]
+    vec![NoseLimits::list(), NoseAxesLimits::list(), PaperNoseLimits::list(), GeneratrixLimits::list()]
 }
 
 /// Thresholds of flanks, a group an entry.

@@ -16,7 +16,7 @@ use crate::outline::{Outline, Side};
 use crate::plan::{Contour, FeedDirection};
 use crate::process::{NosePath, ToolSettings};
 use crate::setting::{SettingError, require};
-use crate::tool::{Compensator, Setting, ToolError, ToolFile, Way, moves_of, read_nose};
+use crate::tool::{Compensator, Element, Setting, ToolError, ToolFile, Way, moves_of, read_nose};
 
 /// The `[tool]` table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -48,8 +48,21 @@ pub struct RunTool {
 pub(crate) struct CuttingTruth {
     /// The nose.
     pub nose: NoseProfile,
-    /// How far the slides stand off, (X, Z) in mm, X radial.
-    pub slides_mm: DVec2,
+    /// How far the slides stand off along each piece of the outline, (X, Z) in mm, X radial; on
+    /// their path beyond the last.
+    pub slides_mm: Vec<DVec2>,
+}
+
+impl CuttingTruth {
+    /// The nose on the path of a program; `by` leads from the program's tool point to the nose's
+    /// own.
+    pub(crate) fn path(&self, path: &[Element], by: DVec2) -> NosePath {
+        let moves = path.iter().flat_map(|element| {
+            let by = by + self.slides_mm.get(element.source).copied().unwrap_or(DVec2::ZERO);
+            moves_of(std::slice::from_ref(element)).into_iter().map(move |(a, b)| (a + by, b + by))
+        });
+        NosePath::new(&self.nose, &moves.collect::<Vec<_>>())
+    }
 }
 
 /// Support of the nose towards a surface.
@@ -187,12 +200,11 @@ impl RunTool {
         };
         compensator.check(&geometry).map_err(refused)?;
         let done = compensator.carry_out(self.way).map_err(refused)?;
-        let moves = moves_of(&done.path);
-        let Some(truth) = &self.truth else { return Ok(Some(NosePath::new(&nose, &moves))) };
+        let Some(truth) = &self.truth else {
+            return Ok(Some(NosePath::new(&nose, &moves_of(&done.path))));
+        };
         let real = Setting::new(&truth.nose, &geometry, &tool.stated()).map_err(refused)?;
-        let by = compensator.setting.to_tool_point_of(&real) + truth.slides_mm;
-        let moved: Vec<(DVec2, DVec2)> = moves.into_iter().map(|(a, b)| (a + by, b + by)).collect();
-        Ok(Some(NosePath::new(&truth.nose, &moved)))
+        Ok(Some(truth.path(&done.path, compensator.setting.to_tool_point_of(&real))))
     }
 }
 

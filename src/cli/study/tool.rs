@@ -13,15 +13,16 @@ use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
 use crate::studies::worn_tool::{
-    self, Noses, OfPaper, Row, Settings, Study, Tried, Workpiece, WornToolError, curves,
+    self, Jobs, Noses, OfPaper, Row, Settings, Study, Tried, Workpiece, WornToolError, curves,
 };
 
 /// The insert where no config is given: that of paper 004, worn so that its mean radius is the
 /// paper's, .3743 mm (worn round by depth t a nose of R has the mean radius R − t/2).
 const INSERT: &str = "[camera]\ncolumns = 1600\nrows = 1200\num_per_px = 2.415\n\n[nose]\nradius_mm = 0.4\n\
      centre_px = [700.0, 720.0]\n\n[[wear]]\nround = { depth_um = 51.4 }\n\n[esf.gaussian]\nsigma_px = 1.2\n";
-/// The fourth workpiece before its camera.
+/// The fourth workpiece before its camera, and the first three before theirs.
 const WORKPIECE: &str = include_str!("tool_workpiece.toml");
+const PROFILES: &str = include_str!("tool_profiles.toml");
 
 /// Arguments of `study tool`.
 #[derive(Debug, clap::Args)]
@@ -40,7 +41,7 @@ pub(crate) struct StudyToolArgs {
     /// Seed of noise and scatter.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Where the frames of workpiece 4 are rendered.
+    /// Where the frames of the workpieces are rendered.
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     backend: BackendChoice,
     /// Print JSON.
@@ -67,13 +68,18 @@ fn two_angles(text: &str) -> Result<[f64; 2], String> {
 pub(crate) fn run(args: &StudyToolArgs) -> CommandResult {
     let text = ConfigText::read_or(args.config.as_deref(), "built-in insert", INSERT)?;
     let insert: InsertSettings = text.parse()?;
-    let settings = Settings { insert, cone_deg: args.cone_deg, pieces: args.pieces, seed: args.seed };
+    let (cone_deg, pieces, seed) = (args.cone_deg, args.pieces, args.seed);
+    let settings = Settings { insert, cone_deg, pieces, workpieces: Workpiece::ALL.to_vec(), seed };
     settings.check().map_err(|e| refused(&text, e))?;
-    let job = config::parse(WORKPIECE, "tool_workpiece.toml").map_err(Failure::refused)?;
+    let job = |text, name| config::parse(text, name).map_err(Failure::refused);
+    let jobs = Jobs {
+        profiles: job(PROFILES, "tool_profiles.toml")?,
+        batch: job(WORKPIECE, "tool_workpiece.toml")?,
+    };
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
     let bar = progress::bar(worn_tool::programs_in_all() as u64, "cutting", "programs");
-    let found = worn_tool::run(&settings, &job, &renderer, &|| bar.inc(1));
+    let found = worn_tool::run(&settings, &jobs, &renderer, &|| bar.inc(1));
     bar.finish_and_clear();
     let (study, noses) = found.map_err(|e| refused(&text, e))?;
     StudyFolder::fill(folder, |folder| write(folder, &study, &noses))?;
@@ -181,8 +187,8 @@ fn write(folder: &StudyFolder, study: &Study, noses: &Noses) -> Result<(), Failu
     page.text(
         "The workpieces of the paper on tool wear by vision (Zhang, Lu, Xia, Zhang, Zhu 2025), cut by the nose of a rendered \
          insert. Programs are made for the nose as measured in its frame, or by the paper's two registers; the true nose cuts. \
-         The diameter of workpiece 4 is measured through frames by the gauge, the others on the surface itself, since cones of \
-         these angles are beyond the gauge's slopes. The paper's columns are the means of its four readings. Every workpiece is cut \
+         The sizes are measured through frames by the gauge: the diameter of workpiece 4 by its stations, those of the others \
+         by the lines and arcs of the silhouette. The paper's columns are the means of its four readings. Every workpiece is cut \
          with the cutting data of the one before compensation.",
     );
     page.text(&nose_in_words(study));

@@ -341,6 +341,15 @@ impl Calibration {
         (width_px * width_px * vs + 2.0 * width_px * c + vo).max(0.0).sqrt()
     }
 
+    /// Standard uncertainty of a size that changes by `by_scale_px` with the scale (mm/px) and by
+    /// `by_offset` with the edge offset (mm), mm; all sizes of the calibration share it.
+    pub(crate) fn u_of_size_mm(&self, by_scale_px: f64, by_offset: f64) -> f64 {
+        let [vs, c, vo] = self.covariance;
+        let variance =
+            by_scale_px * by_scale_px * vs + 2.0 * by_scale_px * by_offset * c + by_offset * by_offset * vo;
+        variance.max(0.0).sqrt()
+    }
+
     /// Zero of the heights of an axis: the middle between the first and the last of `rows` rows, or
     /// the axis of the lens.
     pub(crate) fn axis_zero(&self, rows: f64) -> AxisZero {

@@ -11,18 +11,18 @@ use crate::gauge::ring::edge_pixels::{Band, EdgePixel};
 
 /// A stretch of an edge in calipers.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Calipers {
+pub(in crate::gauge) struct Calipers {
     /// Place along the line of its first caliper's beginning, px from the line's `at`.
-    pub(super) from: f64,
+    pub(in crate::gauge) from: f64,
     /// Length of a caliper, px.
-    pub(super) length: f64,
+    pub(in crate::gauge) length: f64,
     /// Their number.
-    pub(super) count: usize,
+    pub(in crate::gauge) count: usize,
 }
 
 impl Calipers {
     /// Place along the line of the middle of caliper k, px.
-    pub(super) fn middle(&self, k: usize) -> f64 {
+    pub(in crate::gauge) fn middle(&self, k: usize) -> f64 {
         self.from + (k as f64 + 0.5) * self.length
     }
 }
@@ -66,7 +66,7 @@ pub(super) fn collect(view: &FrameView<'_>, plan: &BandPlan<'_>) -> Band {
 }
 
 /// The frame's value at a place of whole pixels.
-fn value_at(view: &FrameView<'_>, column: isize, row: isize) -> Option<f64> {
+pub(in crate::gauge) fn value_at(view: &FrameView<'_>, column: isize, row: isize) -> Option<f64> {
     if column < 0 || row < 0 {
         return None;
     }
@@ -74,7 +74,7 @@ fn value_at(view: &FrameView<'_>, column: isize, row: isize) -> Option<f64> {
 }
 
 /// Pixels along a line: its main direction pixel by pixel, across it those within the band.
-fn along_line(
+pub(in crate::gauge) fn along_line(
     view: &FrameView<'_>,
     line: &EdgeLine,
     calipers: &Calipers,

@@ -8,12 +8,12 @@ use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 
 /// A straight edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct EdgeLine {
+pub(in crate::gauge) struct EdgeLine {
     /// Unit normal towards the light; the contour goes on along its perpendicular,
     /// counter-clockwise.
-    pub(super) normal: DVec2,
+    pub(in crate::gauge) normal: DVec2,
     /// The place about which direction and offset are uncorrelated.
-    pub(super) at: DVec2,
+    pub(in crate::gauge) at: DVec2,
     /// Standard uncertainty of the offset along the normal at `at`, px.
     pub(super) u_offset_px: f64,
     /// Standard uncertainty of the direction, rad.
@@ -26,47 +26,47 @@ pub(super) struct EdgeLine {
 
 /// A caliper of an edge.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct EdgePoint {
+pub(in crate::gauge) struct EdgePoint {
     /// Place along the line it was measured from, px.
-    pub(super) along: f64,
+    pub(in crate::gauge) along: f64,
     /// Distance of the edge from that line towards the light, px.
-    pub(super) shift: f64,
+    pub(in crate::gauge) shift: f64,
     /// Its own standard uncertainty, px.
-    pub(super) u: f64,
+    pub(in crate::gauge) u: f64,
     /// What it shares with the other calipers, px.
-    pub(super) shared: [f64; SHARED],
+    pub(in crate::gauge) shared: [f64; SHARED],
 }
 
 /// A line through calipers.
 #[derive(Clone, Debug)]
-pub(super) struct LineFit {
+pub(in crate::gauge) struct LineFit {
     /// The line.
-    pub(super) line: EdgeLine,
+    pub(in crate::gauge) line: EdgeLine,
     /// Calipers on it.
-    pub(super) on_line: usize,
+    pub(in crate::gauge) on_line: usize,
     /// Departures of the others towards the light, px.
-    pub(super) off: Vec<f64>,
+    pub(in crate::gauge) off: Vec<f64>,
 }
 
 impl EdgeLine {
     /// A line that nothing is known of yet.
-    pub(super) fn coarse(normal: DVec2, at: DVec2) -> Self {
+    pub(in crate::gauge) fn coarse(normal: DVec2, at: DVec2) -> Self {
         let none = [0.0; SHARED];
         Self { normal, at, u_offset_px: 0.0, u_angle_rad: 0.0, shared_offset: none, shared_angle: none }
     }
 
     /// Direction in which the contour goes on.
-    pub(super) fn along(&self) -> DVec2 {
+    pub(in crate::gauge) fn along(&self) -> DVec2 {
         self.normal.perp()
     }
 
     /// Distance of a place from the line towards the light, px.
-    pub(super) fn distance(&self, p: DVec2) -> f64 {
+    pub(in crate::gauge) fn distance(&self, p: DVec2) -> f64 {
         self.normal.dot(p - self.at)
     }
 
     /// Uncertainty of the offset at a place along it, px: its own, and what all calipers share.
-    pub(super) fn u_at(&self, p: DVec2) -> (f64, [f64; SHARED]) {
+    pub(in crate::gauge) fn u_at(&self, p: DVec2) -> (f64, [f64; SHARED]) {
         let place = self.along().dot(p - self.at);
         let shared = std::array::from_fn(|k| self.shared_offset[k] + place * self.shared_angle[k]);
         (self.u_offset_px.hypot(self.u_angle_rad * place), shared)
@@ -85,7 +85,7 @@ pub(super) fn product(a: &[f64; SHARED], b: &[f64; SHARED]) -> f64 {
 
 /// The line through calipers that were measured from `from`; of several stretches the one that most
 /// of them lie on. `None` where fewer than three do.
-pub(super) fn fit(from: &EdgeLine, points: &[EdgePoint]) -> Option<LineFit> {
+pub(in crate::gauge) fn fit(from: &EdgeLine, points: &[EdgePoint]) -> Option<LineFit> {
     let limits = NoseLimits::get();
     let usual_u = median_of(points.iter().map(|p| p.u).collect());
     let mut within = limits.on_line_px.max(limits.on_line_spreads * usual_u);

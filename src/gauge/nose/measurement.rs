@@ -1,7 +1,5 @@
 //! The measurement: coarse corner, pooled fits along the contour, lines, centre, sectors, support.
 
-use std::borrow::Cow;
-
 use glam::DVec2;
 use nalgebra::Matrix2;
 
@@ -17,12 +15,11 @@ use super::result::{NoseMeasurement, NoseSector, Reference};
 use super::settings::{ExpectedNose, NoseSettings};
 use super::support::{SectorNoise, below_hull, support};
 use crate::frame::{FrameView, PixelFormat};
-use crate::gauge::edge::estimation::light_field::{LightField, Lit};
+use crate::gauge::edge::estimation::light_field::LightField;
 use crate::gauge::ring::edge_fit::{Caliper, EdgeFit};
 use crate::gauge::ring::edge_pixels::Band;
-use crate::gauge::ring::fit::{fit_edge, fit_edge_from};
+use crate::gauge::ring::levelled::{fit_levelled, light_of};
 use crate::gauge::ring::measurement::RingLightLimits;
-use crate::numerics::robust::median_of;
 
 /// Measures the nose of the one insert in a frame.
 ///
@@ -165,42 +162,23 @@ impl<'a> Work<'a> {
     /// The pooled fit, in even light.
     fn fit(&mut self, calipers: &[Calipers; 2]) -> Result<EdgeFit, NoseImageError> {
         let whole = self.view.format() != PixelFormat::F32;
-        let least_variance = if whole { 1.0 / 12.0 } else { 1e-6 };
         let half = (self.half_px, self.half_px);
         let raw = collect(self.view, &BandPlan { path: &self.path, calipers: *calipers, half });
         if self.field.is_none() {
             self.field = Some(self.light(calipers));
         }
-        let mut band = Cow::Borrowed(&raw);
-        if let Some(Some((field, dark))) = &self.field {
-            band.to_mut().level(field, *dark);
-        }
+        let light = self.field.as_ref().and_then(Option::as_ref);
         // the plane of the levels counts from the path's centre, which moves by fractions of a
         // pixel
-        let fitted = match self.last.as_ref().and_then(|last| last.fit.begun) {
-            Some(begun) => fit_edge_from(&band, least_variance, f64::MAX.sqrt(), begun),
-            None => fit_edge(&band, least_variance, f64::MAX.sqrt(), None),
-        };
-        let flank = fitted.as_ref().map_or(f64::INFINITY, |fit| fit.noise);
-        let fitted = match raw.ends(flank, whole) {
-            None => fitted,
-            ends => fit_edge(&raw, least_variance, f64::MAX.sqrt(), ends),
-        };
-        fitted.map_err(NoseImageError::Fit)
+        let begun = self.last.as_ref().and_then(|last| last.fit.begun);
+        fit_levelled(&raw, light, whole, begun).map_err(NoseImageError::Fit)
     }
 
     /// The field of an uneven light, and the shadow's level.
     fn light(&self, calipers: &[Calipers; 2]) -> Option<(LightField, f64)> {
         let half = (self.half_px, self.half_px + RingLightLimits::get().field_px);
         let band: Band = collect(self.view, &BandPlan { path: &self.path, calipers: *calipers, half });
-        let all = || band.sectors.iter().flatten();
-        let dark = all().filter(|p| p.distance < -0.7 * self.half_px).map(|p| p.value).collect();
-        let dark = median_of(dark);
-        let lit = all().filter(|p| p.distance > self.half_px).map(|p| {
-            let at = band.place(p);
-            Lit { x: at.x, y: at.y, contrast: p.value - dark }
-        });
-        Some((LightField::fit(&lit.collect::<Vec<_>>())?, dark))
+        light_of(&band, self.half_px)
     }
 
     /// The line of an edge.

@@ -15,7 +15,7 @@
 //! [`NoseImageError`]. One more figure of a nose is a field of `result`, computed in `measurement`.
 
 pub(crate) mod axes;
-mod bands;
+pub(in crate::gauge) mod bands;
 mod cells;
 mod centre;
 mod contour;
@@ -23,7 +23,7 @@ mod corner;
 mod error;
 mod hidden_corner;
 pub(crate) mod limits;
-mod line;
+pub(in crate::gauge) mod line;
 mod measurement;
 pub(crate) mod paper;
 mod path;

@@ -48,6 +48,9 @@ limits! {
     /// Distance of the samples, px, by which shape terms are made orthogonal: the least blur in the
     /// fit.
     shape_step_px: f64 = 0.25;
+    /// Least blur in the fit, px: a sharper edge lies within a pixel, and where within it does not
+    /// show.
+    least_sigma_px: f64 = 0.25;
     /// Width of the steps in which a refused caliper is read, px: half the distance of two pixels
     /// along it.
     crossing_step_px: f64 = 0.5;
@@ -272,7 +275,7 @@ impl<const P: usize> State<P> {
         if let Some(clipped) = self.clipped.as_ref().filter(|_| P == SHAPED) {
             self.pooled[3] = self.pooled[3].clamp(0.3 * clipped.seen, limits.most_contrast * clipped.seen);
         }
-        self.pooled[SIGMA] = self.pooled[SIGMA].clamp(0.25, 5.0);
+        self.pooled[SIGMA] = self.pooled[SIGMA].clamp(limits.least_sigma_px, 5.0);
         let (mut moved, mut count) = (0.0, 0.0);
         for (k, s) in sums.iter().enumerate().filter(|(_, s)| s.own > 0.0) {
             let sector = &mut self.sectors[k];
@@ -471,6 +474,13 @@ fn settle<const P: usize>(
         && state.pooled[3] > 0.98 * limits.most_contrast * clipped.seen
     {
         return Err("saturated: light or shadow is clipped at the end of the grey scale, and the flank does not state how far beyond it lies; expose less".to_owned());
+    }
+    if settled > 1e-4 && state.pooled[SIGMA] <= limits.least_sigma_px {
+        return Err(format!(
+            "its edges are sharper than pixels show them (blur below {} px): the picture was made smaller, or \
+             sharpened; give it as the camera took it",
+            limits.least_sigma_px
+        ));
     }
     if settled > 1e-4 {
         return Err(format!("the fit does not settle (last change {settled:.1e} px)"));

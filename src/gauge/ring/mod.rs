@@ -2,7 +2,7 @@
 //!
 //! A coarse search finds the part and its centre (`coarse`); then every pixel of a band along each
 //! edge takes part in a maximum-likelihood fit of the pixel-integrated Gaussian edge (`model`,
-//! `fit`, its result in `edge_fit`): levels, blur and noise pooled over the whole edge, the radius
+//! `fit`, its result in `edge_fit`, in uneven or clipped light `levelled`): levels, blur and noise pooled over the whole edge, the radius
 //! free in each of many sectors. Clipped pixels only bound the light. No pixel is resampled. The
 //! sectors' radii, without those that contamination covers, give the least-squares circle (LSCI),
 //! the roundness and the concentricity (`measurement`).
@@ -20,6 +20,7 @@ pub(crate) mod edge_fit;
 pub(crate) mod edge_pixels;
 mod error;
 pub(crate) mod fit;
+pub(crate) mod levelled;
 pub(crate) mod measurement;
 pub(crate) mod millimetres;
 mod model;

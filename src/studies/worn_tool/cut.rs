@@ -7,9 +7,10 @@ use serde::Serialize;
 use super::error::WornToolError;
 use super::noses::{Noses, PaperRadii};
 use super::workpieces::{Edit, Workpiece};
+use crate::job::CuttingTruth;
 use crate::outline::{Outline, Side};
 use crate::process::NosePath;
-use crate::tool::{Compensated, Compensator, Setting, Stated, Way, moves_of};
+use crate::tool::{Compensated, Compensator, Setting, Stated, Way};
 
 /// What a program does about the nose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -70,6 +71,8 @@ impl Tried {
 /// Registers that controls take, and their increment, mm.
 const REGISTERS_MM: (f64, f64) = (0.001, 9.999);
 const INCREMENT_MM: f64 = 1e-4;
+/// Pieces of the longest outline: a shoulder, a cylinder, a cone, their ends.
+const MOST_PIECES: usize = 8;
 
 /// A workpiece and a program.
 #[derive(Clone, Copy, Debug)]
@@ -122,7 +125,8 @@ impl Cut<'_> {
         Stated { x_mm: new, z_mm: new, u_mm: 0.0 }
     }
 
-    /// The error of the size where the slides stand off by `slides` at each element, µm.
+    /// The error of the size on the surface itself where the slides stand off by `slides` along each
+    /// piece, µm.
     pub(super) fn error_um(&self, slides: &dyn Fn(usize) -> DVec2) -> Result<f64, WornToolError> {
         self.workpiece.error_um(&self.path(slides)?, self.cone_rad())
     }
@@ -154,17 +158,14 @@ impl Cut<'_> {
         Ok((done, by))
     }
 
+    /// What really cuts: the true nose, its slides off by `slides` along each piece.
+    pub(super) fn truth(&self, slides: &dyn Fn(usize) -> DVec2) -> CuttingTruth {
+        CuttingTruth { nose: self.noses.real.clone(), slides_mm: (0..MOST_PIECES).map(slides).collect() }
+    }
+
     /// The true nose on the path of the program.
     fn path(&self, slides: &dyn Fn(usize) -> DVec2) -> Result<NosePath, WornToolError> {
         let (done, by) = self.carried_out()?;
-        let moves: Vec<(DVec2, DVec2)> = done
-            .path
-            .iter()
-            .flat_map(|element| {
-                let by = by + slides(element.source);
-                moves_of(std::slice::from_ref(element)).into_iter().map(move |(a, b)| (a + by, b + by))
-            })
-            .collect();
-        Ok(NosePath::new(&self.noses.real, &moves))
+        Ok(self.truth(slides).path(&done.path, by))
     }
 }

@@ -1,6 +1,7 @@
 //! Why the study cannot be carried out.
 
 use crate::closed_loop::LoopError;
+use crate::gauge::generatrix::GeneratrixError;
 use crate::render::RenderError;
 use crate::setting::SettingError;
 use crate::tool::ToolError;
@@ -31,6 +32,9 @@ pub(crate) enum WornToolError {
         /// What is not there.
         what: &'static str,
     },
+    /// A frame that does not show the pieces of a workpiece.
+    #[error("a frame of the workpiece: {0}")]
+    Frame(#[from] GeneratrixError),
     /// A loop that fails.
     #[error(transparent)]
     Loop(#[from] LoopError),
@@ -39,7 +43,7 @@ pub(crate) enum WornToolError {
 impl WornToolError {
     /// Whether it concerns one program alone.
     pub(super) fn is_of_program(&self) -> bool {
-        matches!(self, Self::Program(_) | Self::Paper(_) | Self::Surface { .. })
+        matches!(self, Self::Program(_) | Self::Paper(_) | Self::Surface { .. } | Self::Frame(_))
     }
 }
 

@@ -4,11 +4,11 @@
 //! The nose is that of a rendered insert (`noses`): measured from its frame by the program's own
 //! mode and by the paper's, which gives two radii. A program is made for what was measured, and the
 //! true nose cuts by it (`cut`): the surface is the envelope of that nose. `workpieces` are the
-//! four outlines and what is measured of each; `frames` measures the diameter of the fourth through
-//! frames and the gauge. `scatter` moves the slides by the lathe's repeatability. One more
+//! four outlines and the sizes on that surface; `frames` measures them through frames and the
+//! gauge, of the first three by lines and arcs (`seen`). `scatter` moves the slides by the lathe's repeatability. One more
 //! workpiece is a variant of [`Workpiece`]; one more way to compensate a variant of [`Tried`].
 //!
-//! In: an insert, cone angles, a seed, a job for the fourth workpiece. Out: [`Study`].
+//! In: an insert, cone angles, a seed, the cameras' jobs. Out: [`Study`].
 
 mod cut;
 mod error;
@@ -16,6 +16,7 @@ mod frames;
 mod noses;
 mod result;
 mod scatter;
+mod seen;
 mod settings;
 mod workpieces;
 
@@ -23,6 +24,7 @@ use glam::DVec2;
 
 pub(crate) use cut::Tried;
 pub(crate) use error::WornToolError;
+pub(crate) use frames::Jobs;
 pub(crate) use noses::{Noses, curves};
 pub(crate) use result::{OfPaper, Row, Study};
 pub(crate) use settings::Settings;
@@ -32,7 +34,6 @@ use self::cut::Cut;
 use self::frames::Frames;
 use self::scatter::Scatter;
 use super::reproduce_004::{Inputs, PrintedPart};
-use crate::job::Job;
 use crate::render::Renderer;
 
 /// Programs that [`run`] cuts in all.
@@ -40,15 +41,15 @@ pub(crate) fn programs_in_all() -> usize {
     Workpiece::ALL.len() * Tried::ALL.len()
 }
 
-/// Cuts every workpiece by every program. `job` is the fourth workpiece before its camera, `step`
-/// is called after each program.
+/// Cuts the workpieces of the settings by every program, before the cameras of `jobs`; `step` is
+/// called after each program.
 ///
 /// # Errors
 /// A nose that cannot be rendered or measured, a job or a renderer that fails. A program that is
 /// refused is a row with its reason.
 pub(crate) fn run(
     settings: &Settings,
-    job: &Job,
+    jobs: &Jobs,
     renderer: &Renderer,
     step: &dyn Fn(),
 ) -> Result<(Study, Noses), WornToolError> {
@@ -56,9 +57,9 @@ pub(crate) fn run(
     let noses = Noses::new(settings)?;
     let paper = Inputs::default();
     let scatter = Scatter::new(paper.repeatability_mm, settings.seed);
-    let mut frames = Frames::new(job, renderer);
+    let mut frames = Frames::new(jobs, renderer);
     let mut rows = Vec::new();
-    for workpiece in Workpiece::ALL {
+    for workpiece in settings.workpieces.iter().copied() {
         let mut first: Option<Row> = None;
         for program in Tried::ALL {
             let cut = Cut { noses: &noses, workpiece, program, cone_deg: settings.cone_deg };
@@ -91,24 +92,27 @@ fn row(
     frames: &mut Frames<'_>,
     (scatter, pieces): (&Scatter, u32),
 ) -> Result<Row, WornToolError> {
-    let in_frames = cut.workpiece == Workpiece::BatchDiameter;
     let mut row = Row {
         workpiece: cut.workpiece.number(),
         program: cut.program,
         register_mm: cut.register_used_mm(),
-        measured_by: if in_frames { "frames" } else { "envelope" },
+        measured_by: "frames",
         error_um: None,
         u_um: None,
         reduction_percent: None,
         scattered_um: None,
         scattered_reduction_percent: None,
         refused: None,
+        true_error_um: None,
+        calipers_left_out: None,
     };
-    let mut size = |slides: &dyn Fn(usize) -> DVec2| -> Result<(f64, Option<f64>), WornToolError> {
-        if in_frames { frames.error_um(cut, slides(0)) } else { Ok((cut.error_um(slides)?, None)) }
-    };
-    match size(&|_| DVec2::ZERO) {
-        Ok((error, u)) => (row.error_um, row.u_um) = (Some(error), u),
+    let exact = |_: usize| DVec2::ZERO;
+    match cut.error_um(&exact).and_then(|on_surface| Ok((on_surface, frames.measure(cut, &exact)?))) {
+        Ok((on_surface, measured)) => {
+            (row.error_um, row.u_um) = (Some(measured.error_um), Some(measured.u_um));
+            row.true_error_um = Some(on_surface);
+            row.calipers_left_out = measured.left_out;
+        }
         Err(e) if e.is_of_program() => {
             row.refused = Some(e.to_string());
             return Ok(row);
@@ -118,7 +122,7 @@ fn row(
     let mut sum = 0.0;
     for piece in 0..pieces {
         let place = |element| [cut.workpiece.number(), cut.program as usize, piece as usize, element];
-        sum += size(&|element| scatter.slides_mm(place(element)))?.0.abs();
+        sum += frames.measure(cut, &|element| scatter.slides_mm(place(element)))?.error_um.abs();
     }
     row.scattered_um = Some(sum / f64::from(pieces));
     Ok(row)

@@ -25,7 +25,7 @@ pub(crate) struct Row {
     pub program: Tried,
     /// Nose radius in the control's register, mm.
     pub register_mm: Option<f64>,
-    /// `frames`: by the gauge; `envelope`: by the surface itself.
+    /// `frames`: by the gauge.
     pub measured_by: &'static str,
     /// Error of the size on a lathe that repeats exactly, µm.
     pub error_um: Option<f64>,
@@ -39,6 +39,11 @@ pub(crate) struct Row {
     pub scattered_reduction_percent: Option<f64>,
     /// Why there is none.
     pub refused: Option<String>,
+    /// Error of the size on the surface itself, on the lathe that repeats exactly, µm; for
+    /// comparison only.
+    pub true_error_um: Option<f64>,
+    /// Calipers in all frames that lie on no line or arc of the size; none of a diameter.
+    pub calipers_left_out: Option<usize>,
 }
 
 /// Everything that was found.

@@ -1,6 +1,7 @@
 //! Settings of the study.
 
 use super::error::WornToolError;
+use super::workpieces::Workpiece;
 use crate::render::insert::InsertSettings;
 use crate::setting::within;
 
@@ -13,6 +14,8 @@ pub(crate) struct Settings {
     pub cone_deg: [f64; 2],
     /// Workpieces of each kind with the lathe's scatter.
     pub pieces: u32,
+    /// Which of the paper's workpieces are cut.
+    pub workpieces: Vec<Workpiece>,
     /// Seed.
     pub seed: u64,
 }

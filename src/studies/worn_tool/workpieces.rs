@@ -39,16 +39,16 @@ pub(super) struct Edit {
 }
 
 /// Diameters of the shoulder behind, the large and the small end, mm; the batch has the large one.
-const SHOULDER_MM: f64 = 40.0;
+pub(super) const SHOULDER_MM: f64 = 40.0;
 pub(super) const LARGE_MM: f64 = 30.0;
-const SMALL_MM: f64 = 20.0;
+pub(super) const SMALL_MM: f64 = 20.0;
 /// Length of the cylinder behind the cone and Z of its shoulder, mm.
-const BEHIND_MM: f64 = 10.0;
-const SHOULDER_Z_MM: f64 = 10.0;
+pub(super) const BEHIND_MM: f64 = 10.0;
+pub(super) const SHOULDER_Z_MM: f64 = 10.0;
 /// Radius of the arc, which the paper does not give, Z of its face and the face's inner diameter,
 /// mm.
-const ARC_MM: f64 = 5.0;
-const FACE_Z_MM: f64 = 20.0;
+pub(super) const ARC_MM: f64 = 5.0;
+pub(super) const FACE_Z_MM: f64 = 20.0;
 const INNER_MM: f64 = 10.0;
 /// Length of other cylinders, mm.
 const CYLINDER_MM: f64 = 8.0;
@@ -111,6 +111,7 @@ impl Workpiece {
                 corner(0.0, LARGE_MM),
                 ContourPoint { radius_mm: ARC_MM + edit.arc, ..corner(FACE_Z_MM, LARGE_MM) },
                 corner(FACE_Z_MM, INNER_MM),
+                corner(FACE_Z_MM + CYLINDER_MM, INNER_MM),
             ],
             Self::BatchDiameter => {
                 let d = LARGE_MM - 2.0 * edit.cylinder_dx;

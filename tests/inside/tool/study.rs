@@ -1,25 +1,37 @@
 //! The study of the paper's four workpieces against closed forms of the true nose.
 
+use std::sync::OnceLock;
+
 use crate::config;
 use crate::render::insert::{InsertSettings, Wear};
 use crate::render::{BackendChoice, Renderer};
-use crate::studies::worn_tool::{Noses, Settings, Study, Tried, Workpiece, curves, run};
+use crate::studies::worn_tool::{Jobs, Noses, Settings, Study, Tried, Workpiece, curves, run};
 
 /// Depth of the wear in its middle, µm.
 const DEPTH_UM: f64 = 40.0;
 
-fn studied() -> (Study, Noses) {
+fn studied_of(workpieces: &[Workpiece]) -> (Study, Noses) {
     let mut insert = InsertSettings::default();
     (insert.camera.columns, insert.camera.rows) = (700, 600);
     insert.nose.centre_px = [300.0, 360.0];
     insert.nose.radius_mm = 0.3;
     insert.wear = vec![Wear::Round { depth_um: DEPTH_UM }];
     // whole degrees, at which the curves have values
-    let settings = Settings { insert, cone_deg: [24.0, 38.0], pieces: 2, seed: 5 };
+    let cone_deg = [24.0, 38.0];
+    let settings = Settings { insert, cone_deg, pieces: 1, workpieces: workpieces.to_vec(), seed: 5 };
     let text = include_str!("../../../src/cli/study/tool_workpiece.toml");
-    let job = config::parse(text, "tool_workpiece.toml").unwrap();
+    let batch = config::parse(text, "tool_workpiece.toml").unwrap();
+    let text = include_str!("../../../src/cli/study/tool_profiles.toml");
+    let mut profiles = config::parse(text, "tool_profiles.toml").unwrap();
+    profiles.scan.angles = 2;
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    run(&settings, &job, &renderer, &|| ()).unwrap()
+    run(&settings, &Jobs { profiles, batch }, &renderer, &|| ()).unwrap()
+}
+
+/// The whole study, once for all tests.
+fn studied() -> &'static (Study, Noses) {
+    static STUDIED: OnceLock<(Study, Noses)> = OnceLock::new();
+    STUDIED.get_or_init(|| studied_of(&Workpiece::ALL))
 }
 
 /// Support of the true nose about its centre by trying every direction of its contour, mm.
@@ -35,7 +47,7 @@ fn support_mm(a_deg: f64) -> f64 {
 #[test]
 fn what_is_left_before_follows_from_the_true_nose_and_the_measured_path_mends_it() {
     let (study, noses) = studied();
-    let e = curves(&noses).real;
+    let e = curves(noses).real;
     let left = |deg: f64| e[deg as usize].1;
     // the curve itself: set by touching, R0 in the register
     for deg in [10.0_f64, 24.0, 38.0, 45.0, 80.0] {
@@ -52,14 +64,26 @@ fn what_is_left_before_follows_from_the_true_nose_and_the_measured_path_mends_it
     let before = |workpiece| row(workpiece, Tried::RegisterR0);
     let (one, two) = (24f64.to_radians(), 38f64.to_radians());
     let length = before(Workpiece::LengthBehindCone).error_um.unwrap();
-    assert!((length - left(24.0) / one.sin()).abs() < 0.1, "{length} {}", left(24.0) / one.sin());
+    assert!((length - left(24.0) / one.sin()).abs() < 0.5, "{length} {}", left(24.0) / one.sin());
     let large = before(Workpiece::LargeDiameter).error_um.unwrap();
-    assert!((large - 2.0 * left(38.0) / two.cos()).abs() < 0.1, "{large}");
+    assert!((large - 2.0 * left(38.0) / two.cos()).abs() < 0.5, "{large}");
     let batch = before(Workpiece::BatchDiameter);
     let wanted = 2e3 * (0.3 - support_mm(0.0));
     let allowed = 0.5 + 2.0 * batch.u_um.unwrap();
     assert!((batch.error_um.unwrap() - wanted).abs() < allowed, "{batch:?} {wanted}");
-    assert_eq!(batch.measured_by, "frames");
+    // through frames as on the surface itself: within three standard uncertainties, and .1 µm of
+    // the ridges that the feed and the texture leave
+    for found in &study.rows {
+        assert_eq!((found.measured_by, &found.refused), ("frames", &None), "{found:?}");
+        let (error, surface) = (found.error_um.unwrap(), found.true_error_um.unwrap());
+        println!(
+            "{} {:?}: {error:.3} µm (u {:.3}), surface {surface:.3} µm",
+            found.workpiece,
+            found.program,
+            found.u_um.unwrap()
+        );
+        assert!((error - surface).abs() < 0.1 + 3.0 * found.u_um.unwrap(), "{found:?}");
+    }
     for workpiece in Workpiece::ALL {
         let mended = row(workpiece, Tried::Path);
         println!("{}: {:?} µm, {:?} %", workpiece.number(), mended.error_um, mended.reduction_percent);
@@ -79,6 +103,6 @@ fn slides_scatter_by_a_quarter_of_the_repeatability_and_the_paper_stands_beside(
     assert!((study.paper[3].before_um - 17.25).abs() < 1e-9);
     assert_eq!(study.rows.len(), 24);
     // the same seed gives the same scatter
-    let again = studied().0;
-    assert_eq!(study.rows, again.rows);
+    let again = studied_of(&[Workpiece::ArcRadius]).0;
+    assert_eq!(study.rows[12..18], again.rows);
 }
