@@ -5,7 +5,7 @@ set -eu
 cd "$(dirname "$0")/.."
 BIN="${BIN:-target/release/shadowgauge}"
 DIR="${DIR:-out/train_flank}"
-FLANKS=20
+FLANKS=48
 rm -rf "$DIR"
 mkdir -p "$DIR"
 "$BIN" tool render-flank --random "$FLANKS" --size 800x520 --um-per-px 2 --seed 1 --out "$DIR/flanks"

@@ -2,56 +2,22 @@
 //!
 //! Unknowns are scaled by their standard deviations before any reading: x = S·z, z of mean 0. With
 //! J = A·S of rows divided by their u, the estimate is z = (JᵀJ + P)⁻¹Jᵀy, its covariance
-//! (JᵀJ + P)⁻¹ times the reduced χ² where that is above 1 (Birge 1932). P is 1 of every unknown, of
-//! a shape (S/τ)² with τ chosen by the held-out error: the penalty of a P-spline as a prior (Wahba
-//! 1983), so that the covariance holds what smoothing takes off, too.
+//! (JᵀJ + P)⁻¹; P says how smooth an error is ([`super::smoothing`]), and the covariance holds what
+//! smoothing takes off, too. Where the reduced χ² is larger than that of 95 % of readings whose u is
+//! true, the covariance is widened by it (Birge 1932): widened wherever it is above 1, as it is by
+//! chance in half of all cases, intervals of 95 % would hold 97 %.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 
-use super::equations::{Equation, FOLDS, scaled};
+use super::equations::{Equation, FOLDS};
+use super::normal_equations::Normal;
 use super::rank::Rank;
+use super::smoothing::{alike, averaged, most_probable, penalty};
 use super::unknowns::{Group, Unknowns};
-use crate::machine::ErrorName;
+use crate::numerics::distributions::chi2_ratio_limit;
 
-/// Steps of the smoothing, from the class of the machine downwards, each a decade of τ: the
-/// held-out error is flat about its least.
-const SMOOTHINGS: usize = 6;
-/// Rounds over the errors in which each one's smoothing is chosen, the others kept.
-const ROUNDS: usize = 2;
-
-/// JᵀJ and Jᵀy of the equations of one fold.
-#[derive(Clone)]
-struct Normal {
-    square: DMatrix<f64>,
-    right: DVector<f64>,
-}
-
-impl Normal {
-    fn of<'a>(equations: impl Iterator<Item = &'a Equation>, unknowns: &Unknowns) -> Self {
-        let count = unknowns.all.len();
-        let mut normal = Self { square: DMatrix::zeros(count, count), right: DVector::zeros(count) };
-        for equation in equations {
-            let row = scaled(equation, unknowns);
-            let y = equation.value / equation.u;
-            for (i, a) in &row {
-                normal.right[*i] += a * y;
-                for (j, b) in &row {
-                    normal.square[(*i, *j)] += a * b;
-                }
-            }
-        }
-        normal
-    }
-
-    fn solve(&self, penalty: &DVector<f64>) -> Option<(DVector<f64>, Cholesky<f64, Dyn>)> {
-        let mut square = self.square.clone();
-        for (k, p) in penalty.iter().enumerate() {
-            square[(k, k)] += p;
-        }
-        let cholesky = square.cholesky()?;
-        Some((cholesky.solve(&self.right), cholesky))
-    }
-}
+/// Normal quantile of 95 %.
+const Z_95: f64 = 1.645;
 
 /// An estimate of all unknowns.
 #[derive(Clone, Debug)]
@@ -69,89 +35,41 @@ pub(crate) struct Estimate {
     pub held_out_by_u: f64,
 }
 
-/// The estimate, each error as smooth as leaves the least held-out error.
-///
-/// Errors whose shapes the readings do not separate (`rank`) are as smooth as each other: left to
-/// themselves, one of them would take all of it and the other be certain to be straight.
-/// `left_out` are the sets of turned parts that are predicted from all others, one by one.
+/// The estimate, averaged over how smooth each error may be. `left_out` are the sets of turned parts
+/// that are predicted from all others, one by one.
 pub(crate) fn estimate(
     unknowns: &Unknowns,
     equations: &[Equation],
     rank: &Rank,
     left_out: &[usize],
 ) -> Option<Estimate> {
-    let folds: Vec<Normal> =
-        (0..FOLDS).map(|fold| Normal::of(equations.iter().filter(|e| e.fold == fold), unknowns)).collect();
-    let whole = folds.iter().skip(1).fold(folds[0].clone(), |sum, fold| Normal {
-        square: sum.square + &fold.square,
-        right: sum.right + &fold.right,
-    });
-    let without =
-        |fold: &Normal| Normal { square: &whole.square - &fold.square, right: &whole.right - &fold.right };
-    let held = HeldOut { unknowns, equations, others: folds.iter().map(without).collect() };
-    let smoothing = held.choose(&alike(unknowns, rank))?;
+    let whole = Normal::of(equations.iter(), unknowns);
+    let alike = alike(unknowns, rank);
+    let smoothing = most_probable(&whole, unknowns, &alike)?;
     let penalty = penalty(unknowns, &smoothing);
-    let (scaled_values, cholesky) = whole.solve(&penalty)?;
-    let inverse = cholesky.inverse();
+    let effective = whole.solve(&penalty)?.1.inverse().component_mul(&whole.square).sum();
+    let found = averaged(&whole, unknowns, &alike, &smoothing)?;
     let values: Vec<f64> =
-        scaled_values.iter().zip(&unknowns.all).map(|(z, unknown)| z * unknown.prior).collect();
-    let effective = inverse.component_mul(&whole.square).sum();
+        found.values.iter().zip(&unknowns.all).map(|(z, unknown)| z * unknown.prior).collect();
     let freedom = (equations.len() as f64 - effective).max(1.0);
     let chi2: f64 = equations.iter().map(|e| (residual(e, &values) / e.u).powi(2)).sum();
-    let birge_ratio = (chi2 / freedom).sqrt();
-    let widen = birge_ratio.max(1.0).powi(2);
+    let reduced = chi2 / freedom;
+    let widen = if reduced > chi2_ratio_limit(freedom, Z_95) { reduced } else { 1.0 };
     let covariance = DMatrix::from_fn(values.len(), values.len(), |i, j| {
-        widen * unknowns.all[i].prior * inverse[(i, j)] * unknowns.all[j].prior
+        widen * unknowns.all[i].prior * found.covariance[(i, j)] * unknowns.all[j].prior
     });
     Some(Estimate {
         values,
         covariance,
-        birge_ratio,
+        birge_ratio: reduced.sqrt(),
         held_out_mm: parts_left_out(unknowns, equations, &penalty, left_out),
-        held_out_by_u: held.error_by_u(&smoothing)?,
+        held_out_by_u: held_out_by_u(unknowns, equations, &whole, &penalty)?,
     })
 }
 
 /// Value of a reading less what the unknowns give.
 pub(crate) fn residual(equation: &Equation, values: &[f64]) -> f64 {
     equation.value - equation.factors.iter().map(|(k, factor)| factor * values[*k]).sum::<f64>()
-}
-
-/// Steps of the smoothing of each error, in the order of `Unknowns::errors`.
-type Smoothing = Vec<usize>;
-
-/// Indices of the errors that have a shape, those together that are as smooth as each other.
-fn alike(unknowns: &Unknowns, rank: &Rank) -> Vec<Vec<usize>> {
-    let place = |name: ErrorName| unknowns.errors.iter().position(|sought| sought.error == name);
-    let mut alike: Vec<Vec<usize>> = Vec::new();
-    for found in &rank.together {
-        let shapes = found.groups.iter().filter_map(|group| match group {
-            Group::Shape(name) => place(*name),
-            _ => None,
-        });
-        let members: Vec<usize> = shapes.collect();
-        if !members.is_empty() {
-            alike.push(members);
-        }
-    }
-    let with_shape = (0..unknowns.errors.len()).filter(|k| unknowns.errors[*k].basis.is_some());
-    let alone: Vec<Vec<usize>> =
-        with_shape.filter(|k| !alike.iter().flatten().any(|taken| taken == k)).map(|k| vec![k]).collect();
-    alike.extend(alone);
-    alike
-}
-
-fn penalty(unknowns: &Unknowns, smoothing: &[usize]) -> DVector<f64> {
-    let of = |group: &Group| match group {
-        Group::Shape(name) => 10.0_f64.powi(2 * step_of(unknowns, smoothing, *name) as i32),
-        _ => 1.0,
-    };
-    DVector::from_iterator(unknowns.all.len(), unknowns.all.iter().map(|unknown| of(&unknown.group)))
-}
-
-fn step_of(unknowns: &Unknowns, smoothing: &[usize], name: ErrorName) -> usize {
-    let place = unknowns.errors.iter().position(|sought| sought.error == name);
-    place.and_then(|k| smoothing.get(k)).copied().unwrap_or(0)
 }
 
 /// The rms of parts that are left out one by one, about their own datum, mm.
@@ -181,47 +99,22 @@ fn parts_left_out(
     (count > 0).then(|| (squares / count as f64).sqrt())
 }
 
-struct HeldOut<'a> {
-    unknowns: &'a Unknowns,
-    equations: &'a [Equation],
-    /// The whole without each fold.
-    others: Vec<Normal>,
-}
-
-impl HeldOut<'_> {
-    /// The smoothing with the least error, error by error.
-    fn choose(&self, alike: &[Vec<usize>]) -> Option<Smoothing> {
-        let mut smoothing = vec![SMOOTHINGS / 2; self.unknowns.errors.len()];
-        for _ in 0..ROUNDS {
-            let before = smoothing.clone();
-            for members in alike {
-                let mut best = (f64::INFINITY, smoothing[members[0]]);
-                for step in 0..SMOOTHINGS {
-                    members.iter().for_each(|k| smoothing[*k] = step);
-                    let by_u = self.error_by_u(&smoothing)?;
-                    if by_u < best.0 {
-                        best = (by_u, step);
-                    }
-                }
-                members.iter().for_each(|k| smoothing[*k] = best.1);
-            }
-            if smoothing == before {
-                break;
-            }
-        }
-        Some(smoothing)
+/// Error at positions that take no part, fold by fold, of all readings by their u, rms.
+fn held_out_by_u(
+    unknowns: &Unknowns,
+    equations: &[Equation],
+    whole: &Normal,
+    penalty: &DVector<f64>,
+) -> Option<f64> {
+    let mut by_u = 0.0;
+    for fold in 0..FOLDS {
+        let own = || equations.iter().filter(move |e| e.fold == fold);
+        let out = Normal::of(own(), unknowns);
+        let others = Normal { square: &whole.square - out.square, right: &whole.right - out.right };
+        let (values, _) = others.solve(penalty)?;
+        let values: Vec<f64> =
+            values.iter().zip(&unknowns.all).map(|(z, unknown)| z * unknown.prior).collect();
+        by_u += own().map(|e| (residual(e, &values) / e.u).powi(2)).sum::<f64>();
     }
-
-    fn error_by_u(&self, smoothing: &[usize]) -> Option<f64> {
-        let penalty = penalty(self.unknowns, smoothing);
-        let mut by_u = 0.0;
-        for (k, others) in self.others.iter().enumerate() {
-            let (values, _) = others.solve(&penalty)?;
-            let values: Vec<f64> =
-                values.iter().zip(&self.unknowns.all).map(|(z, unknown)| z * unknown.prior).collect();
-            let own = self.equations.iter().filter(|e| e.fold == k);
-            by_u += own.map(|e| (residual(e, &values) / e.u).powi(2)).sum::<f64>();
-        }
-        Some((by_u / self.equations.len().max(1) as f64).sqrt())
-    }
+    Some((by_u / equations.len().max(1) as f64).sqrt())
 }

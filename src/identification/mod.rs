@@ -9,9 +9,9 @@
 //! Bottom to top: `instrument`, `reading`, `reading_set`, `settings`; `reading_file` with
 //! `reading_order` and `turn_mean` (text to readings); `observation` (what a reading holds of each
 //! error, by the first order of the chain), `sag`; `spline_basis`, `unknowns`, `equations`;
-//! `least_squares` (smoothing by held-out error), `rank`, `inseparable` (in words), `iso230_2`,
-//! `spindle_readings` (turns of an artefact); `solution` (a model, fitted), `identified` (the
-//! file), `assemble`, `export`. One more instrument is a variant of [`instrument::Instrument`] and
+//! `rank`, `normal_equations`, `smoothing` (how smooth each error is), `least_squares`,
+//! `inseparable` (in words), `iso230_2`, `spindle_readings` (turns of an artefact); `solution` (a
+//! model, fitted), `identified` (the file), `assemble`, `export`. One more instrument is a variant of [`instrument::Instrument`] and
 //! its terms in `observation`.
 
 pub(crate) mod assemble;
@@ -24,6 +24,7 @@ mod inseparable;
 pub(crate) mod instrument;
 pub(crate) mod iso230_2;
 mod least_squares;
+mod normal_equations;
 mod observation;
 mod rank;
 pub(crate) mod reading;
@@ -32,6 +33,7 @@ mod reading_order;
 pub(crate) mod reading_set;
 mod sag;
 pub(crate) mod settings;
+mod smoothing;
 mod solution;
 pub(crate) mod spindle_readings;
 mod spline_basis;

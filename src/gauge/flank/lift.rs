@@ -46,7 +46,9 @@ fn first_steps(strip: &Raster, above: usize) -> Vec<(usize, usize)> {
     let last = strip.rows - 1;
     let about = (2 * above).saturating_sub(strip.rows).max(1)..last;
     let sharp = quantile(all(about), 0.9) * limits.sharp_share as f32;
-    let noise = quantile(all(1..above.max(2)), 0.5) * limits.sharp_noise as f32;
+    // rows outside of the image repeat its border and have no steps at all
+    let noisy = all(1..above.max(2)).into_iter().filter(|step| *step > 0.0).collect();
+    let noise = quantile(noisy, 0.5) * limits.sharp_noise as f32;
     let least = sharp.max(noise);
     (0..strip.columns).filter_map(|c| (1..last).find(|r| step(*r, c) > least).map(|r| (c, r))).collect()
 }

@@ -150,7 +150,7 @@ fn midlines_of_frames_are_readings() {
     let config = include_str!("../../../configs/machine_identify.toml");
     let set = config.rsplit("[[readings]]").next().unwrap();
     let set = set.split("\nplan").next().unwrap().replace("instrument", "file = \"midline.csv\"\ninstrument");
-    let head = config.split("[simulate]").next().unwrap().replace("\"ezz\", ", "");
+    let head = config.split("\n[simulate]").next().unwrap().replace("\"ezz\", ", "");
     std::fs::write(at("my.toml"), format!("{head}[[readings]]{set}\n")).unwrap();
     let refused = shadowgauge(["calibrate", "machine", &at("my.toml"), "--out", &at("machine.json")]);
     assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
