@@ -15,9 +15,9 @@
 
 pub mod contamination;
 mod error;
+pub(crate) mod flank;
 pub(crate) mod form;
 pub(crate) mod gpu;
-pub(crate) mod flank;
 pub(crate) mod insert;
 pub(crate) mod kernel;
 pub(crate) mod motion;

@@ -32,8 +32,8 @@ mod reachable;
 mod register;
 mod settings;
 mod sizes;
-pub(crate) mod wear;
 mod ways;
+pub(crate) mod wear;
 
 pub(crate) use chain::Element;
 pub(crate) use document::{Document, LargestLeft, Measured, WayResult, measured};

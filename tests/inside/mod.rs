@@ -16,6 +16,7 @@ mod deflected_golden;
 mod encoder_frames;
 mod field;
 mod flank;
+mod flat_field_limits;
 mod form_features;
 mod form_photon_transfer;
 mod form_turn;

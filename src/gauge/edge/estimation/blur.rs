@@ -415,3 +415,6 @@ fn parabola(sums: &[BlurSums; BLOCKS]) -> Option<nalgebra::Vector3<f64>> {
 pub(crate) fn at_slope(sigma: f64, slope: f32) -> f64 {
     if slope.abs() < BlurLimits::get().level_slope { sigma } else { column_sigma(sigma, f64::from(slope)) }
 }
+
+#[cfg(test)]
+mod tests;

@@ -200,3 +200,6 @@ impl TrackView<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

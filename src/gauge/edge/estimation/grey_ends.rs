@@ -351,23 +351,4 @@ pub(crate) fn robust_mean(squares: &mut [f32], step: f64) -> Option<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_hot_pixel_is_no_scatter_of_a_quiet_level() {
-        let mut squares = vec![0.0_f32; 100];
-        squares[..20].fill(1.0);
-        let quiet = robust_mean(&mut squares.clone(), 1.0).unwrap();
-        assert!((quiet - 0.2).abs() < 1e-6, "{quiet}");
-        squares[99] = 239.0 * 239.0;
-        let hot = robust_mean(&mut squares, 1.0).unwrap();
-        assert!((hot - 20.0 / 99.0).abs() < 1e-6, "{hot}");
-        assert_eq!(robust_mean(&mut [0.0; 50], 1.0), Some(0.0));
-        // Nothing but hot pixels differs: without a step they are the scatter, with one they are
-        // not.
-        let mut lone = vec![0.0_f32; 99];
-        lone.push(240.0 * 240.0);
-        assert_eq!(robust_mean(&mut lone, 1.0), Some(0.0));
-    }
-}
+mod tests;

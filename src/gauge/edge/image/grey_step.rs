@@ -111,3 +111,6 @@ fn lattice(values: &[f32], least: f64) -> f64 {
 fn greatest_common_divisor(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
+
+#[cfg(test)]
+mod tests;

@@ -309,45 +309,4 @@ impl EdgeSpreadFunction {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::numerics::distributions::phi_cdf;
-
-    #[test]
-    fn a_tabulated_gaussian_is_the_gaussian() {
-        let shape = EdgeSpreadFunction::Table(Arc::new(TabulatedEsf::new(8.0, |d| phi_cdf(d / 0.8))));
-        let sigma = shape.own_sigma().unwrap();
-        assert!((sigma - 0.8).abs() < 5e-4, "{sigma}");
-        for (x0, scale) in [(0.13, 1.0), (-0.4, 1.1)] {
-            let (mut a, mut b) = ([EdgeSample::default(); 13], [EdgeSample::default(); 13]);
-            shape.samples(-6.0, x0, sigma * scale, &mut a);
-            edge_samples(-6.0, x0, 0.8 * scale, &mut b);
-            for (a, b) in a.iter().zip(&b) {
-                assert!((a.value - b.value).abs() < 2e-4, "{a:?} {b:?}");
-                assert!((a.by_position - b.by_position).abs() < 5e-4, "{a:?} {b:?}");
-                assert!((a.by_sigma - b.by_sigma).abs() < 5e-4, "{a:?} {b:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn derivatives_are_those_of_the_values() {
-        // A one-sided exponential: asymmetric, centroid 0.7 px in the light.
-        let f = |d: f64| if d <= 0.0 { 0.0 } else { 1.0 - (-d / 0.7).exp() };
-        let shape = EdgeSpreadFunction::Table(Arc::new(TabulatedEsf::new(12.0, f)));
-        let sigma = shape.own_sigma().unwrap();
-        assert!((shape.centroid(sigma) - 0.7).abs() < 1e-3);
-        let at = |x0: f64, sigma: f64| {
-            let mut out = [EdgeSample::default(); 15];
-            shape.samples(-7.0, x0, sigma, &mut out);
-            out
-        };
-        let (x0, h) = (0.21, 1e-4);
-        let (up, down) = (at(x0 + h, sigma), at(x0 - h, sigma));
-        let (wide, narrow) = (at(x0, sigma + h), at(x0, sigma - h));
-        for (k, sample) in at(x0, sigma).iter().enumerate() {
-            assert!((sample.by_position - (up[k].value - down[k].value) / (2.0 * h)).abs() < 1e-4);
-            assert!((sample.by_sigma - (wide[k].value - narrow[k].value) / (2.0 * h)).abs() < 1e-4);
-        }
-    }
-}
+mod tests;

@@ -175,3 +175,6 @@ impl AxisScratch {
         (count >= 3.0).then(|| sum / count)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -232,3 +232,6 @@ pub(super) fn fit(points: impl Iterator<Item = (f64, f64)>, bent: bool) -> Optio
     }
     fit.by_cholesky()
 }
+
+#[cfg(test)]
+mod tests;

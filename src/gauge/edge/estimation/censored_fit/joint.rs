@@ -276,17 +276,31 @@ impl Joint<'_> {
         Some((levels / contrast).max(step[kd + kl].abs() / self.sigma))
     }
 
-    /// Keeps free levels within [`JointLimits::brightest`] times what is seen of the contrast.
+    /// The darkest shadow and the brightest light that free levels may have, counts:
+    /// [`JointLimits::brightest`] times what is seen of the contrast.
+    fn farthest(&self, seen: f64) -> [f64; 2] {
+        let (ends, beyond) = (self.likelihood.ends, (JointLimits::get().brightest - 1.0) * seen);
+        [ends.low - beyond, ends.high + beyond]
+    }
+
+    /// Keeps free levels between that and the middle of what is seen.
     fn keep_in_bounds(&mut self, seen: f64) {
-        let (ends, brightest) = (self.likelihood.ends, JointLimits::get().brightest);
+        let (ends, [darkest, brightest]) = (self.likelihood.ends, self.farthest(seen));
         if self.light.prior.is_none() && ends.high.is_finite() {
-            let (low, high) = (ends.high - 0.7 * seen, ends.high + (brightest - 1.0) * seen);
-            self.light.knots.iter_mut().for_each(|knot| *knot = knot.clamp(low, high));
+            let low = ends.high - 0.7 * seen;
+            self.light.knots.iter_mut().for_each(|knot| *knot = knot.clamp(low, brightest));
         }
         if self.dark.prior.is_none() && ends.low.is_finite() {
-            let (low, high) = (ends.low - (brightest - 1.0) * seen, ends.low + 0.7 * seen);
-            self.dark.knots.iter_mut().for_each(|knot| *knot = knot.clamp(low, high));
+            let high = ends.low + 0.7 * seen;
+            self.dark.knots.iter_mut().for_each(|knot| *knot = knot.clamp(darkest, high));
         }
+    }
+
+    /// Whether a free level has stopped at its bound.
+    pub(super) fn is_at_bound(&self, seen: f64) -> bool {
+        let [darkest, brightest] = self.farthest(seen);
+        let stopped = |level: &Level, bound: f64| level.prior.is_none() && level.knots.contains(&bound);
+        stopped(&self.dark, darkest) || stopped(&self.light, brightest)
     }
 
     /// Fits until nothing changes; `seen` is the contrast between the ends of what is seen, counts.
@@ -406,3 +420,6 @@ impl Joint<'_> {
         (along(&settled.covariance) + by_noise, along(&settled.known_shape) + by_noise)
     }
 }
+
+#[cfg(test)]
+mod tests;

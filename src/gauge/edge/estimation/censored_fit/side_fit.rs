@@ -9,7 +9,7 @@
 //! one cause at both edges, the lens, and adds up linearly in a width: each side states √2 of its
 //! own.
 
-use super::joint::{FittedColumn, Joint, JointLimits, Settled};
+use super::joint::{FittedColumn, Joint, Settled};
 use super::level::Level;
 use super::score::{Column, Likelihood, Noise, Score};
 use crate::gauge::edge::estimation::censored::Ends;
@@ -34,14 +34,8 @@ limits! {
     /// Steepest edges that take part in the estimate, rows per column: the blur along the column is
     /// 2 % more than that across the edge there, √(1 + 0.2²).
     most_slope: f32 = 0.2;
-    /// Fraction of the upper bound of the contrast ([`JointLimits::brightest`]) above which the
-    /// flank does not determine it: the fit has stopped at the bound. Tuned: see study limits.
-    at_the_bound: f64 = 0.98;
     /// Reduced χ² above which a systematic residual has moved the levels. Tuned: see study limits.
     explained: f64 = 1.2;
-    /// Largest uncertainty of an edge by levels beyond the ends, px: what light of 1.5 times the
-    /// end would move edges of 2 px blur by.
-    most_shown_px: f64 = 1.0;
     /// Reduced χ² beyond which no edge-spread function of the family fits. Tuned: see study limits.
     excess_chi2: f64 = 2.0;
     /// Where a level is held then beyond the end, in units of the contrast seen. Tuned: see study
@@ -243,7 +237,6 @@ fn fit_joint<'a>(
         return None;
     }
     let (mut best, seen) = with_best_knots(windows, slope, start, &able, &some(limits.scouts))?;
-    let ends = start.ends;
     let sample_columns = some(limits.sample_columns);
     best.columns = first_placed(windows, &sample_columns);
     for FittedColumn { index, place } in &mut best.columns {
@@ -259,12 +252,8 @@ fn fit_joint<'a>(
     if settled.reduced_chi2 > limits.excess_chi2 {
         return hold(&best, windows, slope, seen);
     }
-    let farthest = limits.at_the_bound * (JointLimits::get().brightest - 1.0) * seen;
-    let bound = |level: &Level, end: f64| {
-        level.prior.is_none() && level.knots.iter().any(|knot| (knot - end).abs() > farthest)
-    };
-    let beyond = bound(&best.dark, ends.low) || bound(&best.light, ends.high);
-    (!beyond).then_some((best, settled, 0.0))
+    // Where the fit has stopped at the bound, the flank does not determine the level.
+    (!best.is_at_bound(seen)).then_some((best, settled, 0.0))
 }
 
 /// Where no edge-spread function of the family fits, the flank does not determine the light: it is
@@ -339,7 +328,7 @@ fn fit_column(
     }
     let (all, known_shape) = joint.shared(settled, column, &score);
     let model = 2.0 * (all - known_shape).max(0.0) * joint.beyond_presumed().powi(2);
-    let shown = (known_shape * settled.columns as f64 * hidden).min(limits.most_shown_px.powi(2));
+    let shown = known_shape * settled.columns as f64 * hidden;
     let model = if held > 0.0 { held * held } else { model };
     // Where no model fits, columns are judged by what the model leaves of all of them, which is in
     // their own u.
@@ -353,3 +342,6 @@ fn fit_column(
     };
     (edge, model + 2.0 * shown)
 }
+
+#[cfg(test)]
+mod tests;
