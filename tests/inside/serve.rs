@@ -12,8 +12,8 @@ fn files(schema: &Value, found: &mut Vec<String>) {
         for (key, property) in properties {
             let words = property["description"].as_str().unwrap_or_default();
             let is_text = property["type"].to_string().contains("string");
-            if is_text && (words.starts_with("File") || words.contains(" file ") && words.contains("folder"))
-            {
+            let says = words.starts_with("File") || words.contains(" file ") && words.contains("folder");
+            if is_text && (says || key.ends_with("file") || key.ends_with("sheet")) {
                 found.push(key.clone());
             }
         }
