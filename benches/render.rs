@@ -42,9 +42,8 @@ fn taper(set: impl FnOnce(&mut SetupSettings)) -> Result<Scene, RenderError> {
     (settings.camera.rows, settings.camera.columns) = (2048, 2048);
     set(&mut settings);
     let mut shaft = Shaft::cylinder(24.75);
-    shaft.profile = [(-20.0, 12.0), (20.0, 12.75)]
-        .map(|(z_mm, radius_mm)| ProfileKnot { z_mm, radius_mm })
-        .to_vec();
+    shaft.profile =
+        [(-20.0, 12.0), (20.0, 12.75)].map(|(z_mm, radius_mm)| ProfileKnot { z_mm, radius_mm }).to_vec();
     Scene::new(&OpticalSetup::resolve(&settings, 1)?, shaft)
 }
 

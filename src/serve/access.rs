@@ -101,7 +101,7 @@ fn cookie(headers: &HeaderMap) -> Option<&str> {
     all.split(';').find_map(|pair| pair.trim().strip_prefix("shadowgauge_token="))
 }
 
-/// Compares in a time that does not tell how much is right.
+/// Compares in a time that is the same however much is right.
 fn equal(a: &[u8], b: &[u8]) -> bool {
     a.len() == b.len() && a.iter().zip(b).fold(0, |different, (x, y)| different | (x ^ y)) == 0
 }

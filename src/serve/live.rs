@@ -16,6 +16,8 @@ use super::state::Shared;
 
 /// Age from which a frame is no reading of now, as `watch` has it by default.
 const STALE: Duration = Duration::from_secs(1);
+/// Characters of the log's end that are kept: a sentence or two.
+const LOG_END: usize = 400;
 /// Pause before a source that has ended is watched again.
 const AGAIN: Duration = Duration::from_secs(2);
 
@@ -52,13 +54,30 @@ async fn watched(state: &Shared, arguments: &[String]) -> String {
                 Ok(Some(_)) => {}
                 Ok(None) | Err(_) => break,
             },
-            Ok(Some(line)) = running.err.next_line() => if !line.trim().is_empty() { last = line },
+            Ok(Some(line)) = running.err.next_line() => add_words(&mut last, &line),
         }
+    }
+    while let Ok(Some(line)) = running.err.next_line().await {
+        add_words(&mut last, &line);
     }
     match running.child.wait().await {
         Ok(status) if status.success() => "the source has ended".to_owned(),
         _ if last.is_empty() => "watch has ended".to_owned(),
         _ => last,
+    }
+}
+
+/// Adds a line of the log to its end, without what draws it on a terminal.
+fn add_words(log: &mut String, line: &str) {
+    let words: Vec<&str> = line.split(|c: char| c.is_whitespace() || "×│├╰─▶".contains(c)).collect();
+    for word in words.into_iter().filter(|word| !word.is_empty()) {
+        if !log.is_empty() {
+            log.push(' ');
+        }
+        log.push_str(word);
+    }
+    if let Some((start, _)) = log.char_indices().rev().nth(LOG_END) {
+        log.drain(..start);
     }
 }
 

@@ -84,7 +84,7 @@ pub(super) fn surface_points(mesh: &Mesh) -> Vec<SurfacePoint> {
 fn points_of_every(mesh: &Mesh, step: usize) -> Vec<SurfacePoint> {
     let none = |at: &DVec3| SurfacePoint { at: *at, normal: DVec3::ZERO, area_mm2: 0.0 };
     let mut points: Vec<SurfacePoint> = mesh.vertices.iter().map(none).collect();
-    let is_chosen = |i: u32| i as usize % step == 0;
+    let is_chosen = |i: u32| (i as usize).is_multiple_of(step);
     for &facet in mesh.facets.iter().filter(|f| f.iter().any(|i| is_chosen(*i))) {
         let double = mesh.double_area(facet);
         let (corners, normal) = (mesh.corners(facet), double.normalize_or_zero());

@@ -3,7 +3,7 @@
 use super::column_edges::{Bands, Column};
 use super::light_map::LightMap;
 use super::params::Params;
-use super::readout::Readout;
+use super::readout_terms::Readout;
 use crate::frame::PixelFormat;
 use crate::render::optics::esf_table::{EsfTable, Node};
 

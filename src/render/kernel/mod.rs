@@ -22,6 +22,7 @@ pub(crate) mod light_map;
 pub(crate) mod noise;
 pub(crate) mod params;
 pub(crate) mod readout;
+pub(crate) mod readout_terms;
 #[cfg(test)]
 pub(crate) mod reference;
 pub(crate) mod shadowgraph;

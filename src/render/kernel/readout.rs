@@ -17,61 +17,14 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::params::Params;
+use super::readout_terms::{Readout, Response, RowTerms};
 use super::shadowgraph::{Pixel, fixed_pattern, hash, noise_polynomial, row_key, sample, standard_normal};
-use crate::frame::PixelFormat;
 
 /// Columns treated together: their counts stay in the first-level cache.
 const BLOCK: usize = 256;
 
 /// Rows per task of the thread pool.
 const TASK_ROWS: usize = 16;
-
-/// What a sensor does to the means of a frame.
-#[derive(Clone, Debug)]
-pub struct Readout {
-    /// Parameters of the frame that is read out, with noise and the pixels' pattern.
-    pub params: Params,
-    /// Its format.
-    pub format: PixelFormat,
-    /// Its rows.
-    pub rows: Vec<RowTerms>,
-    /// Column of the drawn means at which it begins.
-    pub first_column: usize,
-    /// Relative gain that each of its columns adds.
-    pub column_gain: Vec<f32>,
-    /// Offset that each of its columns adds, counts.
-    pub column_offset: Vec<f32>,
-    /// Shares of the four neighbours, and the response.
-    pub response: Response,
-}
-
-/// A row of the frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RowTerms {
-    /// Its row in the drawn means.
-    pub drawn: usize,
-    /// Row of the sensor.
-    pub sensor: u32,
-    /// Relative gain that it adds.
-    pub gain: f32,
-    /// Offset that it adds, counts: its own of every frame, and the noise of this one.
-    pub offset: f32,
-}
-
-/// Shares of the neighbours and the response of the readout.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Response {
-    /// Share of each neighbour in the row.
-    pub along: f32,
-    /// Share of each neighbour in the column.
-    pub down: f32,
-    /// Counts above black at which the well is full.
-    pub full_well: f32,
-    /// Relative departure a count above black.
-    pub quadratic: f32,
-    /// Relative departure a squared count above black.
-    pub cubic: f32,
-}
 
 /// Means of a frame as the kernel drew them, row-major.
 #[derive(Clone, Copy, Debug)]

@@ -17,7 +17,7 @@ use crate::frame::{PixelFormat, Roi};
 use crate::render::error::RenderError;
 use crate::render::kernel::noise::frame_key;
 use crate::render::kernel::params::{FrameKeys, GreyLevels, MOST_COUNTS, Params, Window, Windows};
-use crate::render::kernel::readout::{Readout, Response, RowTerms};
+use crate::render::kernel::readout_terms::{Readout, Response, RowTerms};
 use crate::render::kernel::shadowgraph::{hash, row_key, standard_normal};
 
 /// Streams of the camera's generators, apart from each other and from the pixels' pattern.

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::class::Class;
-use super::scene::{self, Outcome};
+use super::outcome::Outcome;
+use super::scene;
 use crate::render::Renderer;
 use crate::studies::calibration::CalibrateError;
 

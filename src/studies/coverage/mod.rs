@@ -10,13 +10,14 @@ mod class;
 mod figures;
 mod illumination;
 mod limb;
+mod outcome;
 mod plan;
 mod scene;
 mod verdict;
 
 pub(crate) use class::Class;
 pub(crate) use figures::{ClassFigures, class_figures};
+pub(crate) use outcome::Outcome;
 pub(crate) use plan::{CoveragePlan, CoverageResult};
-pub(crate) use scene::Outcome;
 pub(in crate::studies) use scene::{Recorded, measure, record};
 pub(crate) use verdict::Coverage;

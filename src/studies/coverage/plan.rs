@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::class::Class;
 use super::figures::{ClassFigures, figures, scene_seed};
-use super::scene::{self, Outcome};
+use super::outcome::Outcome;
+use super::scene;
 use super::verdict::Coverage;
 use crate::render::{BackendChoice, Renderer};
 use crate::studies::calibration::CalibrateError;

@@ -1,14 +1,10 @@
 //! One scene of the coverage study: an optical setup is drawn, calibrated on drawn masters, and a
 //! drawn part measured with it.
 
-use std::collections::BTreeMap;
-
 use crate::frame::{Frame, FrameMeta};
-use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
+use crate::gauge::budget::{Contribution, Shape, Share, WidthReading};
 use crate::gauge::calibration::{Conditions, Date, LensLimits, Thermometer};
-use crate::gauge::{
-    Calibration, Edge, EsfModel, EsfSamples, FrameEdges, Gauge, GaugeSettings, StationAverager,
-};
+use crate::gauge::{Calibration, EsfModel, EsfSamples, Gauge, GaugeSettings, StationAverager};
 use crate::render::form::form_shaft;
 use crate::render::optics::edge_spread::{EdgeSpread, PartiallyCoherentEdge};
 use crate::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
@@ -23,6 +19,7 @@ use crate::truth;
 use super::class::Class;
 use super::illumination::{OTHER_KIND, coherent};
 use super::limb::{self, LimbPart};
+use super::outcome::{Outcome, flag, outcome, refused};
 
 /// Frames of the study, px.
 const ROWS: u32 = 576;
@@ -38,19 +35,6 @@ const OTHER_BLUR_PX: f64 = 1.26;
 
 /// A user's allowance for edges imaged unlike the masters', ± µm per edge.
 const DEVIATING_UM: f64 = 0.03;
-
-/// Result of a scene.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Outcome {
-    /// Measured minus true diameter at 20 °C, mm; none where the frame was refused.
-    pub error_mm: Option<f64>,
-    /// Combined standard uncertainty, mm.
-    pub u_mm: f64,
-    /// Half width of the 95 % interval, mm.
-    pub half_mm: f64,
-    /// The warning on the frame; empty without one.
-    pub flag: String,
-}
 
 /// The drawn values of a scene, before anything is rendered.
 struct Drawn {
@@ -521,36 +505,6 @@ fn mean_of(mut one: Frame, two: &Frame) -> Frame {
     one
 }
 
-fn refused(flag: String) -> Outcome {
-    Outcome { error_mm: None, u_mm: f64::NAN, half_mm: f64::NAN, flag }
-}
-
-/// The most frequent reason among the refused edges.
-fn most_common(edges: &FrameEdges) -> String {
-    let mut counts = BTreeMap::new();
-    for reason in edges.top.iter().chain(&edges.bottom).filter_map(Edge::reason) {
-        *counts.entry(reason.to_string()).or_insert(0) += 1;
-    }
-    counts.into_iter().max_by_key(|(_, count)| *count).map_or(String::new(), |(reason, _)| reason)
-}
-
-/// The warning on a frame: fewer than 97 % of its columns measured, a residual that the noise does
-/// not explain, a blur unlike the masters'.
-fn flag(calibration: &Calibration, conditions: &Conditions, edges: &FrameEdges) -> String {
-    let usable = edges.valid() as f64 / edges.columns() as f64;
-    let impaired = (0..edges.columns()).filter(|c| edges.top[*c].reason().is_some()).count();
-    if usable < 0.97 || impaired > edges.columns() / 2 {
-        return format!("columns refused or impaired: {}", most_common(edges));
-    }
-    if edges.figures.reduced_chi2 > 1.5 {
-        return "residual".to_owned();
-    }
-    match calibration.setup.as_ref().map(|b| b.check_focus(edges.figures.sigma_px, conditions)) {
-        Some(Err(_)) => "blur".to_owned(),
-        _ => String::new(),
-    }
-}
-
 fn judge(drawn: &Drawn, calibration: &Calibration, frame: &Frame, true_mm: f64) -> Outcome {
     let Ok(gauge) = Gauge::new(drawn.plan.gauge.clone()) else { return refused("settings".to_owned()) };
     let gauge = gauge.with_systematic_residual(calibration.systematic_residual());
@@ -568,15 +522,6 @@ fn judge(drawn: &Drawn, calibration: &Calibration, frame: &Frame, true_mm: f64) 
         _ => flag(calibration, &drawn.conditions, &edges),
     };
     outcome(&budget, true_mm, flag)
-}
-
-fn outcome(budget: &Budget, true_mm: f64, flag: String) -> Outcome {
-    Outcome {
-        error_mm: Some(budget.diameter_mm - true_mm),
-        u_mm: budget.u_mm(),
-        half_mm: budget.half_width_mm(0.95),
-        flag,
-    }
 }
 
 /// The middle station's mean over angles, as a run measures it: random part of type A over the

@@ -6,12 +6,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Newton steps that bring a root of the Legendre polynomial to rounding from Tricomi's start.
 const NEWTON_STEPS: usize = 8;
 
+/// Nodes and weights.
+type Rule = Arc<[(f64, f64)]>;
+
 /// Rules that were computed. A rule of n nodes takes some n² steps, which is half of the time of a
 /// limb's table; tables of one setup need the same few tens of them.
-static RULES: Mutex<BTreeMap<usize, Arc<[(f64, f64)]>>> = Mutex::new(BTreeMap::new());
+static RULES: Mutex<BTreeMap<usize, Rule>> = Mutex::new(BTreeMap::new());
 
 /// [`gauss_legendre`], computed once for each number of nodes.
-pub(crate) fn kept_rule(n: usize) -> Arc<[(f64, f64)]> {
+pub(crate) fn kept_rule(n: usize) -> Rule {
     let mut rules = RULES.lock().unwrap_or_else(PoisonError::into_inner);
     Arc::clone(rules.entry(n).or_insert_with(|| gauss_legendre(n).into()))
 }
