@@ -7,8 +7,9 @@
 //! `instrument` (camera or probe) is calibrated on `masters`; a pass is cut, then scanned (`scan`;
 //! `touches` by a probe), or measured while it is cut (`in_process`); `pass_before` compares it
 //! with the last one, `evidence` is the input of a decision besides the profile; `station_scan` is
-//! a scan whose frames come from elsewhere, `part_frames` hands out the frames themselves. A new way to
-//! measure a pass is a method of [`ClosedLoop`] in a file of its own that returns a `Scanned`.
+//! a scan whose frames come from elsewhere, `part_frames` hands out the frames themselves. A new
+//! way to measure a pass is a method of [`ClosedLoop`] in a file of its own that returns a
+//! `Scanned`.
 
 mod error;
 mod evidence;

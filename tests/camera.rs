@@ -449,8 +449,8 @@ print('ready', flush=True)
 sys.stdin.read()
 ";
 
-/// Its frames are a pattern without a part and have no time of the device: those that are whole come
-/// in order with the time of their arrival alone, the other is a gap with its reason.
+/// Its frames are a pattern without a part and have no time of the device: those that are whole
+/// come in order with the time of their arrival alone, the other is a gap with its reason.
 #[cfg(unix)]
 #[test]
 fn frames_of_viva_genicams_fake_are_received() {

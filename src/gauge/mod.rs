@@ -9,8 +9,9 @@
 //! From below, and imports point down only: `settings`, `edges` (results) → `form`, `sensor` →
 //! `edge` (one frame to edges) → `width` (px) → `calibration` (px to mm) → `diameter` (mm) →
 //! `uncertainty` (budgets) → `ring` (parts seen end-on) → `nose` (the nose of a
-//! back-lit insert) → `generatrix` (lines and arcs of a shaft's silhouette at any angle) → `flank` (the worn land of a front-lit one); `instrument` is the gauge that all begin
-//! with. A file imports others by their own path, not through the `mod.rs` above it.
+//! back-lit insert) → `generatrix` (lines and arcs of a shaft's silhouette at any angle) → `flank`
+//! (the worn land of a front-lit one); `instrument` is the gauge that all begin with. A file
+//! imports others by their own path, not through the `mod.rs` above it.
 //!
 //! One more room is one more folder with a `mod.rs` like these, one line here and one in the order
 //! that `tests/architecture.rs` holds.

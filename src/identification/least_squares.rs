@@ -2,10 +2,10 @@
 //!
 //! Unknowns are scaled by their standard deviations before any reading: x = S·z, z of mean 0. With
 //! J = A·S of rows divided by their u, the estimate is z = (JᵀJ + P)⁻¹Jᵀy, its covariance
-//! (JᵀJ + P)⁻¹; P says how smooth an error is ([`super::smoothing`]), and the covariance holds what
-//! smoothing takes off, too. Where the reduced χ² is larger than that of 95 % of readings whose u is
-//! true, the covariance is widened by it (Birge 1932): widened wherever it is above 1, as it is by
-//! chance in half of all cases, intervals of 95 % would hold 97 %.
+//! (JᵀJ + P)⁻¹; P states how smooth an error is ([`super::smoothing`]), and the covariance holds
+//! what smoothing takes off, too. Where the reduced χ² is larger than that of 95 % of readings
+//! whose u is true, the covariance is widened by it (Birge 1932): widened wherever it is above 1,
+//! as it is by chance in half of all cases, intervals of 95 % would hold 97 %.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -35,8 +35,8 @@ pub(crate) struct Estimate {
     pub held_out_by_u: f64,
 }
 
-/// The estimate, averaged over how smooth each error may be. `left_out` are the sets of turned parts
-/// that are predicted from all others, one by one.
+/// The estimate, averaged over how smooth each error may be. `left_out` are the sets of turned
+/// parts that are predicted from all others, one by one.
 pub(crate) fn estimate(
     unknowns: &Unknowns,
     equations: &[Equation],

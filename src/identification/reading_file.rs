@@ -1,6 +1,6 @@
 //! Readings from a table of text ([`crate::text_table`]):
-//! `axis,position_mm,direction,run,error,value,unit`, with `angle_deg` (a midline's, averaged over φ
-//! and φ + 180°) and `setup` (a straightedge's) where they apply.
+//! `axis,position_mm,direction,run,error,value,unit`, with `angle_deg` (a midline's, averaged over
+//! φ and φ + 180°) and `setup` (a straightedge's) where they apply.
 //!
 //! Rows stand in the order in which they were read: that of a run shows whether its positions are
 //! those of one direction.

@@ -1,17 +1,17 @@
 //! How smooth each error is: by the probability of the readings, averaged over what is likely.
 //!
-//! The shape of an error has the prior spread τ for each of its unknowns (the penalty of a P-spline,
-//! Wahba 1983). With unknowns z in units of their prior and P = 1, of a shape (S/τ)², the readings y
-//! (by their u) have the log probability
+//! The shape of an error has the prior spread τ for each of its unknowns (the penalty of a
+//! P-spline, Wahba 1983). With unknowns z in units of their prior and P = 1, of a shape (S/τ)², the
+//! readings y (by their u) have the log probability
 //!
 //! ```text
 //! ln p(y | τ) = ½·(ln det P − ln det(JᵀJ + P) + yᵀJ·z) + const,   z = (JᵀJ + P)⁻¹Jᵀy
 //! ```
 //!
 //! (MacKay 1992). One τ alone, taken as known, leaves out that it is not: with the one of the least
-//! held-out error intervals of 95 % held 87 % of the truth. Values and covariance are therefore means over the τ of
-//! every error in turn, the others at their most probable, with the scatter of the values added. A
-//! change along one τ is taken as additive to those along others.
+//! held-out error intervals of 95 % held 87 % of the truth. Values and covariance are therefore
+//! means over the τ of every error in turn, the others at their most probable, with the scatter of
+//! the values added. A change along one τ is taken as additive to those along others.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -22,9 +22,9 @@ use crate::machine::ErrorName;
 
 /// Steps of τ from the class of the machine downwards, each half a decade: the probability changes
 /// by less than its own width over one. The last bends a slide by about a thirtieth of the class.
-/// Steps below it, at which readings show no shape at all, would count all the more the more of them
-/// there are: with five more, 87 % of a straightness (drawn between a third and a hundredth of the
-/// class, noise a fiftieth) lie within 2u, with these 95 %, with one less 96 %.
+/// Steps below it, at which readings show no shape at all, would count all the more the more of
+/// them there are: with five more, 87 % of a straightness (drawn between a third and a hundredth of
+/// the class, noise a fiftieth) lie within 2u, with these 95 %, with one less 96 %.
 const STEPS: usize = 6;
 /// Rounds over the errors in which each one's τ is chosen, the others kept.
 const ROUNDS: usize = 3;

@@ -13,9 +13,9 @@ use crate::control::external::{PartFacts, ProgramController};
 const STREAM: u64 = 0x636f_6e74_726f_6c6c;
 
 impl Job {
-    /// A controller at the other end of a stream, by the protocol of `docs/controllers.md`: one line
-    /// of JSON each way a pass. It is given what every controller is given, and its offsets pass the
-    /// same guards. `name` and `command` stand in errors.
+    /// A controller at the other end of a stream, by the protocol of `docs/controllers.md`: one
+    /// line of JSON each way a pass. It is given what every controller is given, and its offsets
+    /// pass the same guards. `name` and `command` stand in errors.
     pub fn program_controller<S: Read + Write + Send + 'static>(
         &self,
         stream: S,

@@ -239,8 +239,8 @@ impl MachineSettings {
         Station { point_mm, x_mm, z_mm, x_lever_mm: Some(Vector3::from(self.tool_mm)), z_lever_mm }
     }
 
-    /// What stands on the X slide at a lever from its reference, mm, with its point at x and z of the
-    /// part: both slides stand off the tool's positions by the difference of the levers.
+    /// What stands on the X slide at a lever from its reference, mm, with its point at x and z of
+    /// the part: both slides stand off the tool's positions by the difference of the levers.
     pub(crate) fn on_x_slide(&self, lever_mm: [f64; 3], x_mm: f64, z_mm: f64) -> Station {
         let [tool, lever, carriage] = [self.tool_mm, lever_mm, self.carriage_mm].map(Vector3::from);
         let beside = lever - tool;

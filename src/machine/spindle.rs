@@ -98,8 +98,9 @@ pub(crate) fn three_probe_weights(steps: [usize; 2], readings: usize, order: usi
 
 /// Three probes around the part (Whitehouse 1976): m_k(φ) = p(φ + α_k) + s_x·cos α_k + s_y·sin α_k,
 /// the first at α = 0, the others `steps` readings on. Their weighted sum is free of s; order by
-/// order of a Fourier series it gives p, and m₁ − p the motion towards the first probe. Orders whose
-/// weight is zero are in no reading and named. None for turns of different length or probes in line.
+/// order of a Fourier series it gives p, and m₁ − p the motion towards the first probe. Orders
+/// whose weight is zero are in no reading and named. None for turns of different length or probes
+/// in line.
 pub(crate) fn three_probe(turns: [&[f64]; 3], steps: [usize; 2]) -> Option<ThreeProbes> {
     let count = turns[0].len();
     if count < 8 || turns.iter().any(|turn| turn.len() != count) {

@@ -20,7 +20,8 @@ impl Table {
         let values = if is_backward { &self.backward } else { &self.forward };
         let first = self.position.first().copied().unwrap_or(0.0);
         let turn = std::f64::consts::TAU;
-        // The remainder takes longer than the rest of the interpolation: only where it changes anything.
+        // The remainder takes longer than the rest of the interpolation: only where it changes
+        // anything.
         let is_beyond = self.is_periodic && !(0.0..turn).contains(&(position - first));
         let at = if self.is_periodic {
             first + if is_beyond { (position - first).rem_euclid(turn) } else { position - first }

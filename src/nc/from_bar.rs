@@ -1,8 +1,9 @@
-//! A whole part from the bar: roughing and a finishing cut in one program, replayed on the bar itself.
+//! A whole part from the bar: roughing and a finishing cut in one program, replayed on the bar
+//! itself.
 //!
-//! Besides the replay among the solids the bar is cut move by move: no rapid may touch what stands at
-//! that moment, no cut along Z may take more than the depth stated, and what is left at the end is
-//! returned, to be compared with the part.
+//! Besides the replay among the solids the bar is cut move by move: no rapid may touch what stands
+//! at that moment, no cut along Z may take more than the depth stated, and what is left at the end
+//! is returned, to be compared with the part.
 
 use glam::DVec2;
 
@@ -43,7 +44,8 @@ const STEP_MM: f64 = 0.02;
 const DEEPER: f64 = 0.02;
 
 impl ContourProgram<'_> {
-    /// The program of the whole part in this bar, replayed from every start position and on the bar.
+    /// The program of the whole part in this bar, replayed from every start position and on the
+    /// bar.
     ///
     /// # Errors
     /// As [`ContourProgram::write`]; a rapid that touches the bar as it stands, a cut that is too

@@ -21,11 +21,11 @@
 //! `settings`, `machine`, `probe_settings` and `stated` hold the machine's data; `route`, `path`
 //! (`contour_path` of a stepped shaft) and `skeleton` plan, `dialect` writes the blocks
 //! (`sinumerik` those that are not ISO), `turning`, `air_cut`, `macro_program`, `probing_program`,
-//! `contour_program` (lines and arcs, with `bore`, `contour_entry` and `nose_words`; with `roughing`
-//! in front of it `from_bar`) and
-//! `scan_program` (the gauge head along the part, by `scan_settings`) are the programs,
-//! `surroundings` the solids. A new dialect is a variant of `Dialect` with its words and its match
-//! arms in `replay`; a new program is a file beside `turning`.
+//! `contour_program` (lines and arcs, with `bore`, `contour_entry` and `nose_words`; with
+//! `roughing` in front of it `from_bar`) and `scan_program` (the gauge head along the part, by
+//! `scan_settings`) are the programs, `surroundings` the solids. A new dialect is a variant of
+//! `Dialect` with its words and its match arms in `replay`; a new program is a file beside
+//! `turning`.
 
 mod air_cut;
 mod bore;

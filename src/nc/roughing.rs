@@ -10,10 +10,10 @@
 //! ```
 //!
 //! No cycle of the control is used: what a block cuts can be replayed and read. All rapids stay
-//! outside of the bar, also where it is cut away already, so that a program that is started again in
-//! the middle meets nothing. A level ends where the gauge point meets the boundary, its path that
-//! leaves the allowance. Behind a collar a level is entered along the boundary's own slope, from
-//! above.
+//! outside of the bar, also where it is cut away already, so that a program that is started again
+//! in the middle meets nothing. A level ends where the gauge point meets the boundary, its path
+//! that leaves the allowance. Behind a collar a level is entered along the boundary's own slope,
+//! from above.
 
 use glam::DVec2;
 
@@ -191,8 +191,8 @@ impl Roughing<'_> {
     }
 }
 
-/// The way down to `at` on the line `i` of the boundary: along the boundary from where it falls below
-/// what is cut already, or from its peak.
+/// The way down to `at` on the line `i` of the boundary: along the boundary from where it falls
+/// below what is cut already, or from its peak.
 fn down(corners: &[DVec2], i: usize, at: DVec2, above_mm: f64) -> Vec<DVec2> {
     let mut way = vec![at];
     for (k, corner) in corners[..=i].iter().enumerate().rev() {

@@ -1,7 +1,7 @@
 //! A polynomial of least squares in Chebyshev's polynomials.
 //!
-//! p(x) = Σ c_k·T_k(s), s from −1 to 1 over a range; the normal equations of T_k at even places keep
-//! a condition below 1e3 at degree 20 of 51 samples, where those of powers have 1e15.
+//! p(x) = Σ c_k·T_k(s), s from −1 to 1 over a range; the normal equations of T_k at even places
+//! keep a condition below 1e3 at degree 20 of 51 samples, where those of powers have 1e15.
 
 use nalgebra::{DMatrix, DVector};
 

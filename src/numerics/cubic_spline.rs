@@ -1,7 +1,7 @@
 //! The cubic spline through all samples, without curvature at its ends (de Boor 1978, IV).
 //!
-//! The second derivatives m at the samples solve h₀·m₀ + 2(h₀ + h₁)·m₁ + h₁·m₂ = 6(d₁ − d₀) with h the
-//! steps and d the slopes of the chords. It follows every sample, noise and all.
+//! The second derivatives m at the samples solve h₀·m₀ + 2(h₀ + h₁)·m₁ + h₁·m₂ = 6(d₁ − d₀) with h
+//! the steps and d the slopes of the chords. It follows every sample, noise and all.
 
 /// A cubic spline through samples.
 #[derive(Clone, Debug)]

@@ -1,11 +1,11 @@
 //! A feed-forward net of one hidden layer, fitted by Levenberg-Marquardt.
 //!
 //! y = W₂·tanh(W₁·s + b₁) + b₂, the "tansig" and "purelin" layers of the toolbox of the time; s and
-//! y are the inputs and outputs scaled to −1 to 1 over the samples. Start: Nguyen and Widrow (1990),
-//! which spreads the bends of the hidden units over the range of the inputs. Fit: (JᵀJ + μI)·δ = Jᵀr
-//! (Hagan and Menhaj 1994), μ a tenth after a step that lowers the sum of squares, ten times after
-//! one that does not. A net has no certificate: what it is worth is its error on samples that it was
-//! not given, and of several starts the one with the least such error.
+//! y are the inputs and outputs scaled to −1 to 1 over the samples. Start: Nguyen and Widrow
+//! (1990), which spreads the bends of the hidden units over the range of the inputs. Fit: (JᵀJ +
+//! μI)·δ = Jᵀr (Hagan and Menhaj 1994), μ a tenth after a step that lowers the sum of squares, ten
+//! times after one that does not. A net has no certificate: what it is worth is its error on
+//! samples that it was not given, and of several starts the one with the least such error.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};

@@ -1,8 +1,8 @@
 //! A penalised cubic spline over even knots, its smoothness by generalised cross-validation.
 //!
 //! Σ (y − B·c)² + λ·|D₂·c|² (Eilers and Marx 1996); λ minimises n·RSS/(n − tr H)² (Craven and Wahba
-//! 1979), H the influence matrix. Where the samples have no noise λ falls to the least one tried and
-//! the spline is that of least squares; where they are noise alone it is a straight line. The
+//! 1979), H the influence matrix. Where the samples have no noise λ falls to the least one tried
+//! and the spline is that of least squares; where they are noise alone it is a straight line. The
 //! effective number of parameters is tr H, the noise estimated as RSS/(n − tr H).
 
 use nalgebra::{DMatrix, DVector};

@@ -1,8 +1,8 @@
 //! An outline as the corners of a drawing, for `[shaft] contour`.
 //!
-//! Lines meet in corners; an arc between two lines that are tangent to it is the radius of the corner
-//! in which they would meet. End faces that close the part to the axis are left out, but for the stretch
-//! that an arc beside one needs.
+//! Lines meet in corners; an arc between two lines that are tangent to it is the radius of the
+//! corner in which they would meet. End faces that close the part to the axis are left out, but for
+//! the stretch that an arc beside one needs.
 
 use glam::DVec2;
 
@@ -14,8 +14,8 @@ use crate::shaft::ContourPoint;
 const TANGENT_RAD: f64 = 1e-6;
 /// Share of an end face's diameter that stays as the stretch beside an arc.
 const FACE_SHARE: f64 = 0.5;
-/// Steps of a corner's numbers a millimetre: a tenth of a control's finest increment, above the digits
-/// of a file in single precision.
+/// Steps of a corner's numbers a millimetre: a tenth of a control's finest increment, above the
+/// digits of a file in single precision.
 const DIGITS: f64 = 1e5;
 /// Z by which a shoulder may run back for rounding, mm.
 const ROUNDING_MM: f64 = 1e-4;

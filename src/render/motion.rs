@@ -190,8 +190,8 @@ impl Motion {
         [fast, slow]
     }
 
-    /// The pose `later_us` after one of [`Self::instants`] with the same exposure: spindle, carriage
-    /// and the vibrations that are followed have moved on.
+    /// The pose `later_us` after one of [`Self::instants`] with the same exposure: spindle,
+    /// carriage and the vibrations that are followed have moved on.
     pub(crate) fn later(&self, pose: &Pose, exposure_us: f64, later_us: f64) -> Pose {
         let [_, slow] = self.by_speed(exposure_us);
         let t_us = pose.t_us + later_us;
@@ -205,8 +205,8 @@ impl Motion {
         }
     }
 
-    /// Largest rate of the phase of what [`Self::later`] moves, rad/µs, with a form of `undulations`
-    /// per revolution.
+    /// Largest rate of the phase of what [`Self::later`] moves, rad/µs, with a form of
+    /// `undulations` per revolution.
     pub(crate) fn quickest_rad_per_us(&self, exposure_us: f64, undulations: f64) -> f64 {
         let [_, slow] = self.by_speed(exposure_us);
         let spindle = TAU * self.spindle_rpm.abs() / 60.0 * undulations.max(1.0);

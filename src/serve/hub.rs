@@ -38,7 +38,7 @@ impl Hub {
             now.frame = Some((Arc::clone(&line), Instant::now()));
         }
         drop(now);
-        // nobody may listen
+        // there may be no reader
         let _ = self.lines.send(line);
     }
 

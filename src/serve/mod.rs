@@ -7,10 +7,10 @@
 //! is resumed.
 //!
 //! Bottom to top: `problem` (refusals with their status), `settings` (what is served, to whom),
-//! `child`, `hub` (live lines to all readers, newest wins), `jobs` (runs that were started), `state`
-//! (all of these), `access` (who may do what, headers), `runs`, `history`, `live` (the routes),
-//! `page` (files compiled in), `server`. One more route is a function in its file with a line in
-//! `server::router` and one in `server::Documented`.
+//! `child`, `hub` (live lines to all readers, newest wins), `jobs` (runs that were started),
+//! `state` (all of these), `access` (who may do what, headers), `runs`, `history`, `live` (the
+//! routes), `page` (files compiled in), `server`. One more route is a function in its file with a
+//! line in `server::router` and one in `server::Documented`.
 
 mod access;
 mod child;

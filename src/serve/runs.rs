@@ -138,7 +138,7 @@ fn is_finished(path: &std::path::Path) -> bool {
 }
 
 fn summary((run, path): (String, PathBuf)) -> RunSummary {
-    // a run whose tables cannot be read is listed, and says so when it is opened
+    // a run whose tables cannot be read is listed; its fault is shown when it is opened
     let passes = RunFolder::open(&path).and_then(|folder| folder.passes()).unwrap_or_default();
     RunSummary {
         run,

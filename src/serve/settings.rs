@@ -80,7 +80,7 @@ pub(crate) struct ServeSettings {
 }
 
 impl ServeSettings {
-    /// Checks that nobody beyond this machine is served without protection.
+    /// Checks that no other machine is served without protection.
     ///
     /// # Errors
     /// An address beyond loopback.

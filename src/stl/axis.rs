@@ -45,7 +45,7 @@ const MOST_POINTS: usize = 20_000;
 /// Steps of the scale, each by this factor: from half of the body's size down to a 1000th.
 const STEPS: usize = 24;
 const SHRINK: f64 = 0.76;
-/// Share of the two larger eigenvalues' sum below which the second says that another axis fits as
+/// Share of the two larger eigenvalues' sum below which the second shows that another axis fits as
 /// well: normals of a ball all meet in one point.
 const ANOTHER_AXIS: f64 = 1e-7;
 

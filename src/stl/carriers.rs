@@ -1,5 +1,5 @@
-//! Lines and circles through the points of segments, tangent where their segments are: least squares
-//! under constraints.
+//! Lines and circles through the points of segments, tangent where their segments are: least
+//! squares under constraints.
 //!
 //! A line is n(a)·p = c, a circle |p − C| = |ρ| with ρ below 0 where the outline is concave. A line
 //! is tangent to a circle where n·C + ρ = c, two circles are where |C − C'| = |ρ − ρ'|. Gauss and

@@ -15,8 +15,8 @@ pub(super) struct Contour {
     pub(super) departure_mm: f64,
 }
 
-/// Distance from a line or an arc that passes as noise, in units of the largest found about the turns,
-/// which are means of many vertices.
+/// Distance from a line or an arc that passes as noise, in units of the largest found about the
+/// turns, which are means of many vertices.
 const NOISE_FACTOR: f64 = 4.0;
 /// Noise of a file in which none was found, mm: single precision of 10 mm.
 const LEAST_NOISE_MM: f64 = 1e-6;

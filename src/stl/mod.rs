@@ -1,9 +1,9 @@
 //! Models of turned parts: STL files to outlines.
 //!
-//! In: the bytes of an STL file (binary or ASCII, told apart by its size) and the unit of its
-//! coordinates. Out: [`TurnedPart`], the outside as an [`Outline`](crate::outline::Outline) of lines
-//! and arcs with Z from the end at the chuck, or a `ModelFault` with its place. The model may lie
-//! and point anywhere.
+//! In: the bytes of an STL file (binary or ASCII, separated by its size) and the unit of its
+//! coordinates. Out: [`TurnedPart`], the outside as an [`Outline`](crate::outline::Outline) of
+//! lines and arcs with Z from the end at the chuck, or a `ModelFault` with its place. The model may
+//! lie and point anywhere.
 //!
 //! `read` → `mesh` (corners welded) → `topology` (one closed body) → `axis` (the normals' linear
 //! complex) → `ring_fit` (Levenberg-Marquardt on `rings`, vertices of one turn) → `turns` (every

@@ -1,7 +1,7 @@
 //! The outside of a profile: what turning from a bar can cut.
 //!
-//! From the least to the largest Z along the outside. What the profile does beyond them is a bore or
-//! a recess in an end face: it is left out, and the end face goes on to the axis.
+//! From the least to the largest Z along the outside. What the profile does beyond them is a bore
+//! or a recess in an end face: it is left out, and the end face goes on to the axis.
 
 use glam::DVec2;
 

@@ -54,7 +54,8 @@ const LEAST_SHARE: f64 = 0.125;
 /// Reads a part.
 ///
 /// # Errors
-/// A file that is no STL, or a model that is no turned part or does not fit the bar, with its place.
+/// A file that is no STL, or a model that is no turned part or does not fit the bar, with its
+/// place.
 pub(crate) fn read_part(bytes: &[u8], settings: &ReadSettings) -> Result<TurnedPart, ModelFault> {
     let mut mesh = Mesh::welded(&triangles(bytes, settings.unit)?)?;
     topology::checked(&mut mesh)?;
@@ -79,8 +80,8 @@ pub(crate) fn read_part(bytes: &[u8], settings: &ReadSettings) -> Result<TurnedP
     })
 }
 
-/// The axis in the sense in which its largest component is positive, so that the order of the facets
-/// does not decide.
+/// The axis in the sense in which its largest component is positive, so that the order of the
+/// facets does not decide.
 fn pointed(axis: Axis) -> Axis {
     let d = axis.direction;
     let largest = [d.x, d.y, d.z].into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(1.0);

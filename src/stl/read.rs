@@ -112,7 +112,7 @@ fn binary_facets(bytes: &[u8]) -> Option<usize> {
     (bytes.len() == HEADER + COUNT + FACET * facets).then_some(facets)
 }
 
-/// The bytes as the reader tells both forms apart: by `solid ` in the first line.
+/// The bytes as the reader separates both forms: by `solid ` in the first line.
 fn ready(bytes: &[u8]) -> Result<Vec<u8>, ModelFault> {
     if bytes.is_empty() {
         return Err(ModelFault::whole(

@@ -1,8 +1,8 @@
 //! The axis about which the vertices of every turn have one Z and one radius: Levenberg-Marquardt.
 //!
-//! Two tilts (a, b) and two shifts (u, v) of the axis change Z of the vertex (x, y, z) by (a·x + b·y)
-//! and its radius r by −((u + a·z)·x + (v + b·z)·y)/r. The means of a turn are taken off both the
-//! residuals and their derivatives: they are eliminated. Each step turns the frame into the new
+//! Two tilts (a, b) and two shifts (u, v) of the axis change Z of the vertex (x, y, z) by (a·x +
+//! b·y) and its radius r by −((u + a·z)·x + (v + b·z)·y)/r. The means of a turn are taken off both
+//! the residuals and their derivatives: they are eliminated. Each step turns the frame into the new
 //! axis, so that all four begin at zero. Turns that scatter more than a scale count less; the scale
 //! shrinks to that of a file's digits, so that an eccentric journal does not move the axis.
 
@@ -61,8 +61,8 @@ fn centred(mesh: &Mesh, axis: Axis) -> Axis {
     Axis { point: axis.point + (middle - axis.point).dot(axis.direction) * axis.direction, ..axis }
 }
 
-/// All vertices, or of many those of some stretches along the axis, both ends among them: whole turns
-/// but for the first and last of a stretch.
+/// All vertices, or of many those of some stretches along the axis, both ends among them: whole
+/// turns but for the first and last of a stretch.
 fn chosen(mesh: &Mesh, axis: &Axis) -> Vec<u32> {
     let count = mesh.vertices.len();
     if count <= MOST_VERTICES {

@@ -11,8 +11,8 @@ use rayon::slice::ParallelSliceMut;
 use super::axis::Axis;
 use super::mesh::Mesh;
 
-/// Fewest vertices of a turn: a polygon of fewer sides is taken for one that is meant. Twelve chords
-/// stand 3.4 % of the radius inside of their circle.
+/// Fewest vertices of a turn: a polygon of fewer sides is taken for one that is meant. Twelve
+/// chords stand 3.4 % of the radius inside of their circle.
 pub(super) const FEWEST: usize = 12;
 
 /// Share of the body's size by which vertices of one turn may differ in Z and radius: the sixth
@@ -89,8 +89,8 @@ pub(super) fn turned(mesh: &Mesh, axis: &Axis, vertices: impl IntoIterator<Item 
     vertices.into_iter().map(of).collect()
 }
 
-/// The clusters of vertices without gaps wider than `gap_mm` in Z or in radius; vertices on the axis
-/// make clusters of their own.
+/// The clusters of vertices without gaps wider than `gap_mm` in Z or in radius; vertices on the
+/// axis make clusters of their own.
 pub(super) fn clusters(turned: Vec<Turned>, gap_mm: f64) -> Vec<Ring> {
     let mut open = vec![(turned, true, false)];
     let mut rings = Vec::new();

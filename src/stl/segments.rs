@@ -2,8 +2,9 @@
 //!
 //! Points of an arc lie on one circle at equal angles, as exporters divide it, or are six at least.
 //! Four corners of a trapezoid lie on a circle as well: steps of an arc turn by 31° at most. Three
-//! points are an arc only where their circle is tangent to the lines on both sides. A line ends where
-//! an arc begins, although the first points of a fine arc lie on the line within any tolerance.
+//! points are an arc only where their circle is tangent to the lines on both sides. A line ends
+//! where an arc begins, although the first points of a fine arc lie on the line within any
+//! tolerance.
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -74,8 +74,9 @@ const MOST_SAGITTA_MM: f64 = 0.25;
 /// Distance by which a normal passes the axis, as a share of the radius, from which the surface is
 /// called off the axis: the facets of an eccentric journal stay below it.
 const OFF_AXIS_SHARE: f64 = 0.02;
-/// Difference in Z of the vertices of one facet across the axis, in units of the largest distance of
-/// a vertex from its turn: the first facets of a finely divided fillet beside a face differ by more.
+/// Difference in Z of the vertices of one facet across the axis, in units of the largest distance
+/// of a vertex from its turn: the first facets of a finely divided fillet beside a face differ by
+/// more.
 const FLAT_FACTOR: f64 = 4.0;
 /// The same of a file without any, as a share of the body's size: a step of single precision.
 const LEAST_FLAT_SHARE: f64 = 1.2e-7;

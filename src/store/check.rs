@@ -1,5 +1,5 @@
 //! Whether a store is what was written into it: the file itself, the chain of the audit, and every
-//! table against what the audit says of it.
+//! table against what the audit has of it.
 
 use std::collections::HashMap;
 

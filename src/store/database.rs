@@ -1,4 +1,4 @@
-//! The file: opened, told from other files, migrated, and what its failures are.
+//! The file: opened, separated from other files, migrated, and what its failures are.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;

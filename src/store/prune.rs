@@ -13,7 +13,7 @@ pub(super) const PRUNE: &str = "prune";
 
 impl Store {
     /// Takes out the passes stored before an instant, and runs that have none left. Documents
-    /// and the audit stay; the audit gets a row that says what went.
+    /// and the audit stay; the audit gets a row that states what went.
     ///
     /// # Errors
     /// A store that is busy, full or damaged: nothing is taken out then.

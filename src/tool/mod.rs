@@ -17,8 +17,8 @@
 //! pieces, `ways` are the four, `left` measures a path against the outline apart from all of these,
 //! `sizes` turns that into diameters, faces, cones, arcs and corners. `nose_file` and `settings`
 //! read files, `precondition` compares the cut with the one that was measured, `reachable` replaces
-//! what a tool cannot cut of an outline. A further way is a variant of [`Way`] and its arm in `ways`.
-//! `wear` is the life of an edge by its flank: verdict, history, forecast.
+//! what a tool cannot cut of an outline. A further way is a variant of [`Way`] and its arm in
+//! `ways`. `wear` is the life of an edge by its flank: verdict, history, forecast.
 
 mod biarc;
 mod chain;

@@ -117,8 +117,8 @@ fn steep_from(piece: &Piece, low: f64) -> Option<f64> {
     steep(piece.from_rad).then(|| (low - piece.from_rad) / (piece.to_rad - piece.from_rad))
 }
 
-/// The end of an edge's line from `start`: where it meets the outline that waits, which is cut there,
-/// or where the outline ends; and the steepest normal on the way.
+/// The end of an edge's line from `start`: where it meets the outline that waits, which is cut
+/// there, or where the outline ends; and the steepest normal on the way.
 fn edge_line(start: DVec2, low: f64, waiting: &mut Vec<Piece>) -> (DVec2, f64) {
     let along = -DVec2::from_angle(low).perp();
     let ray = Piece::line(start, start + along, low);
@@ -168,7 +168,8 @@ fn without_small_arcs(pieces: Vec<Piece>, radius_mm: f64, left_out: &mut Vec<Lef
             Some((arc, before)) => {
                 let near = |at: &DVec2| at.distance(arc.at(0.5));
                 let corner = meetings(&before, &piece).into_iter().min_by(|a, b| near(a).total_cmp(&near(b)));
-                // carriers that do not meet keep their arc: the path is refused there with its place
+                // carriers that do not meet keep their arc: the path is refused there with its
+                // place
                 let Some(at) = corner.filter(|at| near(at) < 4.0 * arc.length_mm()) else {
                     kept.extend([arc, piece]);
                     continue;

@@ -62,8 +62,8 @@ fn light_is_corrected_from_a_hundredth_on() {
     assert!(row(&after).iter().all(|value| (value - dim).abs() <= 1.5), "{:?}", row(&after));
 }
 
-/// The surface of a file with seven digits reaches 1 + 5e-7 at its brightest by rounding; one of 1 +
-/// 1.4e-6 was not written so.
+/// The surface of a file with seven digits reaches 1 + 5e-7 at its brightest by rounding; one of 1
+/// + 1.4e-6 was not written so.
 #[test]
 fn a_surface_may_exceed_one_by_the_rounding_of_its_digits() {
     let field = |brightest: f64| FlatField {

@@ -1,5 +1,5 @@
-//! Studies in shards: joined, they print what the unsplit study prints, byte for byte; shards that do
-//! not belong together are refused by name.
+//! Studies in shards: joined, they print what the unsplit study prints, byte for byte; shards that
+//! do not belong together are refused by name.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

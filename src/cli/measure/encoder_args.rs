@@ -57,8 +57,8 @@ pub(crate) struct EncoderArgs {
     #[arg(long, value_name = "FIRST", requires = "frames_per_turn")]
     encoder_triggers: Option<u64>,
     /// Times of the encoder's index pulses (CSV: t_ns or device_t_ns, the clock of the frames, or
-    /// host_t_ns, this machine's; a row a pulse), which may grow meanwhile: each checks the count of
-    /// triggers, and a turn that it contradicts is void. Without it a quarter of the step from
+    /// host_t_ns, this machine's; a row a pulse), which may grow meanwhile: each checks the count
+    /// of triggers, and a turn that it contradicts is void. Without it a quarter of the step from
     /// trigger to trigger is in the uncertainty of the angles.
     #[arg(long, value_name = "FILE.csv", requires = "encoder_triggers")]
     encoder_index: Option<PathBuf>,

@@ -29,8 +29,9 @@ pub(crate) struct LeavesArgs {
     /// why, calibration, budget; it needs nothing beside it and prints on A4.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Writes height and slope of the midline of both edges to this CSV file, a row a frame: readings
-    /// of `calibrate machine` (instrument = "midline"), by z_mm and angle_deg of frames.csv.
+    /// Writes height and slope of the midline of both edges to this CSV file, a row a frame:
+    /// readings of `calibrate machine` (instrument = "midline"), by z_mm and angle_deg of
+    /// frames.csv.
     #[arg(long, value_name = "FILE.csv")]
     midline: Option<PathBuf>,
     #[command(flatten)]
@@ -181,7 +182,8 @@ impl Leaves {
     /// Writes them.
     ///
     /// # Errors
-    /// Exit 2 for midlines of frames without places, 3 where a chart cannot be drawn, or the disk or the permissions refuse.
+    /// Exit 2 for midlines of frames without places, 3 where a chart cannot be drawn, or the disk
+    /// or the permissions refuse.
     pub(super) fn finish(self, series: &Series) -> Result<(), Failure> {
         // Page and midline are made before any file appears.
         let of_text = |(file, rows): (OutputFile, MidlineRows)| {

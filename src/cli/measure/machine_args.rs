@@ -10,9 +10,9 @@ use crate::identification::{IdentifiedMachine, MachineIdentity};
 /// The machine that carries the head, as it was identified.
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct MachineArgs {
-    /// machine.json of `calibrate machine`: corrects every frame, at its z_mm (frames.csv; 0 without
-    /// one), by where the machine carries the head. A frame outside the identified range has no
-    /// diameter.
+    /// machine.json of `calibrate machine`: corrects every frame, at its z_mm (frames.csv; 0
+    /// without one), by where the machine carries the head. A frame outside the identified range
+    /// has no diameter.
     #[arg(long, value_name = "FILE.json", requires = "calibration")]
     machine: Option<PathBuf>,
     /// Name of the head, which that of the file must equal.

@@ -28,8 +28,8 @@ pub(super) enum Form {
 /// Arguments of `nc`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct NcArgs {
-    /// A run folder; with --state the job (TOML); or a model of a part (.stl), which is cut from the
-    /// bar.
+    /// A run folder; with --state the job (TOML); or a model of a part (.stl), which is cut from
+    /// the bar.
     pub(super) run: PathBuf,
     /// fanuc, linuxcnc, gsk or sinumerik.
     #[arg(long, value_parser = dialect)]

@@ -29,8 +29,8 @@ pub(crate) struct BarArgs {
     pub(super) svg: Option<PathBuf>,
 }
 
-/// Depth of rough cuts, allowance and facing where none is stated, mm: usual for steel with a nose of
-/// 0.4 mm.
+/// Depth of rough cuts, allowance and facing where none is stated, mm: usual for steel with a nose
+/// of 0.4 mm.
 const DEPTH_MM: f64 = 1.0;
 const ALLOWANCE_MM: f64 = 0.2;
 const FACING_MM: f64 = 1.0;

@@ -1,7 +1,8 @@
 //! `shadowgauge nc`: the offsets of a run, or of the next part, as an NC program.
 //!
 //! In: a run folder, a job with the state of its offsets (`from_state`), or a model of a part
-//! (`model`). Out: a program that has passed its replay, an air cut of it, or the list of a dry run.
+//! (`model`). Out: a program that has passed its replay, an air cut of it, or the list of a dry
+//! run.
 
 mod args;
 mod bar_args;

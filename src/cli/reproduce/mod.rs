@@ -1,8 +1,8 @@
 //! `shadowgauge reproduce …`: a paper's figures beside ours.
 //!
-//! Each paper has a file with its arguments and its run (`paper_000`, `paper_001`, `paper_003`, `paper_004`;
-//! `paper_003_page` writes its pages); `tables` prints rows and puts them on a page. A new paper is
-//! a file here, a variant of [`Paper`], and its rows in `studies`.
+//! Each paper has a file with its arguments and its run (`paper_000`, `paper_001`, `paper_003`,
+//! `paper_004`; `paper_003_page` writes its pages); `tables` prints rows and puts them on a page. A
+//! new paper is a file here, a variant of [`Paper`], and its rows in `studies`.
 
 mod paper_000;
 mod paper_001;

@@ -43,7 +43,8 @@ pub(crate) const REFERENCE_FOLDER: &str = "without_control";
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RunArgs {
-    /// The job; or a model of a part (.stl), of which a job with default cutting and camera is made.
+    /// The job; or a model of a part (.stl), of which a job with default cutting and camera is
+    /// made.
     config: PathBuf,
     /// Run folder: absent, empty, or an unfinished run of the same config, which is resumed.
     #[arg(long, value_name = "DIR")]

@@ -1,4 +1,5 @@
-//! A model of a part in place of a job: what the command line adds to it, and the job that it makes.
+//! A model of a part in place of a job: what the command line adds to it, and the job that it
+//! makes.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,8 @@ use crate::tool::{ToolFile, Way};
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "With a model of a part (.stl)")]
 pub(crate) struct ModelArgs {
-    /// Unit of its coordinates: mm, cm, m or inch. The file has none; it is checked against the bar.
+    /// Unit of its coordinates: mm, cm, m or inch. The file has none; it is checked against the
+    /// bar.
     #[arg(long, value_name = "UNIT")]
     unit: Option<Unit>,
     /// Diameter of the bar, mm.
@@ -43,8 +45,8 @@ pub(crate) struct ModelArgs {
     /// The lighter end comes to the chuck; else the heavier one.
     #[arg(long)]
     turn_round: bool,
-    /// Tolerance of the diameters of its cylinders in a run, as a drawing writes it behind the size:
-    /// h7, ±0.02; without it the run gives no verdict.
+    /// Tolerance of the diameters of its cylinders in a run, as a drawing writes it behind the
+    /// size: h7, ±0.02; without it the run gives no verdict.
     #[arg(long, value_name = "TEXT", allow_hyphen_values = true)]
     size_tolerance: Option<String>,
 }
@@ -203,7 +205,8 @@ const BESIDE_PX: f64 = 21.0;
 /// is corrected by holds for a cut of the same force), a camera into which it fits.
 ///
 /// # Errors
-/// As [`ModelArgs::part`] and [`ModelArgs::tool`]; an outline that `[shaft] contour` has no words for.
+/// As [`ModelArgs::part`] and [`ModelArgs::tool`]; an outline that `[shaft] contour` has no words
+/// for.
 pub(crate) fn job_text(path: &Path, args: &ModelArgs) -> Result<String, Failure> {
     let part = args.part(path)?;
     let tool = args.tool()?;

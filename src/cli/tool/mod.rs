@@ -21,7 +21,8 @@ pub(crate) enum ToolCommand {
     Axes(axes::AxesArgs),
     /// What a worn nose leaves of a part, and a program that takes it into account.
     Compensate(compensate::CompensateArgs),
-    /// The worn land of front-lit flanks: VBB, VBBmax, VC, VN by ISO 3685, and whether the edge is blunt.
+    /// The worn land of front-lit flanks: VBB, VBBmax, VC, VN by ISO 3685, and whether the edge is
+    /// blunt.
     Flank(flank::FlankArgs),
     /// The nose of a back-lit insert: both edges, their angle, centre, radii and support.
     Nose(nose::NoseArgs),

@@ -1,8 +1,8 @@
 //! Where the axis of a part stands before a head that rides on a machine, over z.
 //!
-//! A head that its machine displaces by u_y towards the camera sees the part farther away by u_y: an
-//! entocentric lens at the distance ℓ then reads D·u_y/ℓ less. With û_y known, the axis stands at
-//! y = −û_y from the plane of the masters, and the reading is corrected as for any stated
+//! A head that its machine displaces by u_y towards the camera sees the part farther away by u_y:
+//! an entocentric lens at the distance ℓ then reads D·u_y/ℓ less. With û_y known, the axis stands
+//! at y = −û_y from the plane of the masters, and the reading is corrected as for any stated
 //! `axis_y_mm`, by the calibrated telecentricity t = −1/ℓ: D·(1 + t·y) = D·(1 + û_y/ℓ). The
 //! uncertainty of û_y, common to all readings at a place, is the budget row "machine geometry". A
 //! displacement û_z along the spindle moves the place of the reading, z + û_z.

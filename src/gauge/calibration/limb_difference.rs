@@ -176,8 +176,8 @@ impl LimbDifference {
     }
 
     /// The rows for a part of this diameter, its axis `axis_y_mm` ± `limit_y_mm` nearer to the
-    /// camera than the masters'. One and the same distance moves the limb and, by the telecentricity
-    /// `t_per_mm`, the scale: the row of the depth holds both.
+    /// camera than the masters'. One and the same distance moves the limb and, by the
+    /// telecentricity `t_per_mm`, the scale: the row of the depth holds both.
     pub(crate) fn rows(
         &self,
         diameter_mm: f64,
@@ -259,8 +259,8 @@ mod tests {
     }
 
     /// The limb grows by 1.8 µm an edge and millimetre, the image by 18 mm · 2e-4 of diameter, that
-    /// is 1.8 µm an edge, too: together, not as two independent causes; a lens that shrinks takes it
-    /// back.
+    /// is 1.8 µm an edge, too: together, not as two independent causes; a lens that shrinks takes
+    /// it back.
     #[test]
     fn one_distance_moves_limb_and_scale_together() {
         let depth = |t_per_mm: f64| soft().rows(18.0, (0.1, 0.5), t_per_mm)[4];

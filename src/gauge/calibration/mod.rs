@@ -7,10 +7,11 @@
 //!
 //! `observation` → `masters` → `adjustment` over the parameters of `imaging_model`; `conditions`,
 //! `thermometer`, `finish` and `limb_difference` state what is known of a part and of masters,
-//! `unstated` what is taken where nothing is; `head_geometry` where a machine carries the head; `bound` compares with the camera that it was made
-//! with; `verification` is a check pin, `file_checks` refuses damaged files. One more parameter of
-//! the lens goes into `imaging_model` (its derivative with it); one more source of uncertainty is a
-//! part of `adjustment`'s covariance and a row of the budget.
+//! `unstated` what is taken where nothing is; `head_geometry` where a machine carries the head;
+//! `bound` compares with the camera that it was made with; `verification` is a check pin,
+//! `file_checks` refuses damaged files. One more parameter of the lens goes into `imaging_model`
+//! (its derivative with it); one more source of uncertainty is a part of `adjustment`'s covariance
+//! and a row of the budget.
 
 pub(crate) mod adjusted;
 pub(crate) mod adjustment;

@@ -1,7 +1,7 @@
 //! The cutting edge inside its strip, and the reference curve of what it was before it wore.
 //!
 //! The edge is the border between air, which keeps its level, and whatever departs from it; the
-//! cheapest path through a strip about the straight line. Wear and chips displace it into the
+//! path of least cost through a strip about the straight line. Wear and chips displace it into the
 //! flank only: the reference is a cubic that follows the upper side of the path (deviations into
 //! the flank lose weight as 1/r², those into the air as 1/r).
 

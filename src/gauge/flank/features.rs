@@ -1,5 +1,5 @@
-//! What the forest knows of a pixel of the rectified strip: at four scales the Gaussian mean, the
-//! gradient across and along the edge and the standard deviation; the same means and deviations
+//! What the forest is given of a pixel of the rectified strip: at four scales the Gaussian mean,
+//! the gradient across and along the edge and the standard deviation; the same means and deviations
 //! drawn out along the edge, as lands are; and the means of what lies between the edge and the
 //! pixel and of what lies below it.
 

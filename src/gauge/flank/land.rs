@@ -1,7 +1,7 @@
 //! The worn land: from probabilities of pixels to its border in every column.
 //!
 //! A border at a row makes all pixels above it land and all below it not: its cost is the sum of
-//! the log-odds against that, and the cheapest path through the strip is the border.
+//! the log-odds against that, and the path of least cost through the strip is the border.
 
 use rayon::prelude::*;
 

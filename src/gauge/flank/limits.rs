@@ -28,7 +28,8 @@ limits! {
     least_cells: f64 = 60.0;
     /// Pitch of the rectified strip, µm: a land of 20 µm is ten rows.
     pitch_um: f64 = 2.0;
-    /// Depth of the strip below the reference line, µm: above the limit of a notch, 600 µm, by half.
+    /// Depth of the strip below the reference line, µm: above the limit of a notch, 600 µm, by
+    /// half.
     depth_um: f64 = 900.0;
     /// Height of the strip above it, µm.
     above_um: f64 = 120.0;
@@ -44,7 +45,8 @@ limits! {
     saturated: f64 = 0.99;
     /// Most of the border's length that may lie in glare, %: the path bridges short ones.
     most_glare_percent: f64 = 20.0;
-    /// Depth of glare about the border that hides it, µm: on both sides, or the border is one side's.
+    /// Depth of glare about the border that hides it, µm: on both sides, or the border is one
+    /// side's.
     glare_um: f64 = 12.0;
     /// Largest step of the border from one column of the strip to the next, rows: steep ends of
     /// notches pass.
@@ -62,8 +64,8 @@ limits! {
     edge_rounds: usize = 12;
     /// Log-odds of one pixel are worth no more: neighbours share what they are classified by.
     most_log_odds: f64 = 3.0;
-    /// Pixels that share their features: the log-odds of a column are divided by it where the spread
-    /// of the border is estimated.
+    /// Pixels that share their features: the log-odds of a column are divided by it where the
+    /// spread of the border is estimated.
     temperature: f64 = 6.0;
     /// Columns over which the border's departures are alike: half of the step of 40 µm over which
     /// features drawn out along the edge look.

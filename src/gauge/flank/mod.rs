@@ -4,13 +4,13 @@
 //! a smooth land lies between, `edge` follows it
 //! and fits the curve of the new edge, `strip` rectifies the image along that curve (rows at right
 //! angles to it, 2 µm apart). A `forest` gives every pixel the probability of being land from its
-//! `features`; the cheapest `path` through these is the land's border (`land`), its distance from
-//! the reference VB(s). `zones` divides the worn length, `measurement` puts it together with u.
-//! `labelled` trains a forest on flanks with masks, `paper` measures as a published paper does.
+//! `features`; the `path` of least cost through these is the land's border (`land`), its distance
+//! from the reference VB(s). `zones` divides the worn length, `measurement` puts it together with
+//! u. `labelled` trains a forest on flanks with masks, `paper` measures as a published paper does.
 //!
 //! In: a frame, [`FlankSettings`], a [`Forest`] ([`shipped`]: trained on rendered flanks alone).
-//! Out: [`FlankMeasurement`] (`result`) in µm, or a [`FlankError`]. One more feature of a pixel is a
-//! line of `features`, and the shipped forest is trained anew.
+//! Out: [`FlankMeasurement`] (`result`) in µm, or a [`FlankError`]. One more feature of a pixel is
+//! a line of `features`, and the shipped forest is trained anew.
 
 mod edge;
 mod error;

@@ -1,6 +1,6 @@
-//! Flank wear by the way of paper 004, for comparison: threshold and morphology make the bright land
-//! one region, Canny finds its borders, a straight line S is fitted to the upper one, and the
-//! distances D_i of the lower one from S are averaged. It knows bright lands alone.
+//! Flank wear by the way of paper 004, for comparison: threshold and morphology make the bright
+//! land one region, Canny finds its borders, a straight line S is fitted to the upper one, and the
+//! distances D_i of the lower one from S are averaged. It is made for bright lands alone.
 
 use glam::DVec2;
 use image::{GrayImage, Luma};

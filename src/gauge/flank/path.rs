@@ -1,4 +1,4 @@
-//! The cheapest path through a strip: one row in every column, steps bounded and paid for.
+//! The path of least cost through a strip: one row in every column, steps bounded and paid for.
 //!
 //! Viterbi's recursion: C(k, v) = c(k, v) + min over |v' − v| ≤ step of C(k − 1, v') + λ|v − v'|.
 //! The spread of a row about the path is that of the distribution ∝ exp(−C) with the same steps
@@ -15,7 +15,7 @@ pub(crate) struct Costs {
 }
 
 impl Costs {
-    /// The row of the cheapest path in every column.
+    /// The row of the path of least cost in every column.
     pub(crate) fn cheapest(&self) -> Vec<usize> {
         let Some(first) = self.columns.first() else { return Vec::new() };
         let rows = first.len();

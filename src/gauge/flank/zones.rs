@@ -15,7 +15,7 @@ pub(crate) struct Zones {
     pub n: Option<std::ops::Range<usize>>,
 }
 
-/// Zones of a worn range; `corner_first` says at which end the corner is, `corner_columns` how many
+/// Zones of a worn range; `corner_first` is at which end the corner is, `corner_columns` how many
 /// columns its curved part takes.
 pub(crate) fn zones(worn: (usize, usize), corner_first: Option<bool>, corner_columns: usize) -> Zones {
     let (from, to) = (worn.0, worn.1 + 1);

@@ -96,7 +96,7 @@ fn measured(values: &[u16]) -> Result<Vec<FoundPiece>, GeneratrixError> {
 fn off_px(found: &FoundPiece, wanted: &ExpectedPiece) -> f64 {
     let (normal, d) = found.line().unwrap().in_mm(&AT, 0.0);
     let turned = DVec2::from_angle(wanted.piece.from_rad);
-    // 20 calipers of .02 px over 100 px know a direction to 1e-4
+    // 20 calipers of .02 px over 100 px determine a direction to 1e-4
     assert!(normal.perp_dot(turned).abs() < 5e-4, "{normal} {turned}");
     (d - normal.dot(wanted.piece.at(0.5))) / MM
 }

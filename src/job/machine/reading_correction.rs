@@ -1,7 +1,7 @@
-//! Readings of a head that rides on a machine: where it stands, as far as the control knows.
+//! Readings of a head that rides on a machine: where it stands, as far as the control is given.
 //!
 //! In: `correct_readings` of `[machine]` and its table. Out: the [`HeadGeometry`] by which the loop
-//! corrects its readings, and what of it is to be said before a run. The simulated head stands where
+//! corrects its readings, and what of it is stated before a run. The simulated head stands where
 //! the machine's own errors put it; this is what the instrument is given, from the table alone.
 
 use super::run_settings::{RunMachine, StatedPlace};
@@ -12,7 +12,7 @@ use crate::machine::Conditions;
 use crate::setting::SettingError;
 
 impl RunMachine {
-    /// Takes what an identified machine says of the head and of its readings.
+    /// Takes what an identified machine states of the head and of its readings.
     pub(crate) fn take_identified(
         &mut self,
         geometry: &HeadGeometry,
@@ -26,7 +26,7 @@ impl RunMachine {
         self.table_temperature_c = Some(temperature_c);
     }
 
-    /// Where the head stands, as far as the control knows; none where its readings are not
+    /// Where the head stands, as far as the control is given; none where its readings are not
     /// corrected, or where [`Self::lathe`] refuses the table.
     pub(crate) fn head_geometry(&self) -> Option<HeadGeometry> {
         if !self.correct_readings {
@@ -65,7 +65,7 @@ impl RunMachine {
     }
 }
 
-/// Refuses a scan with fields where the table does not know the head's place.
+/// Refuses a scan with fields where the table has no place of the head.
 pub(super) fn check_known(part: &LoopJob) -> Result<(), SettingError> {
     let Some(geometry) = &part.head_geometry else { return Ok(()) };
     let (from, to) = geometry.range_mm();

@@ -17,11 +17,11 @@ pub struct RunMachine {
     /// Whether the control compensates the machine's static errors by a table of its own: at every
     /// station the command is less by what they add to the diameter there.
     pub compensate: bool,
-    /// Whether the readings of the head are corrected by what the table says of its place: +D·û_y/ℓ
+    /// Whether the readings of the head are corrected by what the table has of its place: +D·û_y/ℓ
     /// by the calibrated telecentricity, z + û_z; u(û_y) is the budget row "machine geometry".
     pub correct_readings: bool,
-    /// File of the machine as the control's table has it: the `machine.json` of `calibrate machine`,
-    /// or a file like `file`; that of `file` itself where it is left out.
+    /// File of the machine as the control's table has it: the `machine.json` of `calibrate
+    /// machine`, or a file like `file`; that of `file` itself where it is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table: Option<String>,
     /// Name of the machine; the file's where it is left out. A `machine.json` of another one is

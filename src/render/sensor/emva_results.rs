@@ -12,9 +12,9 @@
 //! | `DSNU1288`, `_row`, `_col`, `_pixel` | e⁻ | `dsnu_e`, `spatial.dsnu_row_e`, `.dsnu_column_e` |
 //! | `PRNU1288`, `_row`, `_col`, `_pixel` | % | `prnu_rel`, `spatial.prnu_row_rel`, `.prnu_column_rel` |
 //!
-//! DN are counts of `sensor.format`. Not in these files and left as the table has them: black level,
-//! hot pixels, row noise, cross-talk, and the shape of the non-linearity, of which `LE_min` and
-//! `LE_max` state the extremes only.
+//! DN are counts of `sensor.format`. Not in these files and left as the table has them: black
+//! level, hot pixels, row noise, cross-talk, and the shape of the non-linearity, of which `LE_min`
+//! and `LE_max` state the extremes only.
 
 use std::collections::BTreeMap;
 

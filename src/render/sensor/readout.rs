@@ -3,7 +3,8 @@
 //! ```text
 //! cross-talk      μ' = μ + a·(μ_left + μ_right - 2μ) + d·(μ_above + μ_below - 2μ)
 //! row noise       σ_d² = σ_row² + σ_pixel²                     one draw a row of a frame
-//! non-linearity   s' = s·(1 + q·(s/F) + c·(s/F)²)              s above the black level, F full well
+//! non-linearity   s' = s·(1 + q·(s/F) + c·(s/F)²)              s above the black level, F full
+//! well
 //! ```
 //!
 //! Cross-talk is that of light and of charge before it is collected: each electron ends in one
@@ -92,7 +93,8 @@ mod tests {
             Readout { quadratic_rel, cubic_rel, ..Readout::default() }.check(2.0)
         };
         assert!(at(-0.02, 0.01).is_ok() && at(0.3, -0.2).is_ok());
-        // 1 + 2q + 3c is -0.1 and -0.03 at the full well; the least slope within, 1 - q²/3c, is 0.67.
+        // 1 + 2q + 3c is -0.1 and -0.03 at the full well; the least slope within, 1 - q²/3c, is
+        // 0.67.
         assert!(at(-0.4, -0.1).is_err() && at(-0.5, -0.01).is_err());
         assert!(at(-0.5, 0.25).is_ok());
     }

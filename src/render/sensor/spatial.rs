@@ -5,8 +5,8 @@
 //! DSNU² = DSNU_row² + DSNU_col² + DSNU_pixel²      PRNU² = PRNU_row² + PRNU_col² + PRNU_pixel²
 //! ```
 //!
-//! `dsnu_e` and `prnu_rel` of the sensor are the totals, as in a data sheet; what rows and columns do
-//! not have of them, the pixels have for themselves.
+//! `dsnu_e` and `prnu_rel` of the sensor are the totals, as in a data sheet; what rows and columns
+//! do not have of them, the pixels have for themselves.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

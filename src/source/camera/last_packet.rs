@@ -4,12 +4,12 @@
 //! trailer, which no packet follows, is not among them, and the block is closed after 100 ms
 //! without a packet. Here the next block after the last one that came is overdue when its packets
 //! came but for few, and its period and a margin are over or no more packets follow. Its trailer is
-//! then asked for by a request of our own (PACKETRESEND, GigE Vision 2.2, 14.10) to the control port, from the
-//! address that has control, as the receiver asks from its own socket. The camera sends it to the
-//! stream. The receiver takes it, and asks for payload before it that is missing: a trailer that
-//! came early would have it ask for all that is under way still, and spend the quarter of the
-//! frame's packets that it may ask for. A request for a frame that has arrived meanwhile costs a
-//! datagram each way.
+//! then asked for by a request of our own (PACKETRESEND, GigE Vision 2.2, 14.10) to the control
+//! port, from the address that has control, as the receiver asks from its own socket. The camera
+//! sends it to the stream. The receiver takes it, and asks for payload before it that is missing: a
+//! trailer that came early would have it ask for all that is under way still, and spend the quarter
+//! of the frame's packets that it may ask for. A request for a frame that has arrived meanwhile
+//! costs a datagram each way.
 
 use std::net::{SocketAddr, SocketAddrV4, UdpSocket};
 use std::time::{Duration, Instant};

@@ -7,11 +7,12 @@
 //! and what a calibration of them is bound to (`binding`). `find` is discovery, `features` access
 //! by name, `guard` what alters grey values and is set off, refused and restored, `image` the seven
 //! pixel formats, `ids` block ids to numbers, `chunks` and `clock` what comes beside the pixels,
-//! `last_packet` asks for trailers that were lost, `latched_angle` angles at mid-exposure, `watchdog` when a silent camera is asked; `session`
-//! joins them from opening to closing, `live_camera` opens again a camera that was away,
-//! `commanded` is a camera with a process behind it, commanded by its features and triggers;
-//! `listed` are cameras by network interface and `test_packet` whether their packets arrive. One
-//! more feature that alters grey values is a line in `guard`.
+//! `last_packet` asks for trailers that were lost, `latched_angle` angles at mid-exposure,
+//! `watchdog` when a silent camera is asked; `session` joins them from opening to closing,
+//! `live_camera` opens again a camera that was away, `commanded` is a camera with a process behind
+//! it, commanded by its features and triggers; `listed` are cameras by network interface and
+//! `test_packet` whether their packets arrive. One more feature that alters grey values is a line
+//! in `guard`.
 
 #![cfg_attr(
     not(feature = "cli"),

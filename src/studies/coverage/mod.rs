@@ -3,8 +3,8 @@
 //! declared limits, scenes outside them.
 //!
 //! `class` declares the classes of scenes, `scene` draws and measures one (`illumination`, `limb`:
-//! its light and its surface), `plan` numbers the scenes of a study, which can be split into shards,
-//! `figures` are those of a class, `verdict` what the study requires of them.
+//! its light and its surface), `plan` numbers the scenes of a study, which can be split into
+//! shards, `figures` are those of a class, `verdict` what the study requires of them.
 
 mod class;
 mod figures;

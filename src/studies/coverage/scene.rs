@@ -192,8 +192,8 @@ impl Setup {
         Ok(())
     }
 
-    /// Round masters of steel in focus, parts of which only the limits of the limb's rows are known;
-    /// the gauge fits the edge of these optics before a part of the middle diameter.
+    /// Round masters of steel in focus, parts of which only the limits of the limb's rows are
+    /// known; the gauge fits the edge of these optics before a part of the middle diameter.
     fn before_limbs(&mut self, class: Class) -> Result<(), RenderError> {
         let ratio = class.coherence_of_limbs();
         let light = limb::light(ratio);

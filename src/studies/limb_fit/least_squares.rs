@@ -85,8 +85,8 @@ struct Normal {
 }
 
 impl Normal {
-    /// What the profile contributes to the parameters, its own unknowns eliminated: matrix, right side and
-    /// the rest of Σ w r².
+    /// What the profile contributes to the parameters, its own unknowns eliminated: matrix, right
+    /// side and the rest of Σ w r².
     fn reduced(&self) -> (Matrix4<f64>, Vector4<f64>, f64) {
         let inverse = self.own.try_inverse().unwrap_or_else(Matrix3::zeros);
         let gain = self.mixed.transpose() * inverse;

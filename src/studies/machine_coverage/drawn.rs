@@ -17,8 +17,8 @@ use crate::setting::SettingError;
 const STREAM: u64 = 0x6d61_6368_696e_6573;
 /// Waves of an error, of amplitudes that fall as 1, 1/2, 1/3.
 const WAVES: usize = 3;
-/// Wavelengths over the travel: a fifth of it is as short as ten readings a wave of acceptance tests
-/// hold, twice of it is a bow.
+/// Wavelengths over the travel: a fifth of it is as short as ten readings a wave of acceptance
+/// tests hold, twice of it is a bow.
 const WAVELENGTH: [f64; 2] = [0.2, 2.0];
 /// Decades below the class (its prior) between which a machine's errors lie.
 const DECADES_BELOW: [f64; 2] = [0.5, 2.0];

@@ -1,12 +1,12 @@
-//! Whether the stated uncertainty of what is compensated holds: machines of a class are drawn, their
-//! readings simulated as a plan has them, their errors identified, and every compensated figure is
-//! compared with the truth.
+//! Whether the stated uncertainty of what is compensated holds: machines of a class are drawn,
+//! their readings simulated as a plan has them, their errors identified, and every compensated
+//! figure is compared with the truth.
 //!
 //! In: a plan of readings as `calibrate machine` takes it, a number of machines, a seed. Out:
 //! [`MachineCoverage`], the share of figures within U = 2u of the truth, figure by figure. `drawn`
 //! draws a machine, `figures` are what is compensated. The identification gets the text of the
-//! readings alone. A machine has the errors that the plan seeks and no others: what is not sought is
-//! in no uncertainty, and is named in `machine.json`.
+//! readings alone. A machine has the errors that the plan seeks and no others: what is not sought
+//! is in no uncertainty, and is named in `machine.json`.
 
 mod drawn;
 mod figures;
@@ -21,7 +21,7 @@ use crate::setting::{SettingError, require};
 
 /// Shares that a coverage of 95 % may have, per cent.
 const WANTED_PERCENT: [f64; 2] = [94.0, 96.0];
-/// Most machines: ten times what tells 95 from 95.5 %.
+/// Most machines: ten times what separates 95 from 95.5 %.
 const MOST_MACHINES: u32 = 100_000;
 
 /// A compensated figure over all machines.
@@ -65,8 +65,8 @@ impl MachineCoverage {
 /// Draws machines, identifies them and compares; `done` is called after each.
 ///
 /// # Errors
-/// A config that cannot be right, a set without a plan of its own, readings that do not hold what is
-/// sought.
+/// A config that cannot be right, a set without a plan of its own, readings that do not hold what
+/// is sought.
 pub(crate) fn machine_coverage(
     config: &IdentificationConfig,
     machines: u32,

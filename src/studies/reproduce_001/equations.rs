@@ -1,7 +1,7 @@
 //! The list of errors and eqs 1 to 6 against the first order of the exact chain w-C'-Z'-b-X-t.
 //!
-//! A printed term is an error with the lever by which it acts along X or Z. It is in the chain where
-//! one unit of the error does as much there, up to the sign (the paper prints all with +).
+//! A printed term is an error with the lever by which it acts along X or Z. It is in the chain
+//! where one unit of the error does as much there, up to the sign (the paper prints all with +).
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -83,8 +83,8 @@ fn list(inputs: &Inputs) -> Vec<Row> {
     // B0C, B0X − B0C and B0X over A0C, B0C, B0X
     let named = Matrix3::new(0.0, 1.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 1.0);
     let rank = named.svd(false, false).rank(1e-12);
-    // α is the rotation about X in rows 16 to 18, γ that about Z: in rows 10 and 12 α is the roll of
-    // Z and γ its pitch
+    // α is the rotation about X in rows 16 to 18, γ that about Z: in rows 10 and 12 α is the roll
+    // of Z and γ its pitch
     let about = |meaning: &str| {
         let name = ErrorName::ALL.into_iter().find(|name| name.meaning() == meaning);
         name.map(ErrorName::component)

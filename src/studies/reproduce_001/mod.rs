@@ -2,11 +2,11 @@
 //! equations, its training samples, its nets and its experiments beside ours.
 //!
 //! In: [`Inputs`], what the paper prints. Out: rows with verdicts ([`super::reproduction`]).
-//! `equations` has the list and eqs 1 to 6 against the first order of the exact chain, `samples` the
-//! table of 2601, `experiments` straightness, cylindricity and flatness with what a probe on the
-//! machine sees of its own part, `spiral` the 481 points, `models` nets and splines on an assumed
-//! field, `spindle` what would separate the spindle's error motion. A further figure is a row in the
-//! file of its subject.
+//! `equations` has the list and eqs 1 to 6 against the first order of the exact chain, `samples`
+//! the table of 2601, `experiments` straightness, cylindricity and flatness with what a probe on
+//! the machine sees of its own part, `spiral` the 481 points, `models` nets and splines on an
+//! assumed field, `spindle` what would separate the spindle's error motion. A further figure is a
+//! row in the file of its subject.
 
 mod equations;
 mod experiments;

@@ -16,8 +16,8 @@ pub(crate) struct ShardOf {
 }
 
 impl ShardOf {
-    /// The numbers of its scenes among so many, from 0: every N-th one, so that the kinds of scenes,
-    /// which take unequally long, are shared out evenly.
+    /// The numbers of its scenes among so many, from 0: every N-th one, so that the kinds of
+    /// scenes, which take unequally long, are shared out evenly.
     pub(crate) fn scenes(self, in_all: u64) -> impl Iterator<Item = u64> + Clone {
         (self.number - 1..in_all).step_by(usize::try_from(self.of).unwrap_or(usize::MAX))
     }

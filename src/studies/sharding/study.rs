@@ -47,7 +47,8 @@ pub(crate) trait SceneStudy: Serialize + DeserializeOwned + Sync {
     fn outcome(row: &[Cell]) -> Option<Self::Outcome>;
 }
 
-/// Outcomes of scenes by their numbers, in their order, on all threads; `done` is called after each.
+/// Outcomes of scenes by their numbers, in their order, on all threads; `done` is called after
+/// each.
 ///
 /// # Errors
 /// The first scene without an outcome.

@@ -125,8 +125,8 @@ impl Cut<'_> {
         Stated { x_mm: new, z_mm: new, u_mm: 0.0 }
     }
 
-    /// The error of the size on the surface itself where the slides stand off by `slides` along each
-    /// piece, µm.
+    /// The error of the size on the surface itself where the slides stand off by `slides` along
+    /// each piece, µm.
     pub(super) fn error_um(&self, slides: &dyn Fn(usize) -> DVec2) -> Result<f64, WornToolError> {
         self.workpiece.error_um(&self.path(slides)?, self.cone_rad())
     }

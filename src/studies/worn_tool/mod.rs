@@ -5,8 +5,9 @@
 //! mode and by the paper's, which gives two radii. A program is made for what was measured, and the
 //! true nose cuts by it (`cut`): the surface is the envelope of that nose. `workpieces` are the
 //! four outlines and the sizes on that surface; `frames` measures them through frames and the
-//! gauge, of the first three by lines and arcs (`seen`). `scatter` moves the slides by the lathe's repeatability. One more
-//! workpiece is a variant of [`Workpiece`]; one more way to compensate a variant of [`Tried`].
+//! gauge, of the first three by lines and arcs (`seen`). `scatter` moves the slides by the lathe's
+//! repeatability. One more workpiece is a variant of [`Workpiece`]; one more way to compensate a
+//! variant of [`Tried`].
 //!
 //! In: an insert, cone angles, a seed, the cameras' jobs. Out: [`Study`].
 

@@ -2,8 +2,8 @@
 //! process of its own. What they cannot do is left out: neither has chunks of angles, 64-bit ids or
 //! a latch, and Aravis' sends nothing again.
 //!
-//! Aravis' fake serves 127.0.0.1 alone, where its control port is exclusive: its tests run this test
-//! program again in a network of its own (`unshare -rn`).
+//! Aravis' fake serves 127.0.0.1 alone, where its control port is exclusive: its tests run this
+//! test program again in a network of its own (`unshare -rn`).
 
 use std::collections::BTreeMap;
 use std::io::{BufRead as _, BufReader};

@@ -120,8 +120,8 @@ fn speed_and_coverage_are_commands() {
     assert!(said(&refused).contains("--machines"), "{}", said(&refused));
 }
 
-/// Frames of a scan as readings of a midline; a scan over half a turn lacks the opposite angles, and
-/// `calibrate machine` says so.
+/// Frames of a scan as readings of a midline; a scan over half a turn lacks the opposite angles,
+/// and `calibrate machine` says so.
 #[test]
 fn midlines_of_frames_are_readings() {
     let folder = tempfile::tempdir().unwrap();

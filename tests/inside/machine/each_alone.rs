@@ -73,7 +73,8 @@ fn closed_form(is_carriage: bool, v: &Values, p: &Place) -> [f64; 5] {
     [e_x, e_y, e_z, a, b]
 }
 
-/// Change of the diameter, µm, of a tool whose tip stands [`TIP`] above the axis: 2(|p + e| − R) with
+/// Change of the diameter, µm, of a tool whose tip stands [`TIP`] above the axis: 2(|p + e| − R)
+/// with
 /// |p| = R, to second order 2·e_n + e_t²/R with e_n towards the axis and e_t across.
 fn cut_um(radius_mm: f64, [e_x, e_y]: [f64; 2]) -> f64 {
     let sine = TIP / radius_mm;

@@ -59,8 +59,8 @@ fn the_midline_through_frames_is_the_heads_own_pose() {
     let job = config::load(Path::new("configs/machine_run.toml")).unwrap();
     let [[height, slope], [own_height, own_slope]] = deviations(&job, &[12.5, 22.5, 37.5, 47.5], 8);
     println!("midline off by {height:.4} µm of {own_height:.2}, slope by {slope:.3} µrad of {own_slope:.2}");
-    // 512 columns of 30 µm with .02 px of noise each: .03 px/√2/√512 of a frame, 8 of them; the slope
-    // by √12 over 15 mm of it
+    // 512 columns of 30 µm with .02 px of noise each: .03 px/√2/√512 of a frame, 8 of them; the
+    // slope by √12 over 15 mm of it
     assert!(own_height > 0.5 && height < 0.05, "{height} of {own_height}");
     assert!(own_slope > 1.0 && slope < 8.0, "{slope} of {own_slope}");
 }

@@ -1,5 +1,5 @@
-//! Models of the errors side by side: what no sum of curves holds, the errors through the chain, and
-//! what is refused.
+//! Models of the errors side by side: what no sum of curves holds, the errors through the chain,
+//! and what is refused.
 
 use super::study;
 use crate::studies::machine::ModelsAsked;

@@ -14,8 +14,8 @@ pub fn corner(z_mm: f64, diameter_mm: f64, radius_mm: f64) -> ContourPoint {
 }
 
 /// Corners of the four parts of paper 004, as far as it gives them, with their end faces: a cone of
-/// 23.996° with 10 mm of a cylinder behind it, one of 37.590° that ends at its large diameter, an arc
-/// between cylinder and face, a cylinder.
+/// 23.996° with 10 mm of a cylinder behind it, one of 37.590° that ends at its large diameter, an
+/// arc between cylinder and face, a cylinder.
 pub fn papers_part(number: usize) -> Vec<ContourPoint> {
     let run = |deg: f64| 5.0 / deg.to_radians().tan();
     let corners = match number {

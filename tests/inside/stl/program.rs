@@ -83,8 +83,9 @@ fn the_papers_parts_are_cut_from_the_bar_in_every_dialect() {
     }
 }
 
-/// What moves of the gauge point leave of points along a normal, mm: the nearest place of the nose's
-/// middle less its radius. Tip direction 3 has the middle a radius further out along X and Z.
+/// What moves of the gauge point leave of points along a normal, mm: the nearest place of the
+/// nose's middle less its radius. Tip direction 3 has the middle a radius further out along X and
+/// Z.
 fn left_mm(at: DVec2, moves: &[(DVec2, DVec2)]) -> f64 {
     let beside = |(from, to): &(DVec2, DVec2)| {
         let (way, at) = (*to - *from, at - DVec2::splat(0.4));

@@ -2,9 +2,9 @@
 //! from the plane of focus.
 //!
 //! The image of an edge depends on its place by what the lens does to the path over the pupil
-//! ([`PupilPath`]): how far the edge stands out into its own light from the middle of the field, and
-//! how far along itself, where the sign does not count. Between the tables a cubic through four in
-//! each direction; a change of the path by φ rad rms from table to table leaves 0.02 φ⁴.
+//! ([`PupilPath`]): how far the edge stands out into its own light from the middle of the field,
+//! and how far along itself, where the sign does not count. Between the tables a cubic through four
+//! in each direction; a change of the path by φ rad rms from table to table leaves 0.02 φ⁴.
 
 use std::f64::consts::TAU;
 
@@ -51,8 +51,8 @@ pub(crate) struct FieldGrid {
     depths: usize,
 }
 
-/// The image of an edge at a place of the field, `out` into its light and `along` it from the middle
-/// in half diagonals, `y_mm` nearer to the camera than the edge's own defocus.
+/// The image of an edge at a place of the field, `out` into its light and `along` it from the
+/// middle in half diagonals, `y_mm` nearer to the camera than the edge's own defocus.
 ///
 /// # Errors
 /// Values outside their ranges.

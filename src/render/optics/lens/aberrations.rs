@@ -7,10 +7,11 @@
 //! ```
 //!
 //! ρ is 1 at the numerical aperture, ψ the direction from the middle of the field to the place that
-//! is imaged: the lens is centred. The pupil passes e^(-2πiW/λ), so that a ray at the place p of the
-//! pupil lands (1/NA) ∂W/∂p beside its place on the object (Hopkins, Wave Theory of Aberrations,
-//! 1950). Between the heights h that are stated s, c/h and a/h² are linear in h², before the first
-//! and beyond the last one as there: one row at the corner is a lens of third order.
+//! is imaged: the lens is centred. The pupil passes e^(-2πiW/λ), so that a ray at the place p of
+//! the pupil lands (1/NA) ∂W/∂p beside its place on the object (Hopkins, Wave Theory of
+//! Aberrations, 1950). Between the heights h that are stated s, c/h and a/h² are linear in h²,
+//! before the first and beyond the last one as there: one row at the corner is a lens of third
+//! order.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -103,8 +103,8 @@ impl CurveModel {
     }
 }
 
-/// Error of a model at samples that it is not given, each fifth one but the ends, rms; none where too
-/// few are left.
+/// Error of a model at samples that it is not given, each fifth one but the ends, rms; none where
+/// too few are left.
 pub(crate) fn left_out(kind: CurveKind, x: &[f64], y: &[f64]) -> Option<f64> {
     let ([own_x, own_y], [out_x, out_y]) = parted(x, y);
     let model = CurveModel::fitted(kind, &own_x, &own_y)?;

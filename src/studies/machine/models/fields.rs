@@ -113,8 +113,8 @@ fn of_curves<'a>(samples: &PaperSamples<'_>, kind: CurveKind) -> Option<Model<'a
     Some(Box::new(move |x, z| Some([a.value(z)? + b.value(x)?, c.value(x)? + d.value(z)?])))
 }
 
-/// One net of two inputs and two outputs: of some starts the one with the least error on every fifth
-/// sample, which it was not given.
+/// One net of two inputs and two outputs: of some starts the one with the least error on every
+/// fifth sample, which it was not given.
 fn two_inputs<'a>(given: &Samples, asked: &ModelsAsked) -> Option<Model<'a>> {
     let part = |wanted: bool| {
         let picked = |rows: &[Vec<f64>]| {
@@ -160,8 +160,8 @@ fn separable<'a>(samples: &PaperSamples<'_>, space: &Samples) -> Option<Model<'a
     Some(Box::new(move |x, z| Some([fx.value(x)? + gx.value(z)?, fz.value(x)? + gz.value(z)?])))
 }
 
-/// Every error by a penalised spline over its own slide, through the first order of the chain; errors
-/// of the spindle and orientations by the mean of their readings.
+/// Every error by a penalised spline over its own slide, through the first order of the chain;
+/// errors of the spindle and orientations by the mean of their readings.
 fn structured<'a>(samples: &'a PaperSamples<'_>) -> Option<Model<'a>> {
     let fit = |name: ErrorName| {
         let read = samples.read_error(name);

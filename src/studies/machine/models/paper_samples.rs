@@ -1,10 +1,10 @@
 //! What the paper would measure on a machine: four curves, a table of sums; and the working space
 //! as it is.
 //!
-//! Column A(z): e_X at the part's radius, by a turned cylinder. B(x): EBX·tz, a laser's yaw times the
-//! lever. Face C(x): e_Z at the end of Z, by a turned face with a laser. D(z): EBZ by a laser times
-//! one lever (the paper's β(z)·TX), at the middle of X. The sums A + B and C + D over the raster are
-//! the paper's table; the working space itself holds EBZ·x, which is in no sum.
+//! Column A(z): e_X at the part's radius, by a turned cylinder. B(x): EBX·tz, a laser's yaw times
+//! the lever. Face C(x): e_Z at the end of Z, by a turned face with a laser. D(z): EBZ by a laser
+//! times one lever (the paper's β(z)·TX), at the middle of X. The sums A + B and C + D over the
+//! raster are the paper's table; the working space itself holds EBZ·x, which is in no sum.
 
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};

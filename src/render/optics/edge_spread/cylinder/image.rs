@@ -15,7 +15,7 @@
 //! directly.
 //!
 //! A lens with aberrations multiplies f by e^(-2πiW) of its own chord, W in waves
-//! ([`PupilPath`]); both halves of the source along the edge are added up where W tells them apart.
+//! ([`PupilPath`]); both halves of the source along the edge are added up where W separates them.
 //!
 //! The image is the square of a function of the bandwidth NA/λ, so that twelve samples a λ/NA
 //! contain it; between them a polynomial through twelve errs by less than 1e-6. The phase between
