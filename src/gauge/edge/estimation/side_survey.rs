@@ -94,3 +94,26 @@ impl SideSurvey {
         Some(NoiseModel::through((dark, in_dark.max(floor)), (light, in_light.max(floor)), floor))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A level whose mean lies a standard deviation and a half below the end that the other side
+    /// shows reaches it in 7 % of its pixels; one of three standard deviations stands by itself.
+    #[test]
+    fn a_level_within_two_deviations_of_the_other_sides_end_stands_at_it() {
+        let differences: Vec<f32> = (0..400).map(|k| [-4.0, 2.0, 4.0, -2.0][k % 4]).collect();
+        let spread = Spread::of(&differences, 1.0);
+        let sd = spread.variance().unwrap().sqrt();
+        let other = Ends { high: 250.0, step: 1.0, ..Ends::NONE };
+        let ends = |below: f64| {
+            let levels = LevelSums { dark: 2000.0, light: 100.0 * (250.0 - below * sd), count: 100.0 };
+            let mut side = SideSurvey { levels, ends: None, spread: [spread; 2] };
+            side.share_ends(Some(other));
+            side.ends
+        };
+        assert_eq!(ends(1.5), Some(other));
+        assert_eq!(ends(3.0), None);
+    }
+}

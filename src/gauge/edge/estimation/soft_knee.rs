@@ -83,14 +83,4 @@ fn clipped_variance(at_end: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_clipped_deviate_keeps_its_textbook_variance() {
-        // Half of it clipped: d is half-normal with probability 1/2, E[d] = φ(0), E[d²] = 1/2.
-        let half = 0.5 - 1.0 / (2.0 * std::f64::consts::PI);
-        assert!((clipped_variance(0.5) - half).abs() < 1e-9);
-        assert!((clipped_variance(0.0) - 1.0).abs() < 1e-6 && clipped_variance(1.0) < 1e-6);
-    }
-}
+mod tests;

@@ -62,3 +62,42 @@ fn pairs_beside<T: Sample>(plane: &Plane<'_, T>, part: &PartLocation) -> (Pairs,
     }
     (dark, light)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gauge::edge::estimation::side_survey::GreyScaleLimits;
+    use crate::gauge::edges::ShadowsSeen;
+    use crate::numerics::distributions::phi_cdf;
+
+    /// Largest light in the shadow of a wire of 7 px, and least light beside it, in a field of 27
+    /// rows.
+    fn extremes(sigma: f64) -> Option<[f32; 2]> {
+        let (rows, columns) = (27, 128);
+        let light = |row: f64| phi_cdf((9.5 - row) / sigma) + phi_cdf((row - 16.5) / sigma);
+        let pixels: Vec<f32> = (0..rows * columns).map(|i| light((i / columns) as f64) as f32).collect();
+        let plane =
+            Plane { pixels: &pixels, rows, columns, row_stride: columns, column_stride: 1, sign: 1.0 };
+        let part = PartLocation {
+            size: (rows, columns),
+            top: vec![Ok(10); columns],
+            bottom: vec![Ok(16); columns],
+            width_px: Some(7.0),
+            shadows: ShadowsSeen::default(),
+            scale: GreyScaleLimits::of_step(0.0),
+        };
+        let (dark, light) = pairs_beside(&plane, &part);
+        let [dark, light] = [dark, light].map(|pairs| pairs.into_iter().flatten().collect::<Vec<f32>>());
+        Some([dark.into_iter().reduce(f32::max)?, light.into_iter().reduce(f32::min)?])
+    }
+
+    /// Of a wire blurred by 2 px, the widest that is measured, light begins where the edge has
+    /// ended; of one blurred by 1 px some rows are shadow; and a small field still shows both.
+    #[test]
+    fn light_and_shadow_are_looked_at_clear_of_the_edges() {
+        let [_, least] = extremes(2.0).unwrap();
+        assert!(least > 0.9999, "{least}");
+        let [most, _] = extremes(1.0).unwrap();
+        assert!(most < 0.02, "{most}");
+    }
+}
