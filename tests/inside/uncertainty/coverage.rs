@@ -77,7 +77,7 @@ fn limbs_are_covered(scenes: usize) {
 
 #[test]
 fn round_parts_of_unknown_surface_and_depth_are_covered() {
-    limbs_are_covered(16);
+    limbs_are_covered(6);
 }
 
 #[test]
