@@ -322,6 +322,10 @@ fn a_full_or_closed_stdout_is_no_panic() {
 /// A store after kills: `store check` and the passes that it lists.
 fn stored_passes(store: &str) -> Vec<u32> {
     let checked = shadowgauge(["store", "check", store]);
+    if said(&checked).contains("it is empty") {
+        // killed before the store had its tables
+        return Vec::new();
+    }
     assert!(checked.status.success(), "{}{}", text(&checked.stdout), stderr(&checked));
     let listed = text(&shadowgauge(["store", "list", store, "--json"]).stdout);
     let pass =
@@ -514,7 +518,7 @@ fn a_model_that_makes_no_program_is_one_clear_error() {
     unmade("a letter", &b"Dear Sir or Madam,\n".repeat(30), &[], 3, &["part.stl", "solid"]);
     unmade("a picture", &png, &[], 3, &["a PNG image"]);
     unmade("cut off", &good[..good.len() - 100], &[], 3, &["cut off"]);
-    unmade("no number", not_a_number.as_bytes(), &[], 3, &["line 4", "NaN"]);
+    unmade("no number", not_a_number.as_bytes(), &[], 3, &["line 6", "NaN"]);
     unmade("commas", commas.as_bytes(), &[], 3, &["line 4", "decimal points"]);
     unmade("inches", &good, &["--unit", "inch"], 2, &["--unit mm would make it 12.000 mm"]);
     unmade("a thin bar", &good, &["--stock", "11"], 2, &["12.0000 mm", "another bar"]);

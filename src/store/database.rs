@@ -134,7 +134,8 @@ mod tests {
     use std::time::Duration;
 
     use super::Store;
-    use crate::store::{PassToStore, RunToStore, StationToStore, StoreError};
+    use crate::store::error::StoreError;
+    use crate::store::row::{PassToStore, RunToStore, StationToStore};
 
     fn run() -> RunToStore {
         let (key, origin, name, config) = ("k".into(), "run".into(), "n".into(), String::new());

@@ -172,10 +172,7 @@ const EXAMPLES: &[Examples] = &[
             "shadowgauge serve --source gige:192.168.1.20 -- --calibration bench.json --tolerance '22 h6'",
         ],
     ),
-    (
-        "store",
-        &["shadowgauge run my.toml --out out/my --store gauge.sqlite", "shadowgauge store list gauge.sqlite"],
-    ),
+    ("store", &["shadowgauge store list gauge.sqlite", "shadowgauge store check gauge.sqlite"]),
     ("store check", &["shadowgauge store check gauge.sqlite", "shadowgauge store check gauge.sqlite --json"]),
     ("store export", &["shadowgauge store export gauge.sqlite --out gauge.jsonl"]),
     ("store import", &["shadowgauge store import copy.sqlite gauge.jsonl"]),

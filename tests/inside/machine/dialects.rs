@@ -66,7 +66,8 @@ fn measure_refuses_a_machine_of_another_head() {
     let machine = folder.path().join("machine.json");
     std::fs::write(&machine, serde_json::to_string(&found).unwrap()).unwrap();
     let calibration = folder.path().join("calibration.json");
-    std::fs::write(&calibration, "{\"scale_mm_per_px\": 0.017}").unwrap();
+    let scale = crate::gauge::Calibration::from_scale(17.0);
+    std::fs::write(&calibration, serde_json::to_string(&scale).unwrap()).unwrap();
     let frame = folder.path().join("0.png");
     image::GrayImage::from_pixel(64, 140, image::Luma([200])).save(&frame).unwrap();
     let measure = |more: &[&str]| {

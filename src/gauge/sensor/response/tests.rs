@@ -100,8 +100,8 @@ fn exposures_that_are_wrong_are_refused() {
     assert!(refused.is_err(), "{refused:?}");
 }
 
-/// A response y = l + 4d·l(1 − l) departs from a line by d; its inverse is y·exp(4d(y − 1)) to first
-/// order, a curvature of 4d.
+/// A response y = l + 4d·l(1 − l) departs from a line by d; its inverse is y·exp(4d(y − 1)) to
+/// first order, a curvature of 4d.
 #[test]
 fn a_response_within_a_hundredth_of_a_line_is_linear() {
     let of = |d: f64| found(&[0.1, 0.2, 0.4, 0.6, 0.9], &|l| l + 4.0 * d * l * (1.0 - l));

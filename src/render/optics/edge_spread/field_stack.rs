@@ -92,7 +92,7 @@ pub(crate) fn edge_in_field(
 pub(crate) fn check_beside_aberrations(edge: &PartiallyCoherentEdge) -> Result<(), RenderError> {
     within("optics.esf.partially_coherent.numerical_aperture", edge.na, 1e-3, 0.2)?;
     // Beyond it the image is incoherent and the source's nodes grow without end.
-    within("optics.esf.partially_coherent.coherence_ratio", edge.coherence_ratio, 0.0, 3.0)?;
+    within("optics.esf.partially_coherent.coherence_ratio", edge.coherence_ratio, 0.0, 1.0)?;
     within("optics.esf.partially_coherent.reach", edge.reach, 4.0, 60.0)
 }
 
