@@ -152,8 +152,8 @@ const EXAMPLES: &[Examples] = &[
     (
         "tool flank",
         &[
-            "shadowgauge tool flank flank.png --um-per-px 2.415 --nose-radius-mm 0.4",
-            "shadowgauge tool flank flank.png --um-per-px 2.415 --cut 12 --history edge_3.csv --overlay land.png",
+            "shadowgauge tool flank flank.png --um-per-px 2.415 --model flanks.forest --nose-radius-mm 0.4",
+            "shadowgauge tool flank flank.png --um-per-px 2.415 --model flanks.forest --cut 12 --history edge_3.csv --overlay land.png",
             "shadowgauge tool flank images --um-per-px 2.415 --model paper --json",
         ],
     ),
