@@ -255,7 +255,12 @@ fn live_lines_come_as_they_are_measured_and_a_dead_source_reads_invalid() {
     let data = lines.filter_map(|line| line.strip_prefix("data: ").map(str::to_owned));
     let frame =
         data.filter_map(|line| serde_json::from_str::<Value>(&line).ok()).find(|v| v["valid"] == true);
-    assert!(frame.is_some(), "no frame with a diameter came");
+    let frame = frame.expect("no frame with a diameter came");
+    // what the page reads of a line is in it
+    let script = server.get("/page.js").body;
+    for key in ["max_diameter_mm", "expanded_u_max_mm", "latency_ms"] {
+        assert!(frame[key].is_number() && script.contains(&format!("line.{key}")), "{key}: {frame}");
+    }
     let dead = Server::start(&["--source", text(&folder.path().join("absent")), "--", "--um-per-px", "50"]);
     let mut stream = dead.connect();
     write!(stream, "GET /api/live HTTP/1.1\r\nHost: {}\r\n\r\n", dead.host).unwrap();

@@ -94,13 +94,12 @@ function live() {
       return;
     }
     frame += 1;
-    const largest = line.diameter || line.largest || {};
-    const d = line.diameter_mm ?? largest.diameter_mm ?? null;
-    const expanded = line.expanded_u_mm ?? largest.expanded_u_mm ?? null;
+    const d = line.max_diameter_mm ?? null;
+    const expanded = line.expanded_u_max_mm ?? null;
     if (!line.valid || d === null) stop(line.error || line.refused || "no diameter in this frame");
     else {
       now.textContent = number(d, 4) + " mm";
-      now.className = "now " + ({ GO: "good", "NO-GO": "bad" }[line.judgement] || "");
+      now.className = "now " + ({ GO: "good", LL: "bad", HH: "bad", LO: "open", HI: "open" }[line.judgement] || "");
       const settled = line.settled && line.settled.state ? `, ${line.settled.state}` : "";
       under.textContent = `± ${number(expanded, 4)} mm (U)${line.judgement ? ", " + line.judgement : ""}${settled}`;
     }
