@@ -219,6 +219,10 @@ const EXAMPLES: &[Examples] = &[
         ],
     ),
     (
+        "study machine-coverage",
+        &["shadowgauge study machine-coverage configs/machine_coverage.toml --machines 100"],
+    ),
+    (
         "study tool",
         &[
             "shadowgauge study tool --out out/study_tool",
