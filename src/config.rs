@@ -22,7 +22,6 @@ use std::sync::Arc;
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use schemars::{JsonSchema, Schema, schema_for};
 use serde::de::DeserializeOwned;
-use sha2::{Digest, Sha256};
 use thiserror::Error;
 use toml::de::DeTable;
 
@@ -33,6 +32,7 @@ use crate::render::form::read_contour;
 use crate::render::optics::lens_file::LensFile;
 use crate::render::settings::{EmvaResults, Esf, SensorFile};
 use crate::setting::SettingError;
+use crate::source::sha256_hex;
 use crate::studies::machine::MachineStudyConfig;
 use machine_tables::read_error_tables;
 use mistake::Mistake;
@@ -412,8 +412,7 @@ pub(crate) fn value_error(text: &str, file: &str, error: SettingError) -> Config
 /// # Errors
 /// Never for a parsed job; for others, values that TOML cannot represent.
 pub(crate) fn hash(job: &Job) -> Result<String, toml::ser::Error> {
-    let digest = Sha256::digest(resolved(job)?.as_bytes());
-    Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(sha256_hex(&resolved(job)?))
 }
 
 /// The config with every default written out.

@@ -3,6 +3,8 @@
 
 #[path = "support/program.rs"]
 mod program;
+#[path = "support/small_job.rs"]
+mod small_job;
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
@@ -12,24 +14,7 @@ use std::time::{Duration, Instant};
 
 use program::{said, shadowgauge};
 use serde_json::{Value, json};
-
-/// A job small enough to run in a second.
-const SMALL: &str = concat!(
-    r#"
-name = "small"
-seed = 5
-[part]
-length_mm = 60.0
-stock_diameter_mm = 12.0
-nominal_diameter_mm = [11.5, 11.0]
-aim_mm = 0.0
-[part.tolerance]
-nominal_mm = 11.0
-upper_mm = 0.01
-lower_mm = -0.01
-"#,
-    include_str!("support/small_view.toml")
-);
+use small_job::TWO_PASSES as SMALL;
 
 /// A server that ends with the test.
 struct Server {

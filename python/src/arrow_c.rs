@@ -14,7 +14,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
-use crate::table::{Column, Values};
+use crate::column::{Column, Values};
 
 /// `struct ArrowSchema`.
 #[repr(C)]

@@ -4,8 +4,10 @@ use pyo3::prelude::*;
 use shadowgauge::gauge as library;
 use shadowgauge::gauge::{MasterCertificate, MasterMeasurement};
 
+use crate::column::Values;
 use crate::edges::Edges;
 use crate::errors::raise;
+use crate::table::Table;
 
 /// Pixels to millimetres at 20 °C, with the uncertainties of both.
 ///
@@ -73,6 +75,23 @@ impl Calibration {
     #[getter]
     fn optics_id(&self) -> &str {
         &self.inner.optics_id
+    }
+
+    /// The diameter of every column in millimetres: `column`, `d_mm`, `u_random_mm`, `u_common_mm`,
+    /// `flag`; NaN in a gap.
+    fn diameters(&self, edges: PyRef<'_, Edges>) -> Table {
+        let diameters = self.inner.diameters(&edges.inner);
+        let value = |of: fn(shadowgauge::profile::Diameter) -> f64| {
+            let columns = diameters.columns.iter();
+            Values::Double(columns.map(|column| column.reading.value().map_or(f64::NAN, of)).collect())
+        };
+        Table::new(vec![
+            ("column", Values::Int((0..diameters.columns.len() as i64).collect())),
+            ("d_mm", value(|d| d.d_mm)),
+            ("u_random_mm", value(|d| d.u_random_mm)),
+            ("u_common_mm", value(|d| d.u_common_mm)),
+            ("flag", Values::Text(edges.flags())),
+        ])
     }
 
     fn __repr__(&self) -> String {

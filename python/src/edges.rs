@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 use shadowgauge::gauge::{Edge, FrameEdges};
 
-use crate::calibration::Calibration;
-use crate::table::{Table, Values, to_numpy};
+use crate::column::Values;
+use crate::table::{Table, to_numpy};
 
 /// Rows of both edges of every column, px (pixel centres at integers), with their standard
 /// uncertainties; NaN in a gap, whose reason `flag` has. Arrays have one value a column.
@@ -19,7 +19,8 @@ impl Edges {
         to_numpy(py, &Values::Double(pairs.map(|(top, bottom)| of(top, bottom)).collect()))
     }
 
-    fn flags(&self) -> Vec<String> {
+    /// Why columns are gaps or impaired; empty for good ones.
+    pub(crate) fn flags(&self) -> Vec<String> {
         let reason = |(top, bottom)| Edge::reason_of_both(top, bottom);
         let pairs = self.inner.top.iter().zip(&self.inner.bottom);
         pairs.map(|pair| reason(pair).map_or_else(String::new, |reason| reason.to_string())).collect()
@@ -92,23 +93,6 @@ impl Edges {
             ("bottom_px", self.values(|_, bottom| bottom.row_px)),
             ("u_top_px", self.values(|top, _| top.u_px())),
             ("u_bottom_px", self.values(|_, bottom| bottom.u_px())),
-            ("flag", Values::Text(self.flags())),
-        ])
-    }
-
-    /// The diameter of every column in millimetres: `column`, `d_mm`, `u_random_mm`, `u_common_mm`,
-    /// `flag`; NaN in a gap.
-    fn diameters(&self, calibration: PyRef<'_, Calibration>) -> Table {
-        let diameters = calibration.inner.diameters(&self.inner);
-        let value = |of: fn(shadowgauge::profile::Diameter) -> f64| {
-            let columns = diameters.columns.iter();
-            Values::Double(columns.map(|column| column.reading.value().map_or(f64::NAN, of)).collect())
-        };
-        Table::new(vec![
-            ("column", Values::Int((0..diameters.columns.len() as i64).collect())),
-            ("d_mm", value(|d| d.d_mm)),
-            ("u_random_mm", value(|d| d.u_random_mm)),
-            ("u_common_mm", value(|d| d.u_common_mm)),
             ("flag", Values::Text(self.flags())),
         ])
     }

@@ -1,15 +1,12 @@
-//! The gauge: checked settings, and single frames.
+//! The gauge: checked settings, and the edges of single frames.
 
 use pyo3::prelude::*;
 use shadowgauge::gauge as library;
-use shadowgauge::measurement::MeasureSettings;
 
 use crate::array::Array;
 use crate::calibration::Calibration;
 use crate::edges::Edges;
 use crate::errors::{from_json, raise};
-use crate::measurement::Measurement;
-use crate::stream::Stream;
 
 /// The gauge by its settings, the keys of `[gauge]` in a config; checked once.
 #[pyclass(frozen, module = "shadowgauge")]
@@ -40,20 +37,5 @@ impl Gauge {
         let view = array.view();
         let found = frame.py().detach(|| self.inner.edges(&view));
         Ok(Edges { inner: found.map_err(|error| raise(frame.py(), "FrameRefused", error))? })
-    }
-
-    /// Diameters of one frame by itself, under the conditions that the calibration carries.
-    #[pyo3(signature = (frame, calibration, settings_json="{}", bits=None, full_scale=None))]
-    fn measure(
-        &self,
-        frame: &Bound<'_, PyAny>,
-        calibration: PyRef<'_, Calibration>,
-        settings_json: &str,
-        bits: Option<u8>,
-        full_scale: Option<f32>,
-    ) -> PyResult<Measurement> {
-        let settings: MeasureSettings = from_json(frame.py(), "measure", settings_json)?;
-        let stream = Stream::of(frame.py(), self, Some(&*calibration), settings)?;
-        stream.push(frame, None, None, bits, full_scale)
     }
 }

@@ -8,11 +8,12 @@
 //!
 //! `array` reads arrays, `meta` what is known of a frame; `calibration`, `gauge` (with `edges` and
 //! `measurement`), `stream`, `scene` and `run` are the classes, `controller` a controller in Python
-//! behind the protocol of programs; `table` and `arrow_c` are tables, `errors` the exceptions.
+//! behind the protocol of programs; `table`, of `column`s, and `arrow_c` are tables, `errors` the exceptions.
 
 mod array;
 mod arrow_c;
 mod calibration;
+mod column;
 mod command_line;
 mod controller;
 mod edges;

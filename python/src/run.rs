@@ -17,10 +17,11 @@ use shadowgauge::plan::Decision;
 use shadowgauge::profile::{Diameter, Reading};
 use shadowgauge::render::{BackendChoice, Renderer};
 
+use crate::column::{Column, Values};
 use crate::controller::{PythonController, Raised, take};
 use crate::errors::{from_json, raise};
 use crate::scene::{backend, read_job};
-use crate::table::{Column, Table, Values};
+use crate::table::Table;
 
 /// Interval at which a waiting interpreter looks for Ctrl-C: what a person does not notice.
 const LOOK: Duration = Duration::from_millis(50);

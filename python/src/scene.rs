@@ -13,9 +13,10 @@ use shadowgauge::plan::ScanPlan;
 use shadowgauge::render::{BackendChoice, FrameRequest, Renderer};
 use shadowgauge::{render, source, truth};
 
+use crate::column::Values;
 use crate::errors::{raise, refused_config};
 use crate::meta;
-use crate::table::{Values, to_numpy};
+use crate::table::to_numpy;
 
 /// A frame as Python takes it: NumPy array, bits of its grey values or None, metadata.
 type PyFrame<'py> = (Bound<'py, PyAny>, Option<u8>, Bound<'py, PyDict>);

@@ -9,12 +9,13 @@ use shadowgauge::measurement as library;
 
 use crate::array::Array;
 use crate::calibration::Calibration;
+use crate::column::Values;
 use crate::edges::Edges;
 use crate::errors::{from_json, raise};
 use crate::gauge::Gauge;
 use crate::measurement::Measurement;
 use crate::meta;
-use crate::table::{Table, Values};
+use crate::table::Table;
 
 /// What a frame leaves in a stream's table.
 struct Row {

@@ -11,8 +11,18 @@ use super::read_error::ReadError;
 /// probability of 3e-8 (n²/2·2⁻⁶⁴).
 const KEPT_BYTES: usize = 8;
 
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().take(KEPT_BYTES).map(|byte| format!("{byte:02x}")).collect()
+/// Bytes as hexadecimal text, two digits each.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// SHA-256 of a text as hexadecimal text.
+pub(crate) fn sha256_hex(text: &str) -> String {
+    hexadecimal(&Sha256::digest(text))
+}
+
+fn kept(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes)[..KEPT_BYTES])
 }
 
 /// The digest of every file's bytes (SHA-256, its first 8 bytes in hexadecimal), in the order
@@ -21,15 +31,12 @@ fn hexadecimal(bytes: &[u8]) -> String {
 /// # Errors
 /// A file that cannot be read.
 pub(crate) fn image_digests(paths: &[PathBuf]) -> Result<Vec<String>, ReadError> {
-    paths
-        .iter()
-        .map(|path| bytes_of(path, Vec::new()).map(|bytes| hexadecimal(&Sha256::digest(bytes))))
-        .collect()
+    paths.iter().map(|path| bytes_of(path, Vec::new()).map(|bytes| kept(&bytes))).collect()
 }
 
 /// One digest of all, whatever their order.
 pub(crate) fn digest_of_all(digests: &[String]) -> String {
     let mut sorted = digests.to_vec();
     sorted.sort();
-    hexadecimal(&Sha256::digest(sorted.join("\n")))
+    kept(sorted.join("\n").as_bytes())
 }

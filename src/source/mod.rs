@@ -67,7 +67,7 @@ pub use self::{
 pub(crate) use address::Address;
 pub(crate) use ahead::Ahead;
 #[cfg(feature = "render")]
-pub(crate) use digest::{digest_of_all, image_digests};
+pub(crate) use digest::{digest_of_all, hexadecimal, image_digests, sha256_hex};
 pub(crate) use folder::{list_images, listing, out_of_order};
 pub(crate) use follow::Follow;
 pub(crate) use host_clock::host_t_ns;

@@ -5,8 +5,9 @@
 use rusqlite::{Connection, OptionalExtension as _, params};
 use sha2::{Digest as _, Sha256};
 
-use super::row::{Change, hex};
+use super::row::Change;
 use super::utc::Utc;
+use crate::source::hexadecimal;
 
 /// What the first row follows.
 const BEFORE_THE_FIRST: &str = "";
@@ -51,7 +52,7 @@ fn hash(before: &str, seq: i64, change: &Change<'_>) -> String {
         sha.update(text.map_or(u64::MAX, |t| t.len() as u64).to_le_bytes());
         sha.update(text.unwrap_or_default());
     }
-    hex(&sha.finalize())
+    hexadecimal(&sha.finalize())
 }
 
 /// Number and hash of the newest row.

@@ -10,7 +10,7 @@ use super::audit::{self, Link};
 use super::database::Store;
 use super::error::StoreError;
 use super::prune::PRUNE;
-use super::row::{PassDigest, RunToStore, StationToStore};
+use super::row::{PassToStore, RunToStore, StationToStore};
 use super::utc::Utc;
 use super::write::{pass_key, pass_text, run_text};
 
@@ -142,33 +142,47 @@ fn stored(db: &Connection) -> rusqlite::Result<HashMap<(String, String), String>
     Ok(all)
 }
 
-/// Every pass with the digest of the stations that are there.
+/// Every pass with the digest of what is there of it.
 fn passes(db: &Connection, all: &mut HashMap<(String, String), String>) -> rusqlite::Result<()> {
-    let mut query =
-        db.prepare("SELECT p.id, r.key, p.pass, p.name FROM passes p JOIN runs r ON r.id = p.run")?;
-    let mut stations = db.prepare(
-        "SELECT z_mm, nominal_mm, d_mm, u_mm, flag FROM stations WHERE pass = ?1 ORDER BY station",
+    let mut query = db.prepare(
+        "SELECT p.id, r.key, p.pass, p.name, p.max_abs_error_mm, d.decision, d.reason, d.offsets_mm, a.words \
+         FROM passes p JOIN runs r ON r.id = p.run LEFT JOIN decisions d ON d.pass = p.id \
+         LEFT JOIN alarms a ON a.pass = p.id",
     )?;
     let mut rows = query.query([])?;
     while let Some(row) = rows.next()? {
-        let (id, run, pass, name): (i64, String, u32, Option<String>) =
-            (row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?);
-        let mut digest = PassDigest::new(pass, name.as_deref());
-        let mut count = 0;
-        let mut of_pass = stations.query([id])?;
-        while let Some(s) = of_pass.next()? {
-            count += 1;
-            digest.add(&StationToStore {
-                z_mm: s.get(0)?,
-                nominal_mm: s.get(1)?,
-                d_mm: s.get(2)?,
-                u_mm: s.get(3)?,
-                flag: s.get(4)?,
-            });
-        }
-        all.insert(("pass".to_owned(), pass_key(&run, pass)), pass_text(&digest.finish(), count));
+        let (id, run): (i64, String) = (row.get(0)?, row.get(1)?);
+        let decision: [Option<String>; 3] = [row.get(5)?, row.get(6)?, row.get(7)?];
+        let pass = PassToStore {
+            pass: row.get(2)?,
+            name: row.get(3)?,
+            stations: stations(db, id)?,
+            max_abs_error_mm: row.get(4)?,
+            decision: match decision {
+                [Some(word), Some(reason), Some(offsets)] => Some([word, reason, offsets]),
+                _ => None,
+            },
+            alarm: row.get(8)?,
+        };
+        let key = ("pass".to_owned(), pass_key(&run, pass.pass));
+        all.insert(key, pass_text(&pass.digest(), pass.stations.len()));
     }
     Ok(())
+}
+
+fn stations(db: &Connection, pass: i64) -> rusqlite::Result<Vec<StationToStore>> {
+    let sql = "SELECT z_mm, nominal_mm, d_mm, u_mm, flag FROM stations WHERE pass = ?1 ORDER BY station";
+    let mut query = db.prepare_cached(sql)?;
+    let rows = query.query_map([pass], |row| {
+        Ok(StationToStore {
+            z_mm: row.get(0)?,
+            nominal_mm: row.get(1)?,
+            d_mm: row.get(2)?,
+            u_mm: row.get(3)?,
+            flag: row.get(4)?,
+        })
+    })?;
+    rows.collect()
 }
 
 fn compared(state: &ByAudit, there: &HashMap<(String, String), String>) -> Vec<Finding> {

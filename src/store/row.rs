@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
 use super::utc::Utc;
+use crate::source::hexadecimal;
 
 /// What a document that is stored by its name is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -84,8 +85,8 @@ pub(crate) struct PassToStore {
     pub stations: Vec<StationToStore>,
     /// Largest |measured - nominal|, mm.
     pub max_abs_error_mm: Option<f64>,
-    /// What was decided after it: the word, why, and the offsets of the next pass in mm of diameter
-    /// as JSON.
+    /// What was decided after it: the word, why, and the offsets that it was cut with, mm of
+    /// diameter, as JSON.
     pub decision: Option<[String; 3]>,
     /// An alarm.
     pub alarm: Option<String>,
@@ -94,23 +95,26 @@ pub(crate) struct PassToStore {
 impl PassToStore {
     /// Digest of what was measured and decided, without the time: the same for the same pass.
     pub(super) fn digest(&self) -> String {
-        let mut hash = PassDigest::new(self.pass, self.name.as_deref());
-        self.stations.iter().for_each(|station| hash.add(station));
-        hash.finish()
+        let mut hash = PassDigest(Sha256::new());
+        hash.0.update(self.pass.to_le_bytes());
+        hash.text(self.name.as_deref());
+        for s in &self.stations {
+            [s.z_mm, s.nominal_mm, s.d_mm, s.u_mm].into_iter().for_each(|value| hash.number(value));
+            hash.text(s.flag.as_deref());
+        }
+        hash.number(self.max_abs_error_mm);
+        for k in 0..3 {
+            hash.text(self.decision.as_ref().map(|decision| decision[k].as_str()));
+        }
+        hash.text(self.alarm.as_deref());
+        hexadecimal(&hash.0.finalize())
     }
 }
 
 /// SHA-256 over a pass: numbers as their bits, texts with their length.
-pub(super) struct PassDigest(Sha256);
+struct PassDigest(Sha256);
 
 impl PassDigest {
-    pub(super) fn new(pass: u32, name: Option<&str>) -> Self {
-        let mut digest = Self(Sha256::new());
-        digest.0.update(pass.to_le_bytes());
-        digest.text(name);
-        digest
-    }
-
     fn text(&mut self, text: Option<&str>) {
         // a text that is absent has a length that none has
         self.0.update(text.map_or(u64::MAX, |t| t.len() as u64).to_le_bytes());
@@ -121,26 +125,6 @@ impl PassDigest {
         self.0.update([u8::from(value.is_some())]);
         self.0.update(value.unwrap_or_default().to_bits().to_le_bytes());
     }
-
-    pub(super) fn add(&mut self, station: &StationToStore) {
-        for value in [station.z_mm, station.nominal_mm, station.d_mm, station.u_mm] {
-            self.number(value);
-        }
-        self.text(station.flag.as_deref());
-    }
-
-    pub(super) fn finish(self) -> String {
-        hex(&self.0.finalize())
-    }
-}
-
-/// Bytes as hexadecimal text.
-pub(super) fn hex(bytes: &[u8]) -> String {
-    use std::fmt::Write as _;
-    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
 }
 
 /// A change, before it is a link of the chain.

@@ -65,7 +65,7 @@ class Calibration:
 
     def diameters(self, edges: Edges) -> _shadowgauge.Table:
         """The diameter of every column: ``column``, ``d_mm``, ``u_random_mm``, ``u_common_mm``, ``flag``."""
-        return edges.diameters(self._native)
+        return self._native.diameters(edges)
 
     def __repr__(self) -> str:
         return repr(self._native)

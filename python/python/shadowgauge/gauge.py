@@ -40,7 +40,8 @@ class Gauge:
     ) -> Measurement:
         """Largest and mean diameter of a frame by itself; ``settings`` are those of :class:`Stream`.
         Raises FrameRefused where it has none."""
-        measured = self._native.measure(frame, calibration._native, json.dumps(settings), bits, full_scale)
+        stream = _shadowgauge.Stream(self._native, calibration._native, json.dumps(settings), False)
+        measured = stream.push(frame, None, None, bits, full_scale)
         return _accepted(measured)
 
 

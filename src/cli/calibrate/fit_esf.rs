@@ -34,15 +34,7 @@ pub(super) fn stated(esf: Option<&str>) -> Result<(NominalOptics, CylinderEdge),
     let nominal = NominalOptics::load(path)?;
     let lens = match &nominal.optics.esf {
         Esf::Cylinder(limb) => limb.clone(),
-        Esf::PartiallyCoherent(p) => CylinderEdge {
-            na: p.na,
-            coherence_ratio: p.coherence_ratio,
-            wavelength_nm: p.wavelength_nm,
-            defocus_mm: p.defocus_mm,
-            reach: p.reach,
-            extra_sigma_um: p.extra_sigma_um,
-            ..CylinderEdge::default()
-        },
+        Esf::PartiallyCoherent(p) => CylinderEdge::of_lens(p),
         _ => {
             let why = "states no aperture of lens and light to begin from: [optics.esf.cylinder] or \
                        [optics.esf.partially_coherent] is needed";

@@ -44,6 +44,11 @@ impl SampleTable {
     }
 }
 
+/// The clock of the times of a table, by its place among [`CLOCKS`].
+pub(super) fn sample_clock(clock: usize) -> SampleClock {
+    if CLOCKS[clock] == "host_t_ns" { SampleClock::Host } else { SampleClock::Frames }
+}
+
 impl EncoderSamples for SampleTable {
     fn look(&mut self) -> Result<Vec<EncoderSample>, String> {
         let mut samples = Vec::new();
@@ -59,8 +64,7 @@ impl EncoderSamples for SampleTable {
     }
 
     fn clock(&self) -> Option<SampleClock> {
-        let clock = self.table.clock()?;
-        Some(if CLOCKS[clock] == "host_t_ns" { SampleClock::Host } else { SampleClock::Frames })
+        self.table.clock().map(sample_clock)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::encoder_samples::CLOCKS;
+use super::encoder_samples::{CLOCKS, sample_clock};
 use super::growing_table::GrowingTable;
 use crate::source::live::{IndexTimes, SampleClock};
 
@@ -55,8 +55,7 @@ impl IndexTimes for IndexTable {
     }
 
     fn clock(&self) -> Option<SampleClock> {
-        let clock = self.table.clock()?;
-        Some(if CLOCKS[clock] == "host_t_ns" { SampleClock::Host } else { SampleClock::Frames })
+        self.table.clock().map(sample_clock)
     }
 }
 

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::args::failure;
-use super::of_run::digest;
 use crate::cli::failure::Failure;
 use crate::gauge::Calibration;
 use crate::measurement::{Measurement, StationResult};
 use crate::profile::Reading;
+use crate::source::sha256_hex;
 use crate::store::{Entry, EntryKind, PassToStore, RunToStore, StationToStore, Store, Utc};
 
 /// Frames a transaction at most: a commit waits for the disk.
@@ -37,14 +37,14 @@ impl MeasuredStore {
         calibration: &Calibration,
     ) -> Result<Self, Failure> {
         let document = serde_json::to_string(calibration).map_err(Failure::fail)?;
-        let calibration = Entry { kind: EntryKind::Calibration, key: digest(&document), document };
+        let calibration = Entry { kind: EntryKind::Calibration, key: sha256_hex(&document), document };
         store.put(&calibration).map_err(failure)?;
         let named: Vec<String> = named.iter().map(|path| path.display().to_string()).collect();
         let config = serde_json::json!({ "inputs": named }).to_string();
         // a call is a run of its own, whatever it measures
         let call = format!("{config}{}{}", Utc::now(), std::process::id());
         let run = RunToStore {
-            key: digest(&call),
+            key: sha256_hex(&call),
             origin: "measure".to_owned(),
             name: named.first().cloned().unwrap_or_default(),
             part: None,

@@ -1,11 +1,10 @@
 //! What a run gives its store: the job, then every pass as soon as its tables are written.
 
-use sha2::{Digest as _, Sha256};
-
 use super::args::failure;
 use crate::cli::failure::Failure;
 use crate::job::Job;
 use crate::run_folder::{ControlRecord, OffsetRow, PassRow, StationRow};
+use crate::source::sha256_hex;
 use crate::store::{Acknowledged, Entry, EntryKind, PassToStore, RunToStore, StationToStore, Store};
 
 /// A store that a run writes.
@@ -38,7 +37,7 @@ impl RunStore {
         };
         let calibration = Entry {
             kind: EntryKind::Calibration,
-            key: digest(calibration),
+            key: sha256_hex(calibration),
             document: calibration.to_owned(),
         };
         let tool = job.tool.as_ref().map(|tool| {
@@ -73,27 +72,18 @@ impl RunStore {
     }
 }
 
-/// SHA-256 of a text, as hexadecimal text.
-pub(super) fn digest(text: &str) -> String {
-    use std::fmt::Write as _;
-    Sha256::digest(text).iter().fold(String::new(), |mut hex, byte| {
-        let _ = write!(hex, "{byte:02x}");
-        hex
-    })
-}
-
 fn pass(row: &PassRow, tables: &PassTables<'_>) -> PassToStore {
     let stations = tables.stations.iter().filter(|s| s.pass == row.pass).map(|s| station(row, s)).collect();
     let record = tables.control.passes.iter().find(|p| p.pass == row.pass);
-    let next = tables.offsets.iter().filter(|o| o.pass == row.pass + 1).map(|o| o.offset_mm);
-    let next: Vec<f64> = next.collect();
+    let offsets = tables.offsets.iter().filter(|o| o.pass == row.pass).map(|o| o.offset_mm);
+    let offsets: Vec<f64> = offsets.collect();
     let reason = record.and_then(|r| r.reason.clone()).unwrap_or_default();
     PassToStore {
         pass: row.pass,
         name: None,
         stations,
         max_abs_error_mm: Some(row.max_abs_error_mm),
-        decision: Some([row.decision.clone(), reason, serde_json::json!(next).to_string()]),
+        decision: Some([row.decision.clone(), reason, serde_json::json!(offsets).to_string()]),
         alarm: record.and_then(|r| r.alarm.clone()),
     }
 }

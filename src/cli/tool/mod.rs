@@ -2,6 +2,7 @@
 
 mod axes;
 mod bench;
+mod canvas;
 mod compensate;
 mod flank;
 mod nose;

@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::canvas::Canvas;
 use crate::frame::FrameView;
 use crate::gauge::nose::NoseMeasurement;
 
@@ -21,14 +22,9 @@ pub(crate) fn overlay(view: &FrameView<'_>, m: &NoseMeasurement) -> Result<Vec<u
         let value = f64::from(view.get(row, column).unwrap_or(0.0));
         (40.0 + 200.0 * (value - low) / (high - low)).clamp(0.0, 255.0) as u8
     };
-    let mut pixels: Vec<u8> = (0..rows * columns).flat_map(|k| [grey(k / columns, k % columns); 3]).collect();
-    let mut dot = |p: DVec2, colour: [u8; 3]| {
-        let (column, row) = (p.x.round(), (-p.y).round());
-        if column >= 0.0 && row >= 0.0 && column < columns as f64 && row < rows as f64 {
-            let at = 3 * (row as usize * columns + column as usize);
-            pixels[at..at + 3].copy_from_slice(&colour);
-        }
-    };
+    let mut canvas = Canvas::new((rows, columns), grey);
+    // y of a nose points up
+    let mut dot = |p: DVec2, colour: [u8; 3]| canvas.dot(DVec2::new(p.x, -p.y), colour);
     let around = |deg: f64, radius: f64| m.centre + DVec2::from_angle(deg.to_radians()) * radius;
     let sweep = (m.normals_deg[1] - m.normals_deg[0]).rem_euclid(360.0);
     let steps = (4.0 * m.nominal_radius_px) as usize;
@@ -48,11 +44,5 @@ pub(crate) fn overlay(view: &FrameView<'_>, m: &NoseMeasurement) -> Result<Vec<u
             dot(around(pair[0].direction_deg + t * turn, radius), MEASURED);
         }
     }
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, columns as u32, rows as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&pixels));
-    written.map_err(|e| e.to_string())?;
-    Ok(file)
+    canvas.png()
 }

@@ -1,9 +1,8 @@
 //! What identifies a shard: shards that agree in all but their numbers belong together.
 
-use sha2::{Digest, Sha256};
-
 use super::shard_of::ShardOf;
 use super::study::SceneStudy;
+use crate::source::sha256_hex;
 
 /// The identity of a shard, as its file states it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,11 +21,6 @@ pub(crate) struct Identity {
     pub scenes: u64,
     /// Which shard it is.
     pub shard: ShardOf,
-}
-
-/// SHA-256 of a text, hexadecimal.
-pub(crate) fn sha256_hex(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Identity {

@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use thiserror::Error;
 
 use super::cell::Cell;
-use super::identity::{Identity, sha256_hex};
+use super::identity::Identity;
 use super::shard_of::ShardOf;
 use super::study::SceneStudy;
+use crate::source::sha256_hex;
 
 /// A shard as it was read.
 #[derive(Clone, Debug, PartialEq)]

@@ -100,6 +100,10 @@ fn whatever_is_altered_is_found_and_named() {
         ("UPDATE stations SET d_mm = d_mm + 1e-9 WHERE pass = 2 AND station = 1", "pass a/2"),
         ("DELETE FROM stations WHERE pass = 1 AND station = 4", "pass a/1"),
         ("UPDATE runs SET config = 'seed = 2'", "run a"),
+        ("UPDATE decisions SET decision = 'held' WHERE pass = 1", "pass a/1"),
+        ("UPDATE decisions SET offsets_mm = '[0.02]' WHERE pass = 2", "pass a/2"),
+        ("DELETE FROM alarms", "pass a/2"),
+        ("UPDATE passes SET max_abs_error_mm = 0.001 WHERE id = 1", "pass a/1"),
         ("UPDATE entries SET document = '{\"d\":20}'", "part shaft"),
     ];
     for (sql, place) in cases {

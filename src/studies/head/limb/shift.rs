@@ -145,15 +145,7 @@ fn lens_of(optics: &Optics) -> Result<CylinderEdge, HeadError> {
     };
     match &optics.esf {
         Esf::Cylinder(c) => Ok(c.clone()),
-        Esf::PartiallyCoherent(p) => Ok(CylinderEdge {
-            na: p.na,
-            coherence_ratio: p.coherence_ratio,
-            wavelength_nm: p.wavelength_nm,
-            defocus_mm: p.defocus_mm,
-            reach: p.reach,
-            extra_sigma_um: p.extra_sigma_um,
-            ..CylinderEdge::default()
-        }),
+        Esf::PartiallyCoherent(p) => Ok(CylinderEdge::of_lens(p)),
         Esf::Gaussian(_) => Err(no_lens("gaussian")),
         Esf::Measured(_) => Err(no_lens("measured")),
         Esf::Fresnel(_) => Err(no_lens("fresnel")),

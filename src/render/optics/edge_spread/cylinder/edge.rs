@@ -109,6 +109,19 @@ impl Default for CylinderEdge {
 }
 
 impl CylinderEdge {
+    /// The lens and the light of a thin edge, before a limb of dry, smooth steel.
+    pub(crate) fn of_lens(p: &PartiallyCoherentEdge) -> Self {
+        Self {
+            na: p.na,
+            coherence_ratio: p.coherence_ratio,
+            wavelength_nm: p.wavelength_nm,
+            defocus_mm: p.defocus_mm,
+            reach: p.reach,
+            extra_sigma_um: p.extra_sigma_um,
+            ..Self::default()
+        }
+    }
+
     /// Checks every value against its range; what depends on the radius is checked by
     /// [`Self::edge_spread`].
     ///
