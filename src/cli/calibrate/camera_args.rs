@@ -15,6 +15,9 @@ pub(crate) struct CameraArgs {
     /// measured by the calibration with this gain alone.
     #[arg(long, value_name = "DB", value_parser = gain_db, allow_negative_numbers = true)]
     pub(super) gain_db: Option<f64>,
+    /// Takes a camera whose shutter exposes row after row: masters at rest alone.
+    #[arg(long)]
+    pub(super) accept_rolling_shutter: bool,
     /// Asks for nothing on the terminal: of a camera that does not place dark, flat and pins itself
     /// (HeadObject, MasterIndex, as the published head does) nothing is taken.
     #[arg(long)]
@@ -25,13 +28,14 @@ impl CameraArgs {
     /// The option of a camera that is given, for messages.
     pub(super) fn given(&self) -> Option<&'static str> {
         let exposure = self.exposure_us.map(|_| "--exposure-us");
-        exposure.or(self.gain_db.map(|_| "--gain-db")).or(self.yes.then_some("--yes"))
+        let shutter = self.accept_rolling_shutter.then_some("--accept-rolling-shutter");
+        exposure.or(self.gain_db.map(|_| "--gain-db")).or(shutter).or(self.yes.then_some("--yes"))
     }
 
     /// What the camera is opened with.
     #[cfg(feature = "camera")]
     pub(super) fn settings(&self) -> CameraSettings {
-        let Self { exposure_us, gain_db, .. } = *self;
-        CameraSettings { exposure_us, gain_db, when_gone: WhenGone::Ends }
+        let Self { exposure_us, gain_db, accept_rolling_shutter: accepts_rolling_shutter, .. } = *self;
+        CameraSettings { exposure_us, gain_db, accepts_rolling_shutter, when_gone: WhenGone::Ends }
     }
 }

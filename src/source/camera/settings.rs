@@ -16,6 +16,8 @@ pub(crate) struct CameraSettings {
     pub exposure_us: Option<f64>,
     /// Gain to set, dB; `None` leaves the camera's.
     pub gain_db: Option<f64>,
+    /// Whether a shutter that exposes row after row is taken as it is: of a part at rest.
+    pub accepts_rolling_shutter: bool,
     /// What becomes of a camera that is gone.
     pub when_gone: WhenGone,
 }
