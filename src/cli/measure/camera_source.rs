@@ -4,7 +4,7 @@ use crate::cli::failure::Failure;
 #[cfg(feature = "camera-usb")]
 use crate::source::camera::UsbCamera;
 #[cfg(feature = "camera")]
-use crate::source::camera::{Camera, CameraSettings, WhenGone};
+use crate::source::camera::{Camera, CameraSettings, FeatureSetting, WhenGone};
 use crate::source::live::Producer;
 
 /// A camera as it is asked for.
@@ -22,6 +22,8 @@ pub(crate) struct CameraSource {
     pub(super) exposure_us: Option<f64>,
     /// Gain to set, dB.
     pub(super) gain_db: Option<f64>,
+    /// Features to set, `NAME=VALUE`.
+    pub(super) features: Vec<String>,
     /// Whether rows may be exposed one after another.
     pub(super) accepts_rolling_shutter: bool,
 }
@@ -33,9 +35,10 @@ impl CameraSource {
     /// No such camera, a busy one, one that is set to what is not measured.
     #[cfg(feature = "camera")]
     pub(super) fn producer(self, returns: bool) -> Result<Box<dyn Producer>, Failure> {
-        let Self { link, ref name, exposure_us, gain_db, accepts_rolling_shutter } = self;
+        let Self { link, ref name, exposure_us, gain_db, accepts_rolling_shutter, .. } = self;
+        let features = feature_settings(&self.features)?;
         let when_gone = if returns { WhenGone::Returns } else { WhenGone::Ends };
-        let settings = CameraSettings { exposure_us, gain_db, accepts_rolling_shutter, when_gone };
+        let settings = CameraSettings { exposure_us, gain_db, features, accepts_rolling_shutter, when_gone };
         if link == "usb" {
             return self.usb_producer(settings);
         }
@@ -70,4 +73,15 @@ impl CameraSource {
              into raw:- or follow the folder that it writes to"
         )))
     }
+}
+
+/// Features as they were given.
+///
+/// # Errors
+/// What is no `NAME=VALUE`.
+#[cfg(feature = "camera")]
+pub(crate) fn feature_settings(given: &[String]) -> Result<Vec<FeatureSetting>, Failure> {
+    let parsed =
+        |text: &String| text.parse().map_err(|why| Failure::refuse(format!("--feature {text}: {why}")));
+    given.iter().map(parsed).collect()
 }

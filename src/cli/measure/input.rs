@@ -77,6 +77,11 @@ pub(crate) struct StreamArgs {
     /// camera's own is left.
     #[arg(long, value_name = "DB", value_parser = gain_db, allow_negative_numbers = true)]
     gain_db: Option<f64>,
+    /// Feature that a camera (`gige:`, `usb:`) is set to, by its name: TriggerMode=On, Width=512,
+    /// GevSCPD=1000, GevSCPSPacketSize=1500; again for more, which are set in their order. It has
+    /// its own back at the end.
+    #[arg(long = "feature", value_name = "NAME=VALUE")]
+    features: Vec<String>,
     /// Takes a camera whose shutter exposes row after row, which is refused without: a part that
     /// turns or moves is sheared in its frames, and one at rest is not.
     #[arg(long)]
@@ -87,15 +92,16 @@ impl StreamArgs {
     /// A camera as it is asked for.
     fn camera(&self, link: &'static str, name: String) -> CameraSource {
         let (exposure_us, gain_db) = (self.exposure_us, self.gain_db);
-        let accepts_rolling_shutter = self.accept_rolling_shutter;
-        CameraSource { link, name, exposure_us, gain_db, accepts_rolling_shutter }
+        let (features, accepts_rolling_shutter) = (self.features.clone(), self.accept_rolling_shutter);
+        CameraSource { link, name, exposure_us, gain_db, features, accepts_rolling_shutter }
     }
 
     /// The option of a camera that is given, for messages.
     fn of_camera(&self) -> Option<&'static str> {
         let exposure = self.exposure_us.map(|_| "--exposure-us");
         let shutter = self.accept_rolling_shutter.then_some("--accept-rolling-shutter");
-        exposure.or(self.gain_db.map(|_| "--gain-db")).or(shutter)
+        let feature = (!self.features.is_empty()).then_some("--feature");
+        exposure.or(self.gain_db.map(|_| "--gain-db")).or(feature).or(shutter)
     }
 }
 

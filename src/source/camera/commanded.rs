@@ -35,9 +35,7 @@ impl CommandedCamera {
     /// # Errors
     /// No such camera, one that is busy, and one that is set to what is not measured.
     pub(crate) fn open(name: &str) -> Result<Self, CameraError> {
-        let when_gone = WhenGone::Ends;
-        let settings =
-            CameraSettings { exposure_us: None, gain_db: None, accepts_rolling_shutter: false, when_gone };
+        let settings = CameraSettings::unchanged(WhenGone::Ends);
         Self::open_with(name, settings)
     }
 

@@ -48,7 +48,7 @@ mod watchdog;
 pub(crate) use self::commanded::CommandedCamera;
 pub(crate) use self::listed::{AccessStatus, FoundCamera, NetworkInterface, interfaces};
 pub(crate) use self::live_camera::Camera;
-pub(crate) use self::settings::{CameraSettings, WhenGone};
+pub(crate) use self::settings::{CameraSettings, FeatureSetting, WhenGone};
 pub(crate) use self::test_packet::{TestPackets, test_packets};
 #[cfg(feature = "camera-usb")]
 pub(crate) use self::usb::UsbCamera;

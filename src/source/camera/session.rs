@@ -13,7 +13,7 @@ use super::error::CameraError;
 use super::features::{Device, Features};
 use super::guard::Restore;
 use super::last_packet::{LastPacket, Stated};
-use super::settings::CameraSettings;
+use super::settings::{CameraSettings, PACKET_SIZE};
 use super::setup::{Setup, set_up};
 use super::slow_register::{DEG_PER_S, SPEED_PERIOD, SlowRegister, TEMPERATURE_PERIOD};
 use crate::source::live::{Known, Provenance};
@@ -47,7 +47,7 @@ impl Session {
         let mut camera = blocking::connect(device).map_err(of_connect)?;
         let identity = Identity { serial_number: device.serial.as_deref(), model: device.model.as_deref() };
         let opened = set_up(&mut camera, identity, settings, restore)
-            .and_then(|setup| Ok((setup, stream(&mut camera)?)));
+            .and_then(|setup| Ok((setup, stream(&mut camera, settings)?)));
         match opened {
             Ok((mut setup, stream)) => {
                 setup.clock = DeviceClock::read(camera.transport());
@@ -205,11 +205,22 @@ fn last_packet(stream: &FrameStream, camera: &Device, setup: &Setup) -> Option<L
     LastPacket::new(&stream.params(), stated, Instant::now()).filter(|_| is_sent_again)
 }
 
-fn stream(camera: &mut Device) -> Result<FrameStream, CameraError> {
-    let options = StreamOptions::new().auto_packet_size();
+fn stream(camera: &mut Device, settings: &CameraSettings) -> Result<FrameStream, CameraError> {
+    let options = match settings.packet_bytes() {
+        Some(text) => StreamOptions::new().packet_size(packet_bytes(text)?),
+        None => StreamOptions::new().auto_packet_size(),
+    };
     let mut stream =
         camera.open_stream(options).map_err(|why| CameraError::failed("the stream cannot be opened", why))?;
     // They are counted and named, not measured.
     stream.set_deliver_incomplete(true);
     Ok(stream)
+}
+
+fn packet_bytes(text: &str) -> Result<u32, CameraError> {
+    text.parse().map_err(|_| CameraError::NotSet {
+        feature: PACKET_SIZE.to_owned(),
+        value: text.to_owned(),
+        cause: "a number of bytes is needed, for instance 1500".to_owned(),
+    })
 }

@@ -12,7 +12,7 @@ use super::error::CameraError;
 use super::features::{Features, exposure_name};
 use super::guard::{Restore, guard};
 use super::image::ImageLayout;
-use super::settings::CameraSettings;
+use super::settings::{CameraSettings, PACKET_SIZE};
 use crate::frame::{CameraBinding, Roi};
 use crate::source::live::{Known, Provenance};
 
@@ -62,6 +62,9 @@ pub(super) fn set_up<T: RegisterIo>(
 ) -> Result<Setup, CameraError> {
     // A camera whose last client was killed may still acquire, and takes no setting then.
     let _ = camera.acquisition_stop();
+    for feature in settings.features.iter().filter(|feature| feature.name != PACKET_SIZE) {
+        restore.set(camera, &feature.name, &feature.value)?;
+    }
     let layout = ImageLayout::of(camera)?;
     for words in guard(camera, settings.accepts_rolling_shutter, restore)? {
         tracing::warn!("{words}");
