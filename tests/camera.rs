@@ -108,6 +108,37 @@ fn what_is_set_is_restored_at_the_end() {
     }
 }
 
+/// Window, pacing and packet size are set by their features, and restored.
+#[cfg(unix)]
+#[test]
+fn features_are_set_by_name_and_restored() {
+    let folder = tempfile::tempdir().unwrap();
+    let head = published(&still_config(folder.path()), own_address(11));
+    let mut client = head.client();
+    let before = ["Height", "GevSCPD"].map(|name| client.get(name));
+    let features = ["Height=256", "GevSCPD=2000", "GevSCPSPacketSize=1400"];
+    let given = features.iter().flat_map(|feature| ["--feature", *feature]);
+    let source = head.source();
+    let words: Vec<&str> =
+        [source.as_str(), "--json", "--um-per-px", "30"].into_iter().chain(given).collect();
+    let running = Running::of("measure", &words);
+    running.json();
+    assert_eq!(["Height", "GevSCPD", "GevSCPSPacketSize"].map(|name| client.get(name)), [256, 2000, 1400]);
+    interrupt(&running);
+    running.end();
+    assert_eq!(["Height", "GevSCPD"].map(|name| client.get(name)), before);
+    for (feature, code, part) in [
+        ("Height", 2, "TriggerMode=On"),
+        ("GevSCPSPacketSize=small", 3, "a number of bytes"),
+        ("NoSuchFeature=1", 3, "NoSuchFeature"),
+        ("PixelFormat=RGB8", 3, "PixelFormat"),
+    ] {
+        let output = shadowgauge(["measure", &source, "--feature", feature]);
+        let words = said(&output);
+        assert!(output.status.code() == Some(code) && words.contains(part), "{feature}: {words}");
+    }
+}
+
 /// `measure` ends with the reason and exit code 3 where its camera is gone.
 #[test]
 fn a_camera_that_is_killed_ends_a_series_with_the_reason() {
@@ -343,6 +374,11 @@ fn a_camera_that_is_not_there_is_named_with_what_to_look_at() {
     let output = shadowgauge(["watch", "gige:no such camera"]);
     let words = said(&output);
     assert!(output.status.code() == Some(3) && words.contains("\"no such camera\""), "{words}");
+    // without the feature `camera-usb` it is named, with it the cameras that are plugged in
+    let output = shadowgauge(["watch", "usb:40001"]);
+    let words = said(&output);
+    assert!(matches!(output.status.code(), Some(2 | 3)) && words.contains("usb:40001: "), "{words}");
+    assert!(words.contains("camera-usb") || words.contains("serial number"), "{words}");
     let output = shadowgauge(["measure", CONFIG, "--gain-db", "6"]);
     assert!(output.status.code() == Some(2) && said(&output).contains("--gain-db"), "{}", said(&output));
 }

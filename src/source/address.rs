@@ -1,8 +1,8 @@
 //! The grammar of SOURCE: where frames come from.
 //!
 //! `-` is images one after another on stdin, `raw:-` and `raw:FILE` pixels whose layout is stated
-//! beside, `sim:CONFIG.toml` the simulated head, `gige:NAME` or `gige:IP` a camera,
-//! `replay:FILE.mcap` a recording; everything else is a file or a folder. One more kind is a
+//! beside, `sim:CONFIG.toml` the simulated head, `gige:NAME` or `gige:IP` a camera, `usb:SERIAL`
+//! one by USB3 Vision, `replay:FILE.mcap` a recording; everything else is a file or a folder. One more kind is a
 //! variant and a line of [`Address::of`].
 
 use std::path::{Path, PathBuf};
@@ -24,12 +24,14 @@ pub(crate) enum Address {
     Simulation(PathBuf),
     /// A GigE Vision camera, by its name or IP address.
     Camera(String),
+    /// A USB3 Vision camera, by its serial number.
+    UsbCamera(String),
     /// A recording.
     Recording(PathBuf),
 }
 
 /// The prefixes, for messages.
-const PREFIXES: &str = "raw:-, raw:FILE, sim:CONFIG.toml, gige:NAME, gige:IP, replay:FILE.mcap";
+const PREFIXES: &str = "raw:-, raw:FILE, sim:CONFIG.toml, gige:NAME, gige:IP, usb:SERIAL, replay:FILE.mcap";
 
 impl Address {
     /// Parses a source.
@@ -58,6 +60,8 @@ impl Address {
             ("sim", file) => Ok(Self::Simulation(file.into())),
             ("gige", "") => Err(needs("a camera's name or IP address")),
             ("gige", name) => Ok(Self::Camera(name.to_owned())),
+            ("usb", "") => Err(needs("a camera's serial number")),
+            ("usb", serial) => Ok(Self::UsbCamera(serial.to_owned())),
             ("replay", "") => Err(needs("a recording (.mcap)")),
             ("replay", file) => Ok(Self::Recording(file.into())),
             _ => Err(format!(
@@ -85,6 +89,7 @@ mod tests {
             ("sim:my.toml", Address::Simulation("my.toml".into())),
             ("gige:10.0.0.7", Address::Camera("10.0.0.7".into())),
             ("gige:Head 1", Address::Camera("Head 1".into())),
+            ("usb:40001", Address::UsbCamera("40001".into())),
             ("replay:a.mcap", Address::Recording("a.mcap".into())),
         ] {
             assert_eq!(Address::of(Path::new(text)), Ok(right), "{text}");
@@ -94,8 +99,9 @@ mod tests {
     #[test]
     fn what_is_no_source_is_refused_with_what_there_is() {
         for (text, word) in [
-            ("usb:0", "gige:NAME"),
-            ("usb:0", "./usb:0"),
+            ("video:0", "gige:NAME"),
+            ("video:0", "./video:0"),
+            ("usb:", "serial number"),
             ("raw:", "stdin"),
             ("sim:", ".toml"),
             ("gige:", "IP address"),

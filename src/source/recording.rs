@@ -42,8 +42,9 @@ pub(crate) struct Recording {
 }
 
 /// Kinds of sources that are named `KIND:…` or `-`, and what each is.
-const OTHER_KINDS: [(&str, &str); 4] = [
+const OTHER_KINDS: [(&str, &str); 5] = [
     ("gige:", "a GigE Vision camera"),
+    ("usb:", "a USB3 Vision camera"),
     ("sim:", "a simulated camera"),
     ("replay:", "a recording in MCAP"),
     ("raw:", "raw pixels"),

@@ -77,13 +77,31 @@ pub(crate) struct StreamArgs {
     /// camera's own is left.
     #[arg(long, value_name = "DB", value_parser = gain_db, allow_negative_numbers = true)]
     gain_db: Option<f64>,
+    /// Feature that a camera (`gige:`, `usb:`) is set to, by its name: TriggerMode=On, Width=512,
+    /// GevSCPD=1000, GevSCPSPacketSize=1500; again for more, which are set in their order. It has
+    /// its own back at the end.
+    #[arg(long = "feature", value_name = "NAME=VALUE")]
+    features: Vec<String>,
+    /// Takes a camera whose shutter exposes row after row, which is refused without: a part that
+    /// turns or moves is sheared in its frames, and one at rest is not.
+    #[arg(long)]
+    accept_rolling_shutter: bool,
 }
 
 impl StreamArgs {
+    /// A camera as it is asked for.
+    fn camera(&self, link: &'static str, name: String) -> CameraSource {
+        let (exposure_us, gain_db) = (self.exposure_us, self.gain_db);
+        let (features, accepts_rolling_shutter) = (self.features.clone(), self.accept_rolling_shutter);
+        CameraSource { link, name, exposure_us, gain_db, features, accepts_rolling_shutter }
+    }
+
     /// The option of a camera that is given, for messages.
     fn of_camera(&self) -> Option<&'static str> {
         let exposure = self.exposure_us.map(|_| "--exposure-us");
-        exposure.or(self.gain_db.map(|_| "--gain-db"))
+        let shutter = self.accept_rolling_shutter.then_some("--accept-rolling-shutter");
+        let feature = (!self.features.is_empty()).then_some("--feature");
+        exposure.or(self.gain_db.map(|_| "--gain-db")).or(feature).or(shutter)
     }
 }
 
@@ -175,10 +193,8 @@ impl StreamSource {
             Address::RawFile(path) => Some(Self::RawFile(path, layout()?)),
             Address::Y4m(path) => Some(Self::Y4m(path)),
             Address::Simulation(path) => Some(Self::Simulation(path)),
-            Address::Camera(name) => {
-                let (exposure_us, gain_db) = (args.exposure_us, args.gain_db);
-                Some(Self::Camera(CameraSource { name, exposure_us, gain_db }))
-            }
+            Address::Camera(name) => Some(Self::Camera(args.camera("gige", name))),
+            Address::UsbCamera(serial) => Some(Self::Camera(args.camera("usb", serial))),
             #[cfg(feature = "mcap")]
             Address::Recording(path) => Some(Self::Recording(path)),
             #[cfg(not(feature = "mcap"))]
@@ -191,7 +207,7 @@ impl StreamSource {
         };
         if let Some(option) = args.of_camera().filter(|_| !matches!(stream, Some(Self::Camera(_)))) {
             return Err(Failure::refuse(format!(
-                "{option} sets a camera (gige:IP, gige:NAME), and {} is none",
+                "{option} sets a camera (gige:IP, gige:NAME, usb:SERIAL), and {} is none",
                 text.display()
             )));
         }
@@ -244,7 +260,7 @@ impl StreamSource {
     fn opened(self) -> Result<Self, Failure> {
         Ok(match self {
             Self::Camera(camera) => {
-                let name = format!("gige:{}", camera.name);
+                let name = format!("{}:{}", camera.link, camera.name);
                 let (producer, of) = (camera.producer(false)?, BoundSource::Camera);
                 let policy = Policy::DropNewest;
                 Self::Opened(OpenedStream { producer, policy, waiting: OF_CAMERA, name, of })

@@ -10,7 +10,7 @@
 //! [`Stream`](crate::measurement::Stream); what is measured is in
 //! [`measurement`](crate::measurement), where a new result goes too.
 
-mod camera_source;
+pub(super) mod camera_source;
 mod choice;
 mod closing;
 mod csv_file;

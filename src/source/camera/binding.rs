@@ -1,12 +1,19 @@
 //! What a camera is set to, as far as a calibration is bound to it.
 
-use viva_genicam::gige::DeviceInfo;
-
 use super::features::{Features, exposure_name};
 use crate::frame::{CameraBinding, Roi};
 
+/// What the discovery of a camera states.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Identity<'a> {
+    /// Serial number.
+    pub serial_number: Option<&'a str>,
+    /// Model.
+    pub model: Option<&'a str>,
+}
+
 /// The binding of frames that the camera sends now; what it does not state is left out.
-pub(super) fn binding(camera: &impl Features, device: &DeviceInfo) -> CameraBinding {
+pub(super) fn binding(camera: &impl Features, identity: Identity<'_>) -> CameraBinding {
     let pixels = |name: &str| camera.number(name).map_or(0, |pixels| pixels as u32);
     let flag = |name: &str| match camera.value(name)?.to_ascii_lowercase().as_str() {
         "true" | "1" | "on" => Some(true),
@@ -15,13 +22,13 @@ pub(super) fn binding(camera: &impl Features, device: &DeviceInfo) -> CameraBind
     };
     // Binning by enumeration is named X1, x2 and so on.
     let joined = |name: &str| camera.value(name)?.trim_start_matches(['x', 'X']).parse().ok();
-    let stated = |text: &Option<String>| text.as_deref().unwrap_or_default().trim().to_owned();
+    let stated = |text: Option<&str>| text.unwrap_or_default().trim().to_owned();
     CameraBinding {
-        serial_number: match stated(&device.serial) {
+        serial_number: match stated(identity.serial_number) {
             serial if serial.is_empty() => camera.value("DeviceSerialNumber").unwrap_or_default(),
             serial => serial,
         },
-        model: stated(&device.model),
+        model: stated(identity.model),
         pixel_format: camera.value("PixelFormat").unwrap_or_default(),
         window: Roi {
             row: pixels("OffsetY"),
@@ -41,8 +48,6 @@ pub(super) fn binding(camera: &impl Features, device: &DeviceInfo) -> CameraBind
 
 #[cfg(test)]
 mod tests {
-    use std::net::Ipv4Addr;
-
     use super::super::features::Stated;
     use super::*;
 
@@ -60,8 +65,7 @@ mod tests {
             ("BlackLevel", "64"),
             ("ExposureTimeAbs", "50"),
         ]);
-        let mut device = DeviceInfo::from_ip(Ipv4Addr::LOCALHOST);
-        device.serial = Some("40001 ".to_owned());
+        let identity = Identity { serial_number: Some("40001 "), model: None };
         let right = CameraBinding {
             serial_number: "40001".to_owned(),
             pixel_format: "Mono12".to_owned(),
@@ -73,6 +77,6 @@ mod tests {
             exposure_us: Some(50.0),
             ..CameraBinding::default()
         };
-        assert_eq!(binding(&camera, &device), right);
+        assert_eq!(binding(&camera, identity), right);
     }
 }

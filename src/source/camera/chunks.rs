@@ -5,10 +5,11 @@
 //! `ChunkDeviceTemperature` is a feature of some vendors; without it the temperature is read from
 //! the register.
 
-use viva_genicam::Frame as Block;
+use viva_genicam::genapi::RegisterIo;
+use viva_genicam::{Camera, Frame as Block};
 
 use super::error::CameraError;
-use super::features::{Device, Features};
+use super::features::Features as _;
 use super::guard::Restore;
 use crate::source::live::{Known, Provenance};
 
@@ -22,13 +23,13 @@ const FEATURES: [&str; 5] =
 
 /// Chunk features of a camera that are read from every frame.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Chunks {
+pub(crate) struct Chunks {
     has: [bool; 5],
 }
 
 /// The values of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct ChunkValues {
+pub(crate) struct ChunkValues {
     /// Exposure time, µs.
     pub exposure_us: Option<Known<f64>>,
     /// Gain, dB.
@@ -46,7 +47,10 @@ impl Chunks {
     ///
     /// # Errors
     /// A camera that states a chunk and does not send it.
-    pub(super) fn enable(camera: &mut Device, restore: &mut Restore) -> Result<Self, CameraError> {
+    pub(super) fn enable<T: RegisterIo>(
+        camera: &mut Camera<T>,
+        restore: &mut Restore,
+    ) -> Result<Self, CameraError> {
         let has = FEATURES.map(|name| camera.nodemap().node(name).is_some());
         let all = camera.entries("ChunkSelector");
         let wanted: Vec<&str> =
@@ -63,7 +67,7 @@ impl Chunks {
     }
 
     /// The values of a frame.
-    pub(super) fn values(&self, camera: &mut Device, block: &Block) -> ChunkValues {
+    pub(super) fn values<T: RegisterIo>(&self, camera: &mut Camera<T>, block: &Block) -> ChunkValues {
         if block.chunks.is_none() || !self.has.contains(&true) {
             return ChunkValues::default();
         }

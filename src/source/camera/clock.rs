@@ -27,7 +27,7 @@ const SHORTEST: Duration = Duration::from_secs(4);
 
 /// The clock of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct DeviceClock {
+pub(crate) struct DeviceClock {
     /// Ticks a second.
     frequency_hz: u64,
     first: Option<ClockMap>,

@@ -35,7 +35,8 @@ impl CommandedCamera {
     /// # Errors
     /// No such camera, one that is busy, and one that is set to what is not measured.
     pub(crate) fn open(name: &str) -> Result<Self, CameraError> {
-        Self::open_with(name, CameraSettings { exposure_us: None, gain_db: None, when_gone: WhenGone::Ends })
+        let settings = CameraSettings::unchanged(WhenGone::Ends);
+        Self::open_with(name, settings)
     }
 
     /// As [`Self::open`], with exposure and gain set where they are given.

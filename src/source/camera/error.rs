@@ -18,6 +18,15 @@ pub(crate) enum CameraError {
         /// What answered, in words.
         found: String,
     },
+    /// No camera at a USB port has a serial number.
+    #[cfg(feature = "camera-usb")]
+    #[error("no USB3 Vision camera has the serial number \"{name}\"; {found}")]
+    NoSuchUsb {
+        /// The serial number.
+        name: String,
+        /// What is plugged in, in words.
+        found: String,
+    },
     /// Several cameras of a name.
     #[error("{count} cameras have the name \"{name}\": give the serial number or the IP address; {found}")]
     NotOne {

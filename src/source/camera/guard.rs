@@ -83,7 +83,7 @@ struct Had {
 
 /// Values that features had before they were set.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Restore {
+pub(crate) struct Restore {
     /// In the order in which they were set.
     had: Vec<Had>,
 }
@@ -154,11 +154,16 @@ fn not_set(feature: &str, value: &str, cause: String) -> CameraError {
     CameraError::NotSet { feature: feature.to_owned(), value: value.to_owned(), cause }
 }
 
-/// Refuses what cannot be set off, then sets off the rest; what was set, in words.
+/// Refuses what cannot be set off, then sets off the rest; what was set, or is taken as it is, in
+/// words. A rolling shutter is taken where that is accepted.
 ///
 /// # Errors
 /// A feature with a value that frames cannot be measured with.
-pub(super) fn guard(camera: &mut impl Features, restore: &mut Restore) -> Result<Vec<String>, CameraError> {
+pub(super) fn guard(
+    camera: &mut impl Features,
+    accepts_rolling_shutter: bool,
+    restore: &mut Restore,
+) -> Result<Vec<String>, CameraError> {
     let other = |camera: &dyn Features, (feature, right, _, _): &Rule| {
         // A curve that is set off has no effect, whatever its exponent.
         if *feature == "Gamma" && camera.value("GammaEnable").is_some_and(|on| is_same(&on, "false")) {
@@ -169,18 +174,20 @@ pub(super) fn guard(camera: &mut impl Features, restore: &mut Restore) -> Result
     let refused = |feature: &str, found, why, right| {
         Err(CameraError::Refused { feature: feature.to_owned(), found, why, right })
     };
+    let mut set = Vec::new();
     for rule in RULES.iter().filter(|rule| rule.2 == Action::Refuse) {
-        if let Some(found) = other(camera, rule) {
+        let Some(found) = other(camera, rule) else { continue };
+        if rule.3 != SHUTTER || !accepts_rolling_shutter {
             return refused(rule.0, found, rule.3, rule.1);
         }
+        set.push(format!("{} is {found}, as accepted: {SHUTTER}; measure it at rest", rule.0));
     }
-    let mut set = Vec::new();
     for rule in RULES.iter().filter(|rule| rule.2 == Action::Set) {
         let Some(found) = other(camera, rule) else { continue };
         if restore.set(camera, rule.0, rule.1).is_err() {
             return refused(rule.0, found, rule.3, rule.1);
         }
-        set.push(format!("{} set from {found} to {}: {}", rule.0, rule.1, rule.3));
+        set.push(format!("{} set from {found} to {}: {}; restored at the end", rule.0, rule.1, rule.3));
     }
     Ok(set)
 }
@@ -203,7 +210,7 @@ mod tests {
         ];
         let mut camera = Stated::of(&before);
         let mut restore = Restore::default();
-        let set = guard(&mut camera, &mut restore).unwrap();
+        let set = guard(&mut camera, false, &mut restore).unwrap();
         assert_eq!(set.len(), 2, "{set:?}");
         assert!(set[1].contains("GammaEnable set from true to false"), "{set:?}");
         assert_eq!(camera.values["ExposureAuto"], "Off");
@@ -220,7 +227,7 @@ mod tests {
     #[test]
     fn an_exponent_without_a_switch_is_set_to_one() {
         let mut camera = Stated::of(&[("Gamma", "0.7")]);
-        guard(&mut camera, &mut Restore::default()).unwrap();
+        guard(&mut camera, false, &mut Restore::default()).unwrap();
         assert_eq!(camera.values["Gamma"], "1");
     }
 
@@ -234,14 +241,25 @@ mod tests {
             ("SensorShutterMode", "Rolling"),
         ] {
             let mut camera = Stated::of(&[("GainAuto", "Once"), (feature, value)]);
-            let why = guard(&mut camera, &mut Restore::default()).unwrap_err().to_string();
+            let why = guard(&mut camera, false, &mut Restore::default()).unwrap_err().to_string();
             assert!(why.starts_with(&format!("{feature} is {value}: ")), "{why}");
             assert!(camera.written.is_empty(), "nothing is set on a camera that is refused");
         }
         let mut camera = Stated::of(&[("LUTEnable", "true")]);
         camera.fixed.push("LUTEnable".to_owned());
-        let why = guard(&mut camera, &mut Restore::default()).unwrap_err().to_string();
+        let why = guard(&mut camera, false, &mut Restore::default()).unwrap_err().to_string();
         assert_eq!(why, format!("LUTEnable is true: {CURVE}; set it to false"));
+    }
+
+    #[test]
+    fn a_rolling_shutter_that_is_accepted_stays_and_is_stated() {
+        let mut camera = Stated::of(&[("SensorShutterMode", "Rolling"), ("ReverseX", "false")]);
+        let words = guard(&mut camera, true, &mut Restore::default()).unwrap();
+        assert_eq!(words.len(), 1, "{words:?}");
+        assert!(words[0].starts_with("SensorShutterMode is Rolling, as accepted"), "{words:?}");
+        assert!(camera.written.is_empty());
+        camera.values.insert("ReverseX".to_owned(), "true".to_owned());
+        assert!(guard(&mut camera, true, &mut Restore::default()).is_err(), "nothing else is accepted");
     }
 
     #[test]

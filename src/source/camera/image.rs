@@ -11,7 +11,7 @@ use crate::source::spare::Spare;
 
 /// Size and pixel format that every frame of a camera has.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct ImageLayout {
+pub(crate) struct ImageLayout {
     columns: u32,
     rows: u32,
     format: Pfnc,

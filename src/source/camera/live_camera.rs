@@ -3,17 +3,16 @@
 use std::time::{Duration, Instant};
 
 use viva_genicam::Frame as Block;
-use viva_genicam::gige::DeviceInfo;
 
 use super::error::CameraError;
-use super::find;
 use super::guard::Restore;
 use super::ids::Ids;
 use super::image::ImageLayout;
 use super::latched_angle::{Latched, LatchedAngles};
+use super::link::{Link, Presence};
 use super::session::Session;
 use super::settings::{CameraSettings, WhenGone};
-use super::watchdog::{ANSWER, Watch, Watchdog};
+use super::watchdog::{Watch, Watchdog};
 use crate::frame::{CameraBinding, Frame, FrameMeta};
 use crate::source::host_clock::host_t_ns;
 use crate::source::live::{Clock, Known, LiveMeta, NewFrame, Produced, Producer, Remarks, Timestamp};
@@ -26,10 +25,13 @@ const PAUSE: Duration = Duration::from_millis(250);
 const SPARE: usize = 2;
 
 /// A GigE Vision camera.
-pub(crate) struct Camera {
-    device: DeviceInfo,
+pub(crate) type Camera = LiveCamera<Session>;
+
+/// A camera by one kind of link.
+pub(crate) struct LiveCamera<L: Link> {
+    device: L::Device,
     settings: CameraSettings,
-    session: Option<Session>,
+    session: Option<L>,
     restore: Restore,
     /// Size and format of all frames, and what else a calibration is bound to: a camera that
     /// returns with others is refused.
@@ -46,26 +48,27 @@ pub(crate) struct Camera {
     spare: Spare,
 }
 
-impl Camera {
-    /// Finds a camera by its IPv4 address, serial number or user-defined name, and opens it.
+impl<L: Link> LiveCamera<L> {
+    /// Finds a camera by its name (GigE Vision: IPv4 address, serial number or user-defined name)
+    /// and opens it.
     ///
     /// # Errors
     /// No such camera, one that is busy, and one that is set to what is not measured.
     pub(crate) fn open(name: &str, settings: CameraSettings) -> Result<Self, CameraError> {
-        let device = find::find(name)?;
+        let device = L::find(name)?;
         let mut restore = Restore::default();
-        let session = Session::open(&device, &settings, &mut restore)?;
+        let session = L::open(&device, &settings, &mut restore)?;
         let now = Instant::now();
         introduce(&device, &session);
         Ok(Self {
             device,
             settings,
-            layout: session.setup.layout.clone(),
-            binding: session.setup.binding.clone(),
-            watchdog: Watchdog::new(session.setup.period, now),
+            layout: session.setup().layout.clone(),
+            binding: session.setup().binding.clone(),
+            watchdog: Watchdog::new(session.setup().period, now),
             session: Some(session),
             restore,
-            ids: Ids::new(),
+            ids: L::ids(),
             spindle: LatchedAngles::default(),
             ended: None,
             next_look: now,
@@ -80,8 +83,10 @@ impl Camera {
             tracing::debug!("a block of id {} is left out", block.block_id);
             return Produced::Nothing;
         };
-        let clock = session.setup.clock;
-        let device_ns = block.ts_dev.and_then(|ticks| clock.map(|clock| clock.ns(ticks)));
+        let (clock, roi) = (session.setup().clock, session.setup().roi);
+        let device_ns = block
+            .ts_dev
+            .and_then(|ticks| clock.map_or(L::TICKS_ARE_NS.then_some(ticks), |clock| Some(clock.ns(ticks))));
         let values = session.values(&block);
         let at = values.angle_deg.map(|angle_deg| {
             let exposure_us = values.exposure_us.map(|known| known.value);
@@ -104,7 +109,7 @@ impl Camera {
             angle_deg: value(angle_deg),
             sweep_deg: sweep_deg.unwrap_or(0.0),
             z_mm: value(values.z_mm),
-            roi: session.setup.roi,
+            roi,
             ..FrameMeta::default()
         };
         let frame = match self.layout.frame(block, meta, &self.spare) {
@@ -136,18 +141,19 @@ impl Camera {
         }
     }
 
-    /// Asks twice whether the camera is there: a datagram may be lost.
+    /// Asks whether the camera is there.
     fn ask(&mut self) -> Produced {
-        let answers = (0..2).any(|_| matches!(find::at(self.device.ip, ANSWER), Ok(Some(_))));
-        let has_control = answers && self.session.as_ref().is_some_and(Session::has_control);
+        let Some(session) = &self.session else { return Produced::Nothing };
         let silent_s = self.watchdog.silent(Instant::now()).as_secs_f64();
-        match (answers, has_control) {
-            (true, true) => {
+        match session.presence(&self.device) {
+            Presence::Obeys => {
                 self.watchdog.answered(Instant::now());
                 Produced::Nothing
             }
-            (false, _) => self.gone(format!("it does not answer, and sent no frame for {silent_s:.1} s")),
-            (true, false) => {
+            Presence::Absent => {
+                self.gone(format!("it does not answer, and sent no frame for {silent_s:.1} s"))
+            }
+            Presence::Lost => {
                 self.gone("it was restarted, or another program has control of it now".to_owned())
             }
         }
@@ -156,20 +162,13 @@ impl Camera {
     fn blocked(&mut self) -> Produced {
         let Some(session) = &self.session else { return Produced::Nothing };
         let silent_s = self.watchdog.silent(Instant::now()).as_secs_f64();
-        if session.setup.is_triggered {
+        if session.setup().is_triggered {
             tracing::warn!(
                 "no frame for {silent_s:.0} s: TriggerMode is On, and the camera waits for a trigger"
             );
             return Produced::Nothing;
         }
-        let (receiver, bytes) = session.receiver;
-        let why = match session.unsupported() {
-            0 => format!(
-                "it answers, but no frame came for {silent_s:.0} s: a firewall drops UDP to {receiver}, or the network \
-                 does not carry packets of {bytes} bytes"
-            ),
-            blocks => format!("it sends {blocks} blocks that are no images: set it to a grey PixelFormat"),
-        };
+        let why = session.no_frames(silent_s);
         match self.settings.when_gone {
             WhenGone::Ends => Produced::End(Some(why)),
             WhenGone::Returns => Produced::Lost(why),
@@ -195,11 +194,13 @@ impl Camera {
             return Produced::Nothing;
         }
         self.next_look = Instant::now() + PAUSE;
-        let Ok(Some(found)) = find::at(self.device.ip, ANSWER) else { return Produced::Nothing };
-        if found.serial != self.device.serial {
-            let (other, own) = (find::shown(&found), find::shown(&self.device));
+        let Some(found) = L::again(&self.device) else { return Produced::Nothing };
+        if !L::is_same(&found, &self.device) {
+            let (other, own) = (L::shown(&found), L::shown(&self.device));
             return Produced::End(Some(format!("another camera came in its place: {other}, not {own}")));
         }
+        // Where it is plugged in again, it may have another place.
+        self.device = found;
         match self.reopened() {
             Ok(()) => Produced::Nothing,
             Err(
@@ -215,20 +216,20 @@ impl Camera {
     }
 
     fn reopened(&mut self) -> Result<(), CameraError> {
-        let mut session = Session::open(&self.device, &self.settings, &mut self.restore)?;
-        if session.setup.layout != self.layout {
-            let found = session.setup.layout.to_string();
+        let mut session = L::open(&self.device, &self.settings, &mut self.restore)?;
+        if session.setup().layout != self.layout {
+            let found = session.setup().layout.to_string();
             session.close(&mut self.restore);
             let why = "frames of the series have another size or format";
             let right = "what it was";
             return Err(CameraError::Refused { feature: "the image".to_owned(), found, why, right });
         }
-        if let Err((feature, was, found)) = self.binding.check_unchanged(&session.setup.binding) {
+        if let Err((feature, was, found)) = self.binding.check_unchanged(&session.setup().binding) {
             session.close(&mut self.restore);
             return Err(CameraError::Otherwise { feature, was, found });
         }
         session.start()?;
-        self.watchdog = Watchdog::new(session.setup.period, Instant::now());
+        self.watchdog = Watchdog::new(session.setup().period, Instant::now());
         tracing::info!("the camera is back");
         self.session = Some(session);
         Ok(())
@@ -250,16 +251,12 @@ impl Camera {
 }
 
 /// What was opened, for the log.
-fn introduce(device: &DeviceInfo, session: &Session) {
-    let ((receiver, bytes), layout) = (session.receiver, &session.setup.layout);
-    let bound_us = session.setup.clock.and_then(|clock| clock.bound_ns()).map(|ns| ns as f64 * 1e-3);
-    tracing::info!(
-        "{}: {layout}, packets of {bytes} bytes to {receiver}, clock mapped within {bound_us:?} µs",
-        find::shown(device)
-    );
+fn introduce<L: Link>(device: &L::Device, session: &L) {
+    let (layout, introduced) = (&session.setup().layout, session.introduced());
+    tracing::info!("{}: {layout}, {introduced}", L::shown(device));
 }
 
-impl Producer for Camera {
+impl<L: Link> Producer for LiveCamera<L> {
     fn produce(&mut self, spare: Option<Frame>, wait: Duration) -> Produced {
         if let Some(spare) = spare {
             self.spare.take_buffer(spare.into_buffer());
@@ -304,7 +301,7 @@ impl Producer for Camera {
     }
 }
 
-impl Drop for Camera {
+impl<L: Link> Drop for LiveCamera<L> {
     fn drop(&mut self) {
         self.stop();
     }

@@ -6,50 +6,20 @@ use viva_genicam::gencp::StatusCode;
 use viva_genicam::gige::{DeviceInfo, GigeError, GigeStatus};
 use viva_genicam::{ControlState, Frame as Block, FrameStream, GenicamError, StreamOptions, blocking};
 
-use super::binding::binding;
-use super::chunks::{ChunkValues, Chunks};
+use super::binding::Identity;
+use super::chunks::ChunkValues;
 use super::clock::DeviceClock;
 use super::error::CameraError;
-use super::features::{Device, Features, exposure_name};
-use super::guard::{Restore, guard};
-use super::image::ImageLayout;
+use super::features::{Device, Features};
+use super::guard::Restore;
 use super::last_packet::{LastPacket, Stated};
-use super::settings::CameraSettings;
-use super::slow_register::SlowRegister;
-use crate::frame::{CameraBinding, Roi};
+use super::settings::{CameraSettings, PACKET_SIZE};
+use super::setup::{Setup, set_up};
+use super::slow_register::{DEG_PER_S, SPEED_PERIOD, SlowRegister, TEMPERATURE_PERIOD};
 use crate::source::live::{Known, Provenance};
 
-/// What a camera is set to while it is open.
-#[derive(Clone, Debug)]
-pub(super) struct Setup {
-    /// Size and format of frames.
-    pub layout: ImageLayout,
-    /// The window on the sensor; `None` for all of it.
-    pub roi: Option<Roi>,
-    /// Exposure time, µs, and gain, dB, where the camera states them.
-    pub constants: ChunkValues,
-    /// Its clock.
-    pub clock: Option<DeviceClock>,
-    /// Time from frame to frame of a free run.
-    pub period: Option<Duration>,
-    /// Whether frames wait for triggers.
-    pub is_triggered: bool,
-    /// What a calibration of its frames is bound to.
-    pub binding: CameraBinding,
-    chunks: Chunks,
-}
-
-/// Time from one reading of the speed of the spindle to the next: it counts whole turns between two
-/// frames, which a spindle that gathers speed for a second makes few of.
-const SPEED_PERIOD: Duration = Duration::from_secs(1);
-/// Time from one reading of the head's temperature to the next: half of what a temperature holds
-/// for.
-const TEMPERATURE_PERIOD: Duration = Duration::from_secs(5);
-/// Degrees a second of one turn a minute.
-const DEG_PER_S: f64 = 6.0;
-
 /// A camera under control, with its stream open.
-pub(super) struct Session {
+pub(crate) struct Session {
     // The stream ends before control is given up.
     stream: FrameStream,
     camera: Device,
@@ -75,10 +45,12 @@ impl Session {
         restore: &mut Restore,
     ) -> Result<Self, CameraError> {
         let mut camera = blocking::connect(device).map_err(of_connect)?;
-        let opened = set_up(&mut camera, device, settings, restore)
-            .and_then(|setup| Ok((setup, stream(&mut camera)?)));
+        let identity = Identity { serial_number: device.serial.as_deref(), model: device.model.as_deref() };
+        let opened = set_up(&mut camera, identity, settings, restore)
+            .and_then(|setup| Ok((setup, stream(&mut camera, settings)?)));
         match opened {
-            Ok((setup, stream)) => {
+            Ok((mut setup, stream)) => {
+                setup.clock = DeviceClock::read(camera.transport());
                 let params = stream.params();
                 let receiver = (std::net::SocketAddrV4::new(params.host, params.port), params.packet_size);
                 let last_packet = last_packet(&stream, &camera, &setup);
@@ -177,13 +149,7 @@ impl Session {
 
     /// The values that came with a frame, otherwise those that the camera is set to.
     pub(super) fn values(&mut self, block: &Block) -> ChunkValues {
-        let with_it = self.setup.chunks.values(&mut self.camera, block);
-        let constants = self.setup.constants;
-        ChunkValues {
-            exposure_us: with_it.exposure_us.or(constants.exposure_us),
-            gain_db: with_it.gain_db.or(constants.gain_db),
-            ..with_it
-        }
+        self.setup.values(&mut self.camera, block)
     }
 
     /// Speed of the spindle that the head states, degrees a second; `None` where it states none.
@@ -228,54 +194,6 @@ fn of_connect(error: GenicamError) -> CameraError {
     }
 }
 
-fn set_up(
-    camera: &mut Device,
-    device: &DeviceInfo,
-    settings: &CameraSettings,
-    restore: &mut Restore,
-) -> Result<Setup, CameraError> {
-    // A camera whose last client was killed may still acquire, and takes no setting then.
-    let _ = camera.acquisition_stop();
-    let layout = ImageLayout::of(camera)?;
-    for words in guard(camera, restore)? {
-        tracing::warn!("{words}; restored at the end");
-    }
-    let exposure = exposure_name(camera);
-    for (feature, value) in [(exposure, settings.exposure_us), ("Gain", settings.gain_db)] {
-        if let Some(value) = value {
-            restore.set(camera, feature, &value.to_string())?;
-        }
-    }
-    if camera.value("AcquisitionMode").is_some() {
-        restore.set(camera, "AcquisitionMode", "Continuous")?;
-    }
-    let chunks = Chunks::enable(camera, restore)?;
-    let is_triggered = camera.value("TriggerMode").is_some_and(|mode| mode == "On");
-    let constant =
-        |name: &str| camera.number(name).map(|value| Known { value, provenance: Provenance::Register });
-    let constants =
-        ChunkValues { exposure_us: constant(exposure), gain_db: constant("Gain"), ..ChunkValues::default() };
-    let clock = DeviceClock::read(camera.transport());
-    let (binding, period) = (binding(camera, device), period(camera));
-    Ok(Setup { layout, roi: roi(camera), constants, clock, period, is_triggered, binding, chunks })
-}
-
-/// Time from frame to frame of a free run: that of the rate, not less than the exposure.
-fn period(camera: &impl Features) -> Option<Duration> {
-    let rate_hz = camera.number("AcquisitionFrameRate").filter(|hz| *hz > 0.0)?;
-    let exposure_s = camera.number(exposure_name(camera)).unwrap_or(0.0) * 1e-6;
-    Duration::try_from_secs_f64(exposure_s.max(1.0 / rate_hz)).ok()
-}
-
-/// The window on the sensor; `None` for all of it, and where the camera does not state its sensor.
-fn roi(camera: &impl Features) -> Option<Roi> {
-    let of = |name: &str| camera.number(name).map(|pixels| pixels as u32);
-    let (rows, columns) = (of("Height")?, of("Width")?);
-    let sensor = (of("SensorHeight").or(of("HeightMax"))?, of("SensorWidth").or(of("WidthMax"))?);
-    let (row, column) = (of("OffsetY").unwrap_or(0), of("OffsetX").unwrap_or(0));
-    ((rows, columns) != sensor).then_some(Roi { row, column, rows, columns })
-}
-
 /// Asks for last packets where the camera sends packets again and states the bytes of its frames.
 fn last_packet(stream: &FrameStream, camera: &Device, setup: &Setup) -> Option<LastPacket> {
     let payload_bytes = camera.number("PayloadSize").filter(|bytes| *bytes >= 1.0)? as u32;
@@ -287,11 +205,22 @@ fn last_packet(stream: &FrameStream, camera: &Device, setup: &Setup) -> Option<L
     LastPacket::new(&stream.params(), stated, Instant::now()).filter(|_| is_sent_again)
 }
 
-fn stream(camera: &mut Device) -> Result<FrameStream, CameraError> {
-    let options = StreamOptions::new().auto_packet_size();
+fn stream(camera: &mut Device, settings: &CameraSettings) -> Result<FrameStream, CameraError> {
+    let options = match settings.packet_bytes() {
+        Some(text) => StreamOptions::new().packet_size(packet_bytes(text)?),
+        None => StreamOptions::new().auto_packet_size(),
+    };
     let mut stream =
         camera.open_stream(options).map_err(|why| CameraError::failed("the stream cannot be opened", why))?;
     // They are counted and named, not measured.
     stream.set_deliver_incomplete(true);
     Ok(stream)
+}
+
+fn packet_bytes(text: &str) -> Result<u32, CameraError> {
+    text.parse().map_err(|_| CameraError::NotSet {
+        feature: PACKET_SIZE.to_owned(),
+        value: text.to_owned(),
+        cause: "a number of bytes is needed, for instance 1500".to_owned(),
+    })
 }

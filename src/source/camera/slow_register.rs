@@ -4,6 +4,15 @@ use std::time::{Duration, Instant};
 
 use super::features::Features;
 
+/// Time from one reading of the speed of the spindle to the next: it counts whole turns between two
+/// frames, which a spindle that gathers speed for a second makes few of.
+pub(super) const SPEED_PERIOD: Duration = Duration::from_secs(1);
+/// Time from one reading of the head's temperature to the next: half of what a temperature holds
+/// for.
+pub(super) const TEMPERATURE_PERIOD: Duration = Duration::from_secs(5);
+/// Degrees a second of one turn a minute.
+pub(super) const DEG_PER_S: f64 = 6.0;
+
 /// A feature of the camera, and its value when it was read last.
 #[derive(Clone, Debug)]
 pub(super) struct SlowRegister {

@@ -103,7 +103,7 @@ struct Series {
 
 impl Series {
     fn open(address: Ipv4Addr, demand: &Arc<Demand>, frames: u64, when_gone: WhenGone) -> Box<dyn Producer> {
-        let settings = CameraSettings { exposure_us: None, gain_db: None, when_gone };
+        let settings = CameraSettings::unchanged(when_gone);
         let camera = Camera::open(&address.to_string(), settings).unwrap();
         Box::new(Self { camera, demand: Arc::clone(demand), next: 0, frames })
     }

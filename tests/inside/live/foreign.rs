@@ -107,7 +107,7 @@ impl Maker {
 
 /// The camera at an address, once it serves.
 fn opened(address: Ipv4Addr, when_gone: WhenGone) -> Camera {
-    let settings = CameraSettings { exposure_us: None, gain_db: None, when_gone };
+    let settings = CameraSettings::unchanged(when_gone);
     let begun = Instant::now();
     loop {
         match Camera::open(&address.to_string(), settings) {
