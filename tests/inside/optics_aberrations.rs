@@ -31,36 +31,77 @@ impl Lens {
     }
 }
 
-/// Light `x` λ/NA into the light of an edge: one of the edges of a grating in its harmonics, every
-/// one at its place in the pupil, the source in rings of equal area.
+/// Middles of equal steps of an angle over an interval, close together at its ends, where chords
+/// of a disc end and amplitudes grow like a logarithm; and their weights.
+fn nodes(low: f64, high: f64, count: usize) -> impl Iterator<Item = (f64, f64)> {
+    let step = PI / count as f64;
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    (0..count).map(move |k| {
+        let (sin, cos) = (step * (k as f64 + 0.5)).sin_cos();
+        (middle - half * cos, half * step * sin)
+    })
+}
+
+/// Light `x` λ/NA into the light of an edge, source and pupil in two dimensions: chords of both
+/// across the edge, the source's split where it leaves the pupil. Rings of equal area about the
+/// middle, of which one lies across the pupil's rim, err by 0.016 of full light at S = 1.2 with 24
+/// of them, by half of it with twice as many, in first order.
 pub(super) fn judge(s: f64, lens: &Lens, x: f64) -> f64 {
-    const PERIOD: f64 = 200.0;
-    const RINGS: i32 = 24;
-    const AROUND: i32 = 32;
+    const ALONG: usize = 24;
+    const ACROSS: usize = 64;
     let (mut sum, mut full) = (0.0, 0.0);
-    for source in 0..RINGS * AROUND {
-        let r = s * ((f64::from(source / AROUND) + 0.5) / f64::from(RINGS)).sqrt();
-        let (sin, cos) = (TAU * (f64::from(source % AROUND) + 0.5) / f64::from(AROUND)).sin_cos();
-        let (p0, q) = (r * cos, r * sin);
-        full += f64::from(u8::from(r < 1.0));
-        let chord = (1.0 - q * q).max(0.0).sqrt();
-        let first = ((-chord - p0) * PERIOD).ceil() as i32;
-        let last = ((chord - p0) * PERIOD).floor() as i32;
-        let (mut re, mut im) = (0.0, 0.0);
-        for n in (first..=last).filter(|n| *n == 0 || n % 2 != 0) {
-            let f = f64::from(n) / PERIOD;
-            let (sin, cos) = (lens.phase(f + p0, q) + TAU * f * x).sin_cos();
-            // Light on half of the period: 1/2 at n = 0, 1/(iπn) at odd n.
-            let (a, b) = if n == 0 {
-                (0.5 * cos, 0.5 * sin)
-            } else {
-                (sin / (PI * f64::from(n)), -cos / (PI * f64::from(n)))
-            };
-            (re, im) = (re + a, im + b);
+    let most = s.min(1.0);
+    for (q, chord) in nodes(-most, most, ALONG) {
+        let [pupil, source] = [1.0, s].map(|r: f64| (r * r - q * q).max(0.0).sqrt());
+        let outside = if source > pupil { ACROSS / 2 } else { 0 };
+        let inner = source.min(pupil);
+        for (low, high, count) in
+            [(-source, -inner, outside), (-inner, inner, ACROSS), (inner, source, outside)]
+        {
+            for (p, weight) in nodes(low, high, count) {
+                sum += chord * weight * behind(lens, (p, q), pupil, x);
+                full += if p.abs() < pupil { chord * weight } else { 0.0 };
+            }
         }
-        sum += re * re + im * im;
     }
     sum / full
+}
+
+/// Light of one source point: its own wave and the principal value of the edge's spectrum,
+/// ∫ f/(2πi(p - p₀)) dp, in cells that lie evenly about p₀. Near the pupil's rim, where cells on
+/// one side find none on the other, 1/(p - p₀) is integrated over each.
+fn behind(lens: &Lens, (p0, q): (f64, f64), pupil: f64, x: f64) -> f64 {
+    const CELL: f64 = 0.01;
+    let wave = |p: f64| (lens.phase(p, q) + TAU * (p - p0) * x).sin_cos();
+    let first = ((-pupil - p0) / CELL).floor() as i32 - 1;
+    let last = ((pupil - p0) / CELL).ceil() as i32;
+    let far = pupil - p0.abs() > 5.0 * CELL;
+    // Real and imaginary part of the integral without 1/2πi.
+    let (mut re, mut im) = (0.0, 0.0);
+    for k in first..=last {
+        let low = (p0 + CELL * f64::from(k)).max(-pupil);
+        let high = (p0 + CELL * f64::from(k + 1)).min(pupil);
+        if high <= low {
+            continue;
+        }
+        let touches = p0.abs() < pupil && (k == 0 || k == -1);
+        let weight = if far || touches {
+            (high - low) / (0.5 * (low + high) - p0)
+        } else {
+            ((high - p0) / (low - p0)).abs().ln()
+        };
+        let (sin, cos) = wave(0.5 * (low + high));
+        (re, im) = (re + weight * cos, im + weight * sin);
+    }
+    let (mut own_re, mut own_im) = (0.0, 0.0);
+    if p0.abs() < pupil {
+        let (sin, cos) = wave(p0);
+        (own_re, own_im) = (0.5 * cos, 0.5 * sin);
+        // The two cells beside p₀, of which the rim cuts one.
+        let cut = (CELL.min(pupil - p0) / CELL.min(pupil + p0)).ln();
+        (re, im) = (re + cut * cos, im + cut * sin);
+    }
+    (own_re + im / TAU).powi(2) + (own_im - re / TAU).powi(2)
 }
 
 /// Largest difference over ±3.3 λ/NA between the table of a place and the integral.
@@ -100,6 +141,8 @@ fn aberrations_meet_the_integral_over_pupil_and_source() {
         ("spherical out of focus", row(40.0, 0.0, 0.0), [0.0, 0.0], 0.5, -0.5),
         ("astigmatism", row(0.0, 0.0, 60.0), [0.8, 0.6], 0.7, 0.2),
         ("all", row(20.0, 40.0, 30.0), [0.5, -0.7], 0.85, 0.4),
+        ("coma in wide light", row(0.0, 52.5, 0.0), [1.0, 0.0], 1.2, 0.0),
+        ("all in wide light", row(20.0, 40.0, 30.0), [0.5, -0.7], 1.5, 0.4),
     ] {
         let edge = PartiallyCoherentEdge { coherence_ratio: ratio, defocus_mm, ..Default::default() };
         let off = worst(&edge, of, place);

@@ -167,8 +167,10 @@ fn by_surface(
     })
 }
 
-/// Middle and half range of what films between the limits of a thickness move an edge by, their
-/// thickness included.
+/// Mean of what films evenly distributed between the limits of a thickness move an edge by, their
+/// thickness included, and the half width of the rectangle that is as wide (√3 standard
+/// deviations; JCGM 101, 5.2). The shift is the thickness and a swing of a tenth of a micrometre
+/// about it: from its least to its most is wider than it is distributed.
 fn film(
     (thickness_um, limit_um): (f64, f64),
     part: &CylinderEdge,
@@ -179,14 +181,22 @@ fn film(
         return Ok((0.0, 0.0));
     }
     let dry_um = shift(part)?;
-    let steps = (((high - low) / FILM_STEP_UM).ceil() as usize).min(MOST_FILMS - 1);
-    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-    for k in 0..=steps {
-        let film_um = low + (high - low) * k as f64 / steps.max(1) as f64;
-        let moved = film_um + shift(&CylinderEdge { film_um, ..part.clone() })? - dry_um;
-        (least, most) = (least.min(moved), most.max(moved));
-    }
-    Ok((0.5 * (least + most), 0.5 * (most - least)))
+    let steps = (((high - low) / FILM_STEP_UM).ceil() as usize).clamp(1, MOST_FILMS);
+    let moved = (0..steps).map(|k| {
+        // Middles of equal steps: each holds as many thicknesses.
+        let film_um = low + (high - low) * (k as f64 + 0.5) / steps as f64;
+        Ok(film_um + shift(&CylinderEdge { film_um, ..part.clone() })? - dry_um)
+    });
+    Ok(rectangle_of(&moved.collect::<Result<Vec<f64>, HeadError>>()?, (high - low) / steps as f64))
+}
+
+/// Mean and half width of the rectangle of equal variance; `step` is the distance of the values'
+/// causes, which adds its own rectangle's variance where they move by as much.
+fn rectangle_of(values: &[f64], step: f64) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n + step * step / 12.0;
+    (mean, (3.0 * variance).sqrt())
 }
 
 /// Middle and half range of the part's texture less the masters'.
@@ -264,6 +274,24 @@ mod tests {
         for (mm, um, left) in [(6.0, 1.1744, -0.29), (10.0, 1.2999, -0.12), (40.0, 1.6119, -0.11)] {
             assert!((2.0 * (um - line.at(mm)) - left).abs() < 0.012, "{mm}");
         }
+    }
+
+    /// Thicknesses that move the edge by themselves alone have the rectangle they were stated by,
+    /// in any number of steps; a swing about them adds its variance, a²/2.
+    #[test]
+    fn a_film_row_is_as_wide_as_its_thicknesses_are_distributed() {
+        let part = bare(&CylinderEdge::default());
+        let found = film((0.5, 0.5), &part, |_| Ok(0.0)).unwrap();
+        assert!((found.0 - 0.5).abs() < 1e-12 && (found.1 - 0.5).abs() < 1e-12, "{found:?}");
+        assert_eq!(film((0.0, 0.0), &part, |_| Ok(0.3)).unwrap(), (0.0, 0.0));
+        let one = film((0.3, 0.0), &part, |limb| Ok(limb.film_um)).unwrap();
+        assert!((one.0 - 0.6).abs() < 1e-12 && one.1 < 1e-12, "{one:?}");
+        // Four whole periods of a cosine: no mean of their own, uncorrelated with the thickness.
+        let swing = |limb: &CylinderEdge| Ok(0.1 * (8.0 * std::f64::consts::PI * limb.film_um).cos());
+        let dry = 0.1;
+        let (mean, half) = film((0.5, 0.5), &part, swing).unwrap();
+        let wanted = (0.25_f64 + 3.0 * 0.1_f64.powi(2) / 2.0).sqrt();
+        assert!((mean + dry - 0.5).abs() < 1e-3 && (half - wanted).abs() < 2e-3, "{mean} {half} {wanted}");
     }
 
     #[test]
