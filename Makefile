@@ -85,7 +85,7 @@ wheel:
 	test -x $(WHEEL)/venv/bin/python || $(PYTHON) -m venv $(WHEEL)/venv
 	$(WHEEL)/venv/bin/pip install --quiet 'maturin>=1.9,<2'
 	rm -f $(WHEEL)/*.whl
-	$(WHEEL)/venv/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(WHEEL)
+	$(WHEEL)/venv/bin/maturin build --release --locked --compression-level 9 --manifest-path python/Cargo.toml --out $(WHEEL)
 
 # Everything of the package: tables in pandas, polars and pyarrow, a local Ray cluster, the examples.
 wheel-test: wheel

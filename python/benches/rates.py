@@ -40,7 +40,7 @@ def main(config: str, count: str = "200") -> None:
         image = next(Path(folder).glob("drawn/frames/*.png"))
         frame = sg.read_image(image)
         scale = 17.4
-        words = ["measure", image, "--um-per-px", scale, "--bench", count, "--threads", 1, "--json"]
+        words = ["measure", image, "--um-per-px", scale, "--ignore-file-scale", "--bench", count, "--threads", 1, "--json"]
         rust_ms = json.loads(program(*words))["bench"]["ms_per_frame_median"]
     own_ms = python_ms(frame, scale, int(count))
     print(f"Rust stream    {rust_ms:.4f} ms a frame")
