@@ -39,7 +39,7 @@ def by_ray(words: list[str], workers: int) -> float:
     """Seconds of the shards by so many workers of a Ray that runs, their first start left out."""
     ray.init(num_cpus=workers, include_dashboard=False, log_to_driver=False, logging_level="ERROR")
     try:
-        ready = ray.remote(num_cpus=1)(time.sleep)
+        ready = ray.remote(num_cpus=1)(lambda seconds: time.sleep(seconds))
         ray.get([ready.remote(1.0) for _ in range(workers)])
         with tempfile.TemporaryDirectory() as folder:
             begun = time.monotonic()
