@@ -26,16 +26,19 @@ build:
 vulkan:
 	@sh scripts/install_vulkan.sh
 
-# One profile (release) for the program and its tests: what is tested is what is used, and it is compiled once.
+# One profile (release) for the program and its tests: what is tested is what is used, and it is compiled once. --workspace
+# takes the Python package's smoke test (python/tests/smoke.rs) along: its library is linked from the crate as it is compiled
+# for the other tests. The variable keeps the interpreter's own library out of it, as maturin does.
+test: export PYO3_BUILD_EXTENSION_MODULE := 1
 test: vulkan
 	$(CARGO) fmt --check
 	$(CARGO) clippy --release --locked --all-targets -- -D warnings
 	$(CARGO) test --release --locked --doc
 	@if $(CARGO) nextest --version >/dev/null 2>&1; then \
-	  $(CARGO) nextest run --release --locked --no-fail-fast; \
+	  $(CARGO) nextest run --workspace --release --locked --no-fail-fast; \
 	else \
 	  $(CARGO) build --release --locked --examples && \
-	  $(CARGO) test --release --locked --lib --bins --tests --no-fail-fast; \
+	  $(CARGO) test --workspace --release --locked --lib --bins --tests --no-fail-fast; \
 	fi
 
 studies: vulkan build
@@ -85,7 +88,7 @@ wheel:
 	test -x $(WHEEL)/venv/bin/python || $(PYTHON) -m venv $(WHEEL)/venv
 	$(WHEEL)/venv/bin/pip install --quiet 'maturin>=1.9,<2'
 	rm -f $(WHEEL)/*.whl
-	$(WHEEL)/venv/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(WHEEL)
+	$(WHEEL)/venv/bin/maturin build --release --locked --compression-level 9 --manifest-path python/Cargo.toml --out $(WHEEL)
 
 # Everything of the package: tables in pandas, polars and pyarrow, a local Ray cluster, the examples.
 wheel-test: wheel

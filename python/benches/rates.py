@@ -15,6 +15,9 @@ from pathlib import Path
 import shadowgauge as sg
 from shadowgauge import _shadowgauge
 
+#: Times that both streams are measured.
+ROUNDS = 3
+
 
 def program(*words: object) -> str:
     """Stdout of the program."""
@@ -40,9 +43,14 @@ def main(config: str, count: str = "200") -> None:
         image = next(Path(folder).glob("drawn/frames/*.png"))
         frame = sg.read_image(image)
         scale = 17.4
-        words = ["measure", image, "--um-per-px", scale, "--bench", count, "--threads", 1, "--json"]
-        rust_ms = json.loads(program(*words))["bench"]["ms_per_frame_median"]
-    own_ms = python_ms(frame, scale, int(count))
+        words = ["measure", image, "--um-per-px", scale, "--ignore-file-scale", "--bench", count, "--threads", 1, "--json"]
+        # In turn, so that both meet the same load of the machine; the least of the medians is the least disturbed.
+        rust_ms, own_ms = float("inf"), float("inf")
+        for _ in range(ROUNDS):
+            bench = json.loads(program(*words))["bench"]
+            # The program times edges alone; a stream in Python gives all results, which take so many times as long.
+            rust_ms = min(rust_ms, bench["ms_per_frame_median"] * bench["results_over_edges"])
+            own_ms = min(own_ms, python_ms(frame, scale, int(count)))
     print(f"Rust stream    {rust_ms:.4f} ms a frame")
     print(f"Python stream  {own_ms:.4f} ms a frame, {own_ms / rust_ms:.3f} times as long")
     code = "import numpy, time; t = time.perf_counter(); import shadowgauge; print(time.perf_counter() - t)"

@@ -16,7 +16,7 @@ name = "choice of optics"
 seed = 3
 [part]
 length_mm = 20.0
-stock_diameter_mm = 7.0
+stock_diameter_mm = 6.4
 nominal_diameter_mm = [6.0]
 [scan]
 fields = 1
@@ -26,6 +26,12 @@ columns = 256
 rows = 400
 [optics]
 magnification = {magnification}
+[[masters.pins]]
+diameter_mm = 5.0
+expanded_u_mm = 0.0002
+[[masters.pins]]
+diameter_mm = 6.3
+expanded_u_mm = 0.0002
 """
 
 

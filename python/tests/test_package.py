@@ -1,5 +1,6 @@
 """The package: version, stubs, import without NumPy, size, Ctrl-C."""
 
+import ast
 import inspect
 import re
 import signal
@@ -34,6 +35,17 @@ def test_every_native_name_has_a_stub_and_a_docstring():
                     assert inspect.getdoc(getattr(value, method)), f"{name}.{method}"
 
 
+def test_every_name_of_the_stub_exists():
+    stub = ast.parse((Path(sg.__file__).parent / "_shadowgauge.pyi").read_text())
+    named = [node for node in stub.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))]
+    assert len(named) >= 10
+    for node in named:
+        native = getattr(_shadowgauge, node.name)
+        for method in node.body if isinstance(node, ast.ClassDef) else []:
+            if isinstance(method, ast.FunctionDef):
+                assert hasattr(native, method.name), f"{node.name}.{method.name}"
+
+
 def test_every_public_name_is_documented():
     for name in sg.__all__:
         assert name == "__version__" or inspect.getdoc(getattr(sg, name)), name
@@ -62,6 +74,28 @@ def test_ctrl_c_ends_a_job_and_the_command_line():
         _, said = process.communicate(timeout=60)
         assert process.returncode in (-signal.SIGINT, 130, 1), (process.returncode, said)
         assert words[0] == "-m" or b"KeyboardInterrupt" in said
+
+
+def test_ctrl_c_ends_a_loop_that_measures_and_a_study():
+    loop = """
+import numpy as np, shadowgauge as sg
+frame = np.full((512, 512), 210, np.uint8)
+frame[100:400] = 12
+stream = sg.Stream(sg.Gauge(), sg.Calibration.from_scale(17.4), keep_rows=False)
+print("go", flush=True)
+while True:
+    stream.push(frame)
+"""
+    study = "import shadowgauge as sg\nprint('go', flush=True)\nsg.study('coverage', scenes=1000000)"
+    for code in (loop, study):
+        process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        process.stdout.readline()
+        time.sleep(0.5)
+        begun = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+        assert process.returncode in (-signal.SIGINT, 130) and b"KeyboardInterrupt" in said, (process.returncode, said)
+        assert time.monotonic() - begun < 10.0
 
 
 def test_studies_are_values_and_their_refusals_exceptions():

@@ -58,7 +58,8 @@ def test_pandas_polars_and_pyarrow_read_the_tables():
     frames = polars.DataFrame(rows)
     assert frames["flag"].to_list() == list(rows["flag"])
     assert frames["max_diameter_mm"][0] == rows["max_diameter_mm"][0]
-    assert pandas.DataFrame(dict(rows)).equals(arrow.to_pandas().astype({"flag": object}))
+    # Which dtype text has depends on the version of pandas.
+    pandas.testing.assert_frame_equal(pandas.DataFrame(dict(rows)), arrow.to_pandas(), check_dtype=False)
     del rows
     assert arrow["frame_id"].to_pylist() == [0, 1, 2, 3, 4], "the memory outlives the table"
 

@@ -12,12 +12,14 @@ whatever machines, workers and deaths there were.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from .errors import MissingPackage, StudyError
@@ -121,10 +123,25 @@ def main(given: list[str] | None = None) -> int:
         print("--workers: a number of at least 1 is needed", file=sys.stderr)
         return 2
     where = {"address": options.address} if options.address else {"num_cpus": options.workers}
+    # Ray states on stdout that a worker died; what stands there is the study's alone.
+    with contextlib.redirect_stdout(sys.stderr):
+        code = _over_ray(ray, where, options, words)
+    if code != 0:
+        return code
+    of = options.shards
+    files = [str(options.shard_dir / shard_name(options.study, number, of)) for number in range(1, of + 1)]
+    merged = command("study", "merge", *files, *(["--json"] if options.json else []))
+    sys.stdout.write(merged.stdout)
+    sys.stderr.write(merged.stderr)
+    return merged.returncode
+
+
+def _over_ray(ray: ModuleType, where: dict[str, object], options: argparse.Namespace, words: list[str]) -> int:
+    """Has every shard computed, or found; `options.shards` is how many there are then. The exit code."""
     ray.init(include_dashboard=False, log_to_driver=False, logging_level="ERROR", **where)
     try:
         cpus = int(ray.cluster_resources().get("CPU", 1))
-        of = options.shards or SHARDS_A_WORKER * cpus
+        of = options.shards = options.shards or SHARDS_A_WORKER * cpus
         begun, computed, seconds = time.monotonic(), 0, 0.0
         for done, (number, took) in enumerate(
             shards(options.study, words, options.shard_dir, of, kill=options.kill), start=1
@@ -139,11 +156,7 @@ def main(given: list[str] | None = None) -> int:
         return 3
     finally:
         ray.shutdown()
-    files = [str(options.shard_dir / shard_name(options.study, number, of)) for number in range(1, of + 1)]
-    merged = command("study", "merge", *files, *(["--json"] if options.json else []))
-    sys.stdout.write(merged.stdout)
-    sys.stderr.write(merged.stderr)
-    return merged.returncode
+    return 0
 
 
 def _report(options: argparse.Namespace, of: int, computed: int, seconds: float, elapsed: float) -> None:
