@@ -10,7 +10,7 @@
 //! `reading_order` and `turn_mean` (text to readings); `observation` (what a reading holds of each
 //! error, by the first order of the chain), `sag`; `spline_basis`, `unknowns`, `equations`;
 //! `rank`, `normal_equations`, `smoothing` (how smooth each error is), `least_squares`,
-//! `inseparable` (in words), `iso230_2`, `spindle_readings` (turns of an artefact); `solution` (a
+//! `inseparable` (in words), `midline_file` (frames to text), `iso230_2`, `spindle_readings` (turns of an artefact); `solution` (a
 //! model, fitted), `identified` (the file), `assemble`, `export`. One more instrument is a variant
 //! of [`instrument::Instrument`] and its terms in `observation`.
 
@@ -24,6 +24,7 @@ mod inseparable;
 pub(crate) mod instrument;
 pub(crate) mod iso230_2;
 mod least_squares;
+pub(crate) mod midline_file;
 mod normal_equations;
 mod observation;
 mod rank;

@@ -24,7 +24,8 @@ use crate::machine::ErrorName;
 /// by less than its own width over one. The last bends a slide by about a thirtieth of the class.
 /// Steps below it, at which readings show no shape at all, would count all the more the more of
 /// them there are: with five more, 87 % of a straightness (drawn between a third and a hundredth of
-/// the class, noise a fiftieth) lie within 2u, with these 95 %, with one less 96 %.
+/// the class, noise a fiftieth) lie within 2u, with these 95 %, with one less 96 %. So does
+/// `study machine-coverage`: 95.5 % of the figures of 4000 machines (seeds 1 and 77).
 const STEPS: usize = 6;
 /// Rounds over the errors in which each one's τ is chosen, the others kept.
 const ROUNDS: usize = 3;

@@ -14,6 +14,10 @@ use thiserror::Error;
 
 use super::force::{FittedRange, PowerLaw};
 use crate::plan::CuttingData;
+use crate::text_table::{Cells, Comments, TextTable, TextTableError};
+
+/// Columns of a table of forces.
+const COLUMNS: [&str; 4] = ["depth_mm", "speed_m_per_min", "feed_mm_per_rev", "force_n"];
 
 /// One measured force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,7 +47,7 @@ pub(crate) enum FitError {
     #[error(
         "forces: {0}; the columns must be depth_mm, speed_m_per_min, feed_mm_per_rev, force_n with a header line"
     )]
-    Csv(#[from] csv::Error),
+    Table(String),
     /// A value whose logarithm does not exist.
     #[error("forces: row {row}: {column} = {value}; every value must be above 0")]
     NotPositive {
@@ -67,25 +71,34 @@ pub(crate) enum FitError {
     Collinear,
 }
 
-/// Reads a table of forces; lines that start with `#` are comments.
+/// Reads a table of forces ([`crate::text_table`]); lines that start with `#` are comments, further
+/// columns are passed over.
 ///
 /// # Errors
 /// A table that cannot be parsed, or a value that is not above zero.
-pub(crate) fn read_forces(from: impl Read) -> Result<Vec<ForcePoint>, FitError> {
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(from);
-    let points: Vec<ForcePoint> = reader.deserialize().collect::<Result<_, _>>()?;
-    for (index, p) in points.iter().enumerate() {
-        let columns = [
-            ("depth_mm", p.depth_mm),
-            ("speed_m_per_min", p.speed_m_per_min),
-            ("feed_mm_per_rev", p.feed_mm_per_rev),
-            ("force_n", p.force_n),
-        ];
-        if let Some(&(column, value)) = columns.iter().find(|(_, v)| !v.is_finite() || *v <= 0.0) {
-            return Err(FitError::NotPositive { row: index + 1, column, value });
+pub(crate) fn read_forces(mut from: impl Read) -> Result<Vec<ForcePoint>, FitError> {
+    let mut bytes = Vec::new();
+    from.read_to_end(&mut bytes).map_err(|e| FitError::Table(e.to_string()))?;
+    let table = TextTable::parse(&bytes, &COLUMNS, Comments::Hash);
+    let table = table.map_err(|e| FitError::Table(e.to_string()))?;
+    table.require(&COLUMNS).map_err(FitError::Table)?;
+    let row = |(index, cells): (usize, Result<Cells<'_>, TextTableError>)| {
+        let cells = cells.map_err(|e| FitError::Table(e.to_string()))?;
+        point(index + 1, &cells)
+    };
+    table.rows().enumerate().map(row).collect()
+}
+
+fn point(row: usize, cells: &Cells<'_>) -> Result<ForcePoint, FitError> {
+    let mut values = [0.0; 4];
+    for (value, column) in values.iter_mut().zip(COLUMNS) {
+        *value = cells.number(column).map_err(FitError::Table)?;
+        if *value <= 0.0 {
+            return Err(FitError::NotPositive { row, column, value: *value });
         }
     }
-    Ok(points)
+    let [depth_mm, speed_m_per_min, feed_mm_per_rev, force_n] = values;
+    Ok(ForcePoint { depth_mm, speed_m_per_min, feed_mm_per_rev, force_n })
 }
 
 /// An estimated or given constant.

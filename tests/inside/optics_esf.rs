@@ -165,6 +165,23 @@ fn a_bad_file_is_refused_with_its_line() {
     assert!(MeasuredEdge::read(with(3, "-2,0.1").as_bytes(), false).is_ok());
 }
 
+#[test]
+fn an_edge_with_decimal_commas_is_the_same() {
+    let rows = (-5..=5).map(|i| format!("{}.5,{}\n", i, (f64::from(i) + 5.0) / 10.0));
+    let text = format!("# knife edge\nd_um,intensity\n{}", rows.collect::<String>());
+    let points = MeasuredEdge::read(text.as_bytes(), true).unwrap();
+    let commas = text.replace(',', ";").replace('.', ",");
+    let mut wide = vec![0xfe, 0xff];
+    wide.extend(commas.encode_utf16().flat_map(u16::to_be_bytes));
+    let tabs = commas.replace(';', "\t").replace('\n', "\r\n").into_bytes();
+    for bytes in [commas.clone().into_bytes(), tabs, wide, format!("sep=;\n{commas}").into_bytes()] {
+        let shown = String::from_utf8_lossy(&bytes).into_owned();
+        assert_eq!(MeasuredEdge::read(bytes.as_slice(), true).unwrap(), points, "{shown:?}");
+    }
+    let found = MeasuredEdge::read(commas.replace(";0,2", ";far").as_bytes(), true).unwrap_err().to_string();
+    assert!(found.contains("line 5: '-3,5;far'") && found.contains("two finite numbers"), "{found}");
+}
+
 // -- Fresnel integrals
 
 /// Abramowitz & Stegun, Table 7.7: x, C(x), S(x), seven decimals.

@@ -33,18 +33,22 @@ pub(crate) fn esf_model(text: &str, um_per_px: Option<f64>) -> Result<EsfModel, 
         })
     };
     match path.extension().and_then(|e| e.to_str()) {
-        Some("csv") => measured(&text_of(path, text)?, scale()?).map_err(|e| Failure::refuse(named(&e))),
+        Some("csv") => measured(&bytes_of(path, text)?, scale()?).map_err(|e| Failure::refuse(named(&e))),
         Some("json") => {
             let table: EdgeTable = of_json(&text_of(path, text)?).map_err(|e| Failure::refuse(named(&e)))?;
             let lines = table.distance_um.iter().zip(&table.light);
             let csv = lines.fold(String::new(), |all, (d, l)| all + &format!("{d},{l}\n"));
-            measured(&csv, scale()?).map_err(|e| Failure::refuse(named(&e)))
+            measured(csv.as_bytes(), scale()?).map_err(|e| Failure::refuse(named(&e)))
         }
         Some("toml") => of_config(path, um_per_px),
         _ => Err(Failure::refuse(named(
             &"right would be gaussian, learnt, a table distance_um,light (.csv or .json, as `optics esf` prints it) or a .toml config with [optics.esf]",
         ))),
     }
+}
+
+fn bytes_of(path: &Path, name: &str) -> Result<Vec<u8>, Failure> {
+    std::fs::read(path).map_err(|e| Failure::fail(format!("--esf {name}: {e}")))
 }
 
 fn text_of(path: &Path, name: &str) -> Result<String, Failure> {
@@ -68,8 +72,8 @@ fn of_json(text: &str) -> Result<EdgeTable, String> {
     Ok(EdgeTable { distance_um, light })
 }
 
-fn measured(text: &str, um_per_px: f64) -> Result<EsfModel, String> {
-    let edge = MeasuredEdge::read(text.as_bytes(), false).map_err(|e| e.to_string())?;
+fn measured(bytes: &[u8], um_per_px: f64) -> Result<EsfModel, String> {
+    let edge = MeasuredEdge::read(bytes, false).map_err(|e| e.to_string())?;
     let spread = edge.edge_spread().map_err(|e| e.to_string())?;
     let (from, to) = spread.range_um();
     Ok(sampled_edge(from / um_per_px, to / um_per_px, |d_px| spread.value(d_px * um_per_px)))

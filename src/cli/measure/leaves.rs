@@ -7,7 +7,6 @@ use std::time::SystemTime;
 
 use super::csv_file::DiameterRows;
 use super::edges_file::claim_output;
-use super::midline_file::MidlineRows;
 use crate::cli::failure::Failure;
 use crate::cli::store::args::StoreArgs;
 use crate::cli::store::measured::MeasuredStore;
@@ -15,6 +14,7 @@ use crate::files::{OpenOutput, OutputFile};
 use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::gauge::calibration::{Conditions, Date};
+use crate::identification::midline_file::MidlineRows;
 use crate::measurement::{MeasureSettings, Series, Stream};
 use crate::report::measure_report::{MeasureReport, MeasureSetup};
 

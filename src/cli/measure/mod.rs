@@ -28,7 +28,6 @@ mod judge_args;
 mod leaves;
 mod legend;
 mod machine_args;
-mod midline_file;
 pub(super) mod offsets;
 pub(super) mod reference_pin_args;
 mod results;

@@ -2,21 +2,26 @@
 //! their readings simulated as a plan has them, their errors identified, and every compensated
 //! figure is compared with the truth.
 //!
-//! In: a plan of readings as `calibrate machine` takes it, a number of machines, a seed. Out:
+//! In: a plan of readings as `calibrate machine` takes it, a number of machines, a seed, and the
+//! job of a camera whose frames the midlines are read in, where `frames` asks for it. Out:
 //! [`MachineCoverage`], the share of figures within U = 2u of the truth, figure by figure. `drawn`
-//! draws a machine, `figures` are what is compensated. The identification gets the text of the
-//! readings alone. A machine has the errors that the plan seeks and no others: what is not sought
-//! is in no uncertainty, and is named in `machine.json`.
+//! draws a machine, `frames` are its midlines through frames, `figures` are what is compensated.
+//! The identification gets the text of the readings alone. A machine has the errors that the plan
+//! seeks and no others: what is not sought is in no uncertainty, and is named in `machine.json`.
 
 mod drawn;
 mod figures;
+mod frames;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
 use self::figures::{Off, compensated};
+use self::frames::midline_text;
 use super::machine_readings::SimulatedMachine;
+use crate::identification::instrument::Instrument;
 use crate::identification::{IdentificationConfig, checked_set, identify};
+use crate::job::Job;
 use crate::setting::{SettingError, require};
 
 /// Shares that a coverage of 95 % may have, per cent.
@@ -52,25 +57,33 @@ pub(crate) struct MachineCoverage {
     pub figures: Vec<CoverageRow>,
     /// All of them together.
     pub together: CoverageRow,
+    /// Standard deviation of the share of all figures, from that of the machines, per cent.
+    pub scatter_percent: f64,
+    /// Whether midlines were read in rendered frames.
+    pub through_frames: bool,
 }
 
 impl MachineCoverage {
-    /// Whether the share of all figures together lies within 94 to 96 %.
+    /// Whether the share of all figures together lies within 94 to 96 %; through frames, of which
+    /// few machines are affordable, twice its standard deviation further.
     pub(crate) fn holds(&self) -> bool {
-        let [least, most] = WANTED_PERCENT;
+        let slack = if self.through_frames { 2.0 * self.scatter_percent } else { 0.0 };
+        let [least, most] = [WANTED_PERCENT[0] - slack, WANTED_PERCENT[1] + slack];
         (least..=most).contains(&self.together.within_percent)
     }
 }
 
-/// Draws machines, identifies them and compares; `done` is called after each.
+/// Draws machines, identifies them and compares; `done` is called after each. `frames` is a job on
+/// whose part and camera every midline is read.
 ///
 /// # Errors
 /// A config that cannot be right, a set without a plan of its own, readings that do not hold what
-/// is sought.
+/// is sought, frames asked of a plan without a midline, a job that cannot run on the machine.
 pub(crate) fn machine_coverage(
     config: &IdentificationConfig,
     machines: u32,
     seed: u64,
+    frames: Option<&Job>,
     done: &(dyn Fn() + Sync),
 ) -> Result<MachineCoverage, SettingError> {
     let right = format!("between 1 and {MOST_MACHINES}");
@@ -80,15 +93,21 @@ pub(crate) fn machine_coverage(
         let why = "is needed: readings of drawn machines are simulated at the places of a plan";
         return Err(SettingError::at(format!("readings[{k}].plan"), why));
     }
+    let has_midline = config.readings.iter().any(|set| set.instrument == Instrument::Midline);
+    if frames.is_some() && !has_midline {
+        return Err(SettingError::at("--frames", "needs a set of readings with instrument = \"midline\""));
+    }
     let one = |k: u32| {
         // sets of one machine have seeds that follow each other
         let own = seed.wrapping_mul(1_000_003).wrapping_add(1000 * u64::from(k));
-        let found = of_machine(config, own);
+        let found = of_machine(config, own, frames);
         done();
         found
     };
     let all: Result<Vec<Vec<Off>>, SettingError> = (0..machines).into_par_iter().map(one).collect();
-    let all: Vec<Off> = all?.into_iter().flatten().collect();
+    let all = all?;
+    let scatter_percent = scatter_percent(&all);
+    let all: Vec<Off> = all.into_iter().flatten().collect();
     let mut names: Vec<&str> = all.iter().map(|off| off.figure).collect();
     names.sort_unstable();
     names.dedup();
@@ -98,15 +117,41 @@ pub(crate) fn machine_coverage(
         seed,
         figures: names.iter().map(of).collect(),
         together: row("all figures", &all.iter().collect::<Vec<_>>()),
+        scatter_percent,
+        through_frames: frames.is_some(),
     })
 }
 
+/// Standard deviation of the mean of the machines' own shares, per cent: the figures of one machine
+/// are tied.
+fn scatter_percent(machines: &[Vec<Off>]) -> f64 {
+    let share = |offs: &Vec<Off>| 1e2 * within(offs) as f64 / offs.len().max(1) as f64;
+    let count = machines.len() as f64;
+    let mean = machines.iter().map(share).sum::<f64>() / count;
+    let square = machines.iter().map(|offs| (share(offs) - mean).powi(2)).sum::<f64>();
+    if machines.len() < 2 { 1e2 } else { (square / (count - 1.0) / count).sqrt() }
+}
+
+fn within<'a>(offs: impl IntoIterator<Item = &'a Off>) -> usize {
+    offs.into_iter().filter(|off| off.off_um.abs() <= 2.0 * off.u_um).count()
+}
+
 /// The figures of one machine.
-fn of_machine(config: &IdentificationConfig, seed: u64) -> Result<Vec<Off>, SettingError> {
+fn of_machine(
+    config: &IdentificationConfig,
+    seed: u64,
+    frames: Option<&Job>,
+) -> Result<Vec<Off>, SettingError> {
     let truth = drawn::machine(config, seed)?;
     let simulated = SimulatedMachine::new(truth.clone(), config.temperature_c, seed)?;
     let set = |k: usize| {
-        let text = simulated.text(&config.readings[k], k)?;
+        let set = &config.readings[k];
+        let text = match (frames, &set.plan, set.instrument) {
+            (Some(job), Some(plan), Instrument::Midline) => {
+                midline_text(job, &truth, config.temperature_c, plan, seed)?
+            }
+            _ => simulated.text(set, k)?,
+        };
         checked_set(config, k, text.as_bytes(), "simulated readings")
     };
     let sets: Result<Vec<_>, SettingError> = (0..config.readings.len()).map(set).collect();
@@ -119,7 +164,7 @@ fn row(figure: &str, values: &[&Off]) -> CoverageRow {
     let rms = |of: fn(&Off) -> f64| {
         (values.iter().map(|v| of(v).powi(2)).sum::<f64>() / count.max(1) as f64).sqrt()
     };
-    let within = values.iter().filter(|v| v.off_um.abs() <= 2.0 * v.u_um).count();
+    let within = within(values.iter().copied());
     CoverageRow {
         figure: figure.to_owned(),
         values: count,

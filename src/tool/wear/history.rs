@@ -1,7 +1,15 @@
 //! The wear history of an edge: a table in CSV, a reading a row.
 
+use serde::Deserialize as _;
+use serde::de::IntoDeserializer as _;
+use serde::de::value::{Error as ValueError, StrDeserializer};
+
 use super::blunt::WearVerdict;
+use crate::text_table::{Cells, Comments, TextTable};
 use crate::tool::error::ToolError;
+
+/// Columns of a history.
+const COLUMNS: [&str; 7] = ["cut", "image", "vbb_um", "u_vbb_um", "vbb_max_um", "u_vbb_max_um", "verdict"];
 
 /// A reading.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -22,16 +30,25 @@ pub(crate) struct WearRow {
     pub verdict: WearVerdict,
 }
 
-/// Reads a history; columns are found by name.
+/// Reads a history; columns are found by name, separators and decimal commas as
+/// [`crate::text_table`].
 ///
 /// # Errors
-/// A row that is no reading, or not after the row before it: with its line.
-pub(crate) fn read_history(text: &str) -> Result<Vec<WearRow>, ToolError> {
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
+/// A header without a column that is needed, a row that is no reading, or not after the row before
+/// it: with its line.
+pub(crate) fn read_history(bytes: impl AsRef<[u8]>) -> Result<Vec<WearRow>, ToolError> {
+    let refuse = |line: u64, what: String| ToolError::History { line: line as usize, what };
+    let table = TextTable::parse(bytes.as_ref(), &COLUMNS, Comments::None)
+        .map_err(|e| refuse(e.line.unwrap_or(1), e.what))?;
+    if table.names().is_empty() {
+        return Ok(Vec::new());
+    }
+    table.require(&COLUMNS).map_err(|what| refuse(table.head() as u64, what))?;
     let mut rows: Vec<WearRow> = Vec::new();
-    for (k, row) in reader.deserialize::<WearRow>().enumerate() {
-        let line = k + 2;
-        let row = row.map_err(|e| ToolError::History { line, what: e.to_string() })?;
+    for cells in table.rows() {
+        let cells = cells.map_err(|e| refuse(e.line.unwrap_or(0), e.what))?;
+        let line = cells.line() as usize;
+        let row = row(&cells).map_err(|what| ToolError::History { line, what })?;
         let numbers = [row.cut, row.vbb_um, row.u_vbb_um, row.vbb_max_um, row.u_vbb_max_um];
         if !numbers.iter().all(|v| v.is_finite() && *v >= 0.0) {
             let what = "cut, widths and their uncertainties are numbers from 0 up".to_owned();
@@ -45,6 +62,24 @@ pub(crate) fn read_history(text: &str) -> Result<Vec<WearRow>, ToolError> {
         rows.push(row);
     }
     Ok(rows)
+}
+
+fn row(cells: &Cells<'_>) -> Result<WearRow, String> {
+    let number = |name: &str| {
+        let found = cells.text(name).unwrap_or_default();
+        crate::text_table::number(found).ok_or_else(|| format!("{name} '{found}' must be a finite number"))
+    };
+    let word = cells.text("verdict").unwrap_or_default();
+    let verdict: StrDeserializer<'_, ValueError> = word.into_deserializer();
+    Ok(WearRow {
+        cut: number("cut")?,
+        image: cells.text("image").unwrap_or_default().to_owned(),
+        vbb_um: number("vbb_um")?,
+        u_vbb_um: number("u_vbb_um")?,
+        vbb_max_um: number("vbb_max_um")?,
+        u_vbb_max_um: number("u_vbb_max_um")?,
+        verdict: WearVerdict::deserialize(verdict).map_err(|e| format!("verdict: {e}"))?,
+    })
 }
 
 /// The text of a history.
@@ -86,6 +121,21 @@ mod tests {
         assert!(refused("70.5", "NaN").contains("line 3"));
         assert!(refused("doubtful", "perhaps").contains("line 3"));
         assert!(refused("20.0", "9").contains("cut 9 follows cut 10"));
-        assert!(refused("vbb_um", "width").contains("line 2"));
+        let short = refused("vbb_um", "width");
+        assert!(short.contains("line 1") && short.contains("no column vbb_um"), "{short}");
+    }
+
+    #[test]
+    fn a_history_that_a_spreadsheet_saved_is_the_same() {
+        let commas = TEXT.replace(',', ";").replace('.', ",");
+        let mut wide = vec![0xff, 0xfe];
+        wide.extend(commas.replace(';', "\t").encode_utf16().flat_map(u16::to_le_bytes));
+        let marked = [b"\xef\xbb\xbf".as_slice(), commas.replace('\n', "\r\n").as_bytes()].concat();
+        let rows = read_history(TEXT).unwrap();
+        for bytes in [commas.clone().into_bytes(), format!("sep=;\n{commas}").into_bytes(), wide, marked] {
+            assert_eq!(read_history(&bytes).unwrap(), rows, "{}", String::from_utf8_lossy(&bytes));
+        }
+        let refused = read_history(commas.replace("70,5", "70,5,1")).unwrap_err().to_string();
+        assert!(refused.contains("line 3: vbb_um '70,5,1'"), "{refused}");
     }
 }

@@ -1,14 +1,18 @@
 //! Whether the stated uncertainty of what is compensated holds over machines drawn of a class, and
 //! what the study refuses.
 
+use std::path::Path;
+
+use crate::config;
 use crate::identification::IdentificationConfig;
 use crate::studies::machine_coverage::{MachineCoverage, machine_coverage};
 
 const PLAN: &str = include_str!("../../../configs/machine_coverage.toml");
+const FRAMES: &str = include_str!("../../../configs/machine_coverage_frames.toml");
 
 fn covered(plan: &str, machines: u32, seed: u64) -> MachineCoverage {
     let config: IdentificationConfig = toml::from_str(plan).unwrap();
-    machine_coverage(&config, machines, seed, &|| {}).unwrap()
+    machine_coverage(&config, machines, seed, None, &|| {}).unwrap()
 }
 
 #[test]
@@ -33,7 +37,7 @@ fn stated_uncertainties_hold_over_machines_of_the_class() {
 fn plans_that_draw_nothing_are_refused() {
     let refused = |plan: &str, machines: u32| {
         let config: IdentificationConfig = toml::from_str(plan).unwrap();
-        machine_coverage(&config, machines, 1, &|| {}).unwrap_err().to_string()
+        machine_coverage(&config, machines, 1, None, &|| {}).unwrap_err().to_string()
     };
     assert!(refused(PLAN, 0).contains("--machines"));
     let read = PLAN.replace("radius_mm = 20.0", "radius_mm = 20.0\nfile = \"my.csv\"").replacen(
@@ -43,4 +47,33 @@ fn plans_that_draw_nothing_are_refused() {
     );
     let words = refused(&read, 5);
     assert!(words.contains("readings[0].plan"), "{words}");
+}
+
+/// Two machines whose midlines are read in rendered frames.
+#[test]
+fn machines_are_identified_from_their_frames() {
+    let config: IdentificationConfig = toml::from_str(FRAMES).unwrap();
+    let job = config::load(Path::new("configs/machine_run.toml")).unwrap();
+    let found = machine_coverage(&config, 2, 1, Some(&job), &|| {}).unwrap();
+    println!("{found:?}");
+    assert!(found.through_frames);
+    let [diameter, head] = &found.figures[..] else { panic!("{:?}", found.figures) };
+    assert!(diameter.figure.starts_with("diameter") && head.figure.starts_with("head"));
+    // of the diameter the frames alone know: it is compensated to a twentieth
+    assert!(diameter.rms_off_um < 0.05 * diameter.rms_uncompensated_um, "{diameter:?}");
+    assert!(found.together.within_percent > 80.0, "{:?}", found.together);
+    // the same plan from stated readings holds the same truth
+    let stated = machine_coverage(&config, 2, 1, None, &|| {}).unwrap();
+    let uncompensated = |rows: &MachineCoverage| rows.figures[0].rms_uncompensated_um;
+    assert!((uncompensated(&found) - uncompensated(&stated)).abs() < 1e-6);
+    let refused = |plan: &str, job: &crate::job::Job| {
+        let config: IdentificationConfig = toml::from_str(plan).unwrap();
+        machine_coverage(&config, 1, 1, Some(job), &|| {}).unwrap_err().to_string()
+    };
+    let sets: Vec<&str> = FRAMES.split("[[readings]]").collect();
+    let blind = format!("{}[[readings]]{}", sets[0], sets[2]).replace("\"exz\", \"b0c\", ", "");
+    let words = refused(&blind, &job);
+    assert!(words.contains("--frames") && words.contains("midline"), "{words}");
+    let words = refused(&FRAMES.replace("to_mm = 50.0", "to_mm = 75.0"), &job);
+    assert!(words.contains("--frames") && words.contains("75"), "{words}");
 }

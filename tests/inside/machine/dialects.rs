@@ -83,3 +83,30 @@ fn measure_refuses_a_machine_of_another_head() {
     let hot = measure(&["--machine-temperature", "200"]);
     assert_eq!(hot.status.code(), Some(2), "{}", said(&hot));
 }
+
+/// A frame whose field lies where no reading was taken has no diameter, and the range is named; the
+/// frame beside it is measured.
+#[test]
+fn a_frame_beyond_the_identified_range_has_no_diameter() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let truth: MachineSettings = toml::from_str::<IdentificationConfig>(PLAN).unwrap().machine;
+    let found = identification_of(PLAN, &truth, 1).file;
+    std::fs::write(at("machine.json"), serde_json::to_string(&found).unwrap()).unwrap();
+    let scale = crate::gauge::Calibration::from_scale(17.0);
+    std::fs::write(at("calibration.json"), serde_json::to_string(&scale).unwrap()).unwrap();
+    std::fs::create_dir(at("frames")).unwrap();
+    for name in ["0.png", "1.png"] {
+        let shadow = |_, row| image::Luma([if (40..100).contains(&row) { 20 } else { 200 }]);
+        image::GrayImage::from_fn(64, 140, shadow).save(at("frames").join(name)).unwrap();
+    }
+    std::fs::write(at("frames/frames.csv"), "frame,z_mm\n0,30\n1,500\n").unwrap();
+    let paths = ["frames", "calibration.json", "machine.json"].map(|name| at(name).display().to_string());
+    let [frames, calibration, machine] = &paths;
+    let output =
+        shadowgauge(["measure", frames.as_str(), "--calibration", calibration, "--machine", machine]);
+    let words = said(&output) + &String::from_utf8_lossy(&output.stdout);
+    for word in ["500.000 mm lies outside", "where the machine was identified", "1.02"] {
+        assert!(words.contains(word), "'{word}' is missing in: {words}");
+    }
+}

@@ -77,3 +77,23 @@ fn tables_that_cannot_be_fitted_say_why() {
         rows.iter().map(|p| ForcePoint { speed_m_per_min: 100.0 * p.depth_mm, ..*p }).collect();
     assert!(matches!(fit_power_law(&together, &given, 0.95), Err(FitError::Collinear)));
 }
+
+/// A table as a spreadsheet with decimal commas saves it: the same forces.
+#[test]
+fn forces_that_a_spreadsheet_saved_are_the_same() {
+    let points = read_forces(TABLE_1.as_bytes()).unwrap();
+    let commas = TABLE_1.replace(',', ";").replace('.', ",");
+    let mut wide = vec![0xff, 0xfe];
+    wide.extend(commas.replace(';', "\t").encode_utf16().flat_map(u16::to_le_bytes));
+    let marked = [b"\xef\xbb\xbf".as_slice(), commas.as_bytes()].concat();
+    for bytes in [commas.clone().into_bytes(), format!("sep=;\r\n{commas}").into_bytes(), wide, marked] {
+        let shown = String::from_utf8_lossy(&bytes).into_owned();
+        assert_eq!(read_forces(bytes.as_slice()).unwrap(), points, "{shown:?}");
+    }
+    let torn = "depth_mm;speed_m_per_min;feed_mm_per_rev;force_n\n0,1;40;0,1;far\n";
+    let refused = read_forces(torn.as_bytes()).unwrap_err().to_string();
+    assert!(
+        refused.contains("line 2: force_n 'far'") && refused.contains("the columns must be"),
+        "{refused}"
+    );
+}

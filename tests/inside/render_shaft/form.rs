@@ -80,6 +80,24 @@ fn a_contour_is_read_from_a_file_and_a_bad_line_named() {
     }
 }
 
+/// A contour with decimal commas, with and without its header, as spreadsheets save it.
+#[test]
+fn a_contour_with_decimal_commas_is_the_same() {
+    let commas = "z_mm;diameter_mm;chamfer_mm\n0;10,5\n20,25;10,5;0,5\n20,25;8\n";
+    let points = read_contour(commas.replace(',', ".").replace(';', ",").as_bytes()).unwrap();
+    close(points[1].z_mm, 20.25, 0.0, "z");
+    let mut wide = vec![0xff, 0xfe];
+    wide.extend(commas.encode_utf16().flat_map(u16::to_le_bytes));
+    let tabs = commas.replace(';', "\t").into_bytes();
+    let bare = commas.split_once('\n').unwrap().1.as_bytes().to_vec();
+    for bytes in [commas.as_bytes().to_vec(), tabs, bare, wide, format!("sep=;\n{commas}").into_bytes()] {
+        let shown = String::from_utf8_lossy(&bytes).into_owned();
+        assert_eq!(read_contour(bytes.as_slice()).unwrap(), points, "{shown:?}");
+    }
+    let found = read_contour("0;10,5\n5;x\n".as_bytes()).unwrap_err().to_string();
+    assert!(found.contains("line 2: '5;x'") && found.contains("must be 2 to 4"), "{found}");
+}
+
 /// Mean periodogram along z of a texture, unit rms: (frequency, density).
 fn periodogram(form: TextureForm, length_mm: f64) -> (Vec<(f64, f64)>, f64) {
     let plain = vec![ProfileKnot { z_mm: 0.0, radius_mm: 5.0 }];

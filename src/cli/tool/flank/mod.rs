@@ -255,8 +255,8 @@ struct History {
 impl History {
     fn open(path: &std::path::Path) -> Result<Self, Failure> {
         let named = |e: &dyn std::fmt::Display| Failure::fail(format!("{}: {e}", path.display()));
-        let rows = match std::fs::read_to_string(path) {
-            Ok(text) => read_history(&text).map_err(|e| named(&e))?,
+        let rows = match std::fs::read(path) {
+            Ok(bytes) => read_history(&bytes).map_err(|e| named(&e))?,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
             Err(e) => return Err(named(&e)),
         };

@@ -1,7 +1,7 @@
 //! A measured edge: distance and intensity from a file, as from a slanted-edge or knife-edge scan.
 //!
 //! Two columns, `d_um,intensity`, with an optional header line; lines that start with `#` are
-//! skipped. The intensity is that at a point (the pixel's area is integrated later): 0 in the
+//! skipped; separators and decimal commas as `text_table`. The intensity is that at a point (the pixel's area is integrated later): 0 in the
 //! shadow, 1 in the light. Between the samples F runs along the monotone piecewise cubic of Fritsch
 //! & Carlson (SIAM J. Numer. Anal. 17, 1980, 238) with the slopes of Fritsch & Butland, which never
 //! overshoots.
@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::table::EdgeSpread;
 use crate::render::error::RenderError;
+use crate::text_table::{PlainRow, plain_rows};
 
 const KEY: &str = "optics.esf.measured.file";
 
@@ -104,23 +105,17 @@ impl MeasuredEdge {
     /// # Errors
     /// Names the line and the valid form: not a number, distances that do not rise, fewer than 8
     /// samples, ends that are not 0 and 1 to 2 %, an intensity that falls where `monotone` is set.
-    pub(crate) fn read(from: impl Read, monotone: bool) -> Result<Self, RenderError> {
-        let mut reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .flexible(true)
-            .from_reader(from);
+    pub(crate) fn read(mut from: impl Read, monotone: bool) -> Result<Self, RenderError> {
+        let right = "must be text with two columns, d_um,intensity";
+        let mut bytes = Vec::new();
+        from.read_to_end(&mut bytes).map_err(|e| refuse(&e.to_string(), right))?;
         let mut samples = Vec::new();
-        for (i, record) in reader.records().enumerate() {
-            let record = record
-                .map_err(|e| refuse(&e.to_string(), "must be text with two columns, d_um,intensity"))?;
-            let line = record.position().map_or(i as u64 + 1, csv::Position::line);
-            match sample(&record) {
-                Some(pair) => push(&mut samples, pair, line, monotone)?,
-                None if samples.is_empty() && is_header(&record) => {}
+        for row in plain_rows(&bytes, &(2..=2)).map_err(|e| refuse(&e.to_string(), right))? {
+            match sample(&row) {
+                Some(pair) => push(&mut samples, pair, row.line, monotone)?,
+                None if samples.is_empty() && row.fields.len() == 2 && row.is_header() => {}
                 None => {
-                    let found = format!("line {line}: '{}'", record.iter().collect::<Vec<_>>().join(","));
+                    let found = format!("line {}: '{}'", row.line, row.shown());
                     return Err(refuse(&found, "must be two finite numbers, d_um,intensity"));
                 }
             }
@@ -197,16 +192,11 @@ fn refuse(found: &str, right: &str) -> RenderError {
     RenderError::setting(KEY, found, right)
 }
 
-fn sample(record: &csv::StringRecord) -> Option<(f64, f64)> {
-    if record.len() != 2 {
-        return None;
+fn sample(row: &PlainRow) -> Option<(f64, f64)> {
+    match row.numbers()?[..] {
+        [d_um, intensity] => Some((d_um, intensity)),
+        _ => None,
     }
-    let number = |i: usize| record.get(i)?.parse::<f64>().ok().filter(|v| v.is_finite());
-    Some((number(0)?, number(1)?))
-}
-
-fn is_header(record: &csv::StringRecord) -> bool {
-    record.len() == 2 && record.iter().all(|field| field.starts_with(char::is_alphabetic))
 }
 
 fn push(

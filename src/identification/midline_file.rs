@@ -20,7 +20,7 @@ struct MidlineRow {
 
 /// The midlines of all frames, in their order.
 #[derive(Clone, Debug, Default)]
-pub(super) struct MidlineRows(Vec<MidlineRow>);
+pub(crate) struct MidlineRows(Vec<MidlineRow>);
 
 /// A sweep of z in one direction.
 #[derive(Clone, Copy, Debug)]
@@ -31,13 +31,13 @@ struct Sweep {
 
 impl MidlineRows {
     /// Adds a frame's midline; a frame without one is left out.
-    pub(super) fn add(&mut self, meta: &FrameMeta, midline: Option<FieldMidline>) {
+    pub(crate) fn add(&mut self, meta: &FrameMeta, midline: Option<FieldMidline>) {
         let row = |midline| MidlineRow { z_mm: meta.z_mm, angle_deg: meta.angle_deg, midline };
         self.0.extend(midline.map(row));
     }
 
     /// Whether no frame had one.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
@@ -45,7 +45,7 @@ impl MidlineRows {
     ///
     /// # Errors
     /// Frames that are all at one place: nothing is read along it.
-    pub(super) fn text(&self) -> Result<String, String> {
+    pub(crate) fn text(&self) -> Result<String, String> {
         let mut places: Vec<f64> = self.0.iter().map(|row| row.z_mm).collect();
         places.dedup_by(|a, b| (*a - *b).abs() <= SAME_MM);
         if places.len() < 2 {
