@@ -12,6 +12,8 @@ use imports::{Loop, Source, Tree};
 mod constants;
 #[path = "architecture/imports.rs"]
 mod imports;
+#[path = "architecture/thresholds.rs"]
+mod thresholds;
 
 /// Rooms by layer, bottom to top; a file imports its own room and earlier ones; the stages import
 /// only the vocabulary.

@@ -6,6 +6,11 @@
 //! or the study that set it. `shadowgauge study limits` halves and doubles every field and prints
 //! what that changes; a field that changes nothing and holds no test's case is deleted.
 //!
+//! "Tuned: see study limits." in a comment means `study limits` with its default seed, 1. What half
+//! and double of such a field change there is in `docs/thresholds_swept.csv`, which test fails when
+//! a field is put out of action in `docs/thresholds_held.csv`; `tests/architecture/thresholds.rs`
+//! requires one of the two of every tuned field, and a reason of every other.
+//!
 //! A process has one value of each: the default, or for one field the value that
 //! [`replace`] set before anything was measured. They are not parameters of the functions, since no
 //! user sets them: what a user chooses stands in

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use proc_macro2::TokenStream;
 use syn::parse::{Parse, ParseStream};
 use syn::visit::{self, Visit};
-use syn::{Attribute, Expr, Ident, LitStr, Token, Type};
+use syn::{Attribute, Expr, ExprLit, Ident, Lit, LitStr, Token, Type};
 
 use super::texts;
 
@@ -25,12 +25,27 @@ const TABLES: [(&str, &str); 2] = [
 ];
 
 /// A call of `limits!`.
-struct Group {
+pub(super) struct Group {
     ident: Ident,
-    name: LitStr,
+    pub(super) name: LitStr,
+    /// Every field with its comment, empty where there is none.
+    pub(super) fields: Vec<(String, String)>,
+}
+
+impl Group {
     /// Fields without a comment.
-    bare: Vec<String>,
-    fields: usize,
+    fn bare(&self) -> Vec<&str> {
+        self.fields.iter().filter(|(_, why)| why.is_empty()).map(|(field, _)| field.as_str()).collect()
+    }
+}
+
+/// The text of a comment, its lines joined.
+fn text_of(comment: &[Attribute]) -> String {
+    let line = |a: &Attribute| match &a.meta.require_name_value().ok()?.value {
+        Expr::Lit(ExprLit { lit: Lit::Str(text), .. }) => Some(text.value().trim().to_owned()),
+        _ => None,
+    };
+    comment.iter().filter_map(line).collect::<Vec<String>>().join(" ")
 }
 
 impl Parse for Group {
@@ -40,7 +55,7 @@ impl Parse for Group {
         input.parse::<Token![=]>()?;
         let name = input.parse()?;
         input.parse::<Token![;]>()?;
-        let (mut bare, mut fields) = (Vec::new(), 0);
+        let mut fields = Vec::new();
         while !input.is_empty() {
             let comment = Attribute::parse_outer(input)?;
             let field: Ident = input.parse()?;
@@ -49,18 +64,17 @@ impl Parse for Group {
             input.parse::<Token![=]>()?;
             input.parse::<Expr>()?;
             input.parse::<Token![;]>()?;
-            fields += 1;
-            bare.extend(comment.is_empty().then(|| field.to_string()));
+            fields.push((field.to_string(), text_of(&comment)));
         }
-        Ok(Self { ident, name, bare, fields })
+        Ok(Self { ident, name, fields })
     }
 }
 
 /// What a file declares, tests left out.
 #[derive(Default)]
-struct Declared {
+pub(super) struct Declared {
     constants: Vec<String>,
-    groups: Vec<Group>,
+    pub(super) groups: Vec<Group>,
 }
 
 /// Whether a type is a number, or an array, slice or tuple of some.
@@ -84,7 +98,7 @@ fn is_test(attributes: &[Attribute]) -> bool {
 }
 
 impl Declared {
-    fn of(text: &str) -> Self {
+    pub(super) fn of(text: &str) -> Self {
         let mut found = Self::default();
         found.visit_file(&syn::parse_file(text).expect("a source file"));
         found
@@ -133,7 +147,7 @@ impl<'ast> Visit<'ast> for Declared {
 }
 
 /// What the files of the instrument declare, but for files of tests.
-fn declared() -> Vec<(PathBuf, Declared)> {
+pub(super) fn declared() -> Vec<(PathBuf, Declared)> {
     let of_gauge = |file: &Path| file.starts_with("src/gauge") && !file.ends_with("tests.rs");
     let files = texts().into_iter().filter(|(file, _)| of_gauge(file));
     files.map(|(file, text)| (file, Declared::of(&text))).collect()
@@ -170,10 +184,10 @@ fn every_threshold_is_listed_and_has_a_reason() {
         if !listed.contains(&format!("{}::list()", group.ident)) {
             bad.push(format!("{file}: {} is not listed in src/gauge/thresholds.rs", group.ident));
         }
-        bad.extend(group.bare.iter().map(|field| format!("{file}: {field} has no reason")));
+        bad.extend(group.bare().into_iter().map(|field| format!("{file}: {field} has no reason")));
         names.push(group.name.value());
     }
-    let fields: usize = all.iter().flat_map(|(_, found)| &found.groups).map(|group| group.fields).sum();
+    let fields: usize = all.iter().flat_map(|(_, found)| &found.groups).map(|group| group.fields.len()).sum();
     println!("groups of thresholds: {}, their fields: {fields}", names.len());
     let different: std::collections::BTreeSet<&String> = names.iter().collect();
     assert_eq!(different.len(), names.len(), "two groups have one name: {names:?}");
@@ -197,6 +211,6 @@ fn planted_constants_are_found() {
         assert_eq!(Declared::of(text).constants.len(), count, "{text}");
     }
     let group = |text: &str| Declared::of(text).groups.remove(0);
-    assert!(group("limits! { /// A.\n A = \"a\"; /// Why.\n most: f64 = 1.0; }").bare.is_empty());
-    assert_eq!(group("limits! { A = \"a\"; most: f64 = 1.0; least: usize = 2; }").bare, ["most", "least"]);
+    assert!(group("limits! { /// A.\n A = \"a\"; /// Why.\n most: f64 = 1.0; }").bare().is_empty());
+    assert_eq!(group("limits! { A = \"a\"; most: f64 = 1.0; least: usize = 2; }").bare(), ["most", "least"]);
 }

@@ -34,8 +34,8 @@ limits! {
     /// Residual variance over the pooled one, above which a station scatters too much and keeps its
     /// own: below 0.1 % of good ones with three degrees of freedom.
     far: f64 = 7.0;
-    /// Degrees of freedom from which on Student's t is the normal distribution to a thousandth of u
-    /// at 95 %.
+    /// Degrees of freedom from which on Student's t is taken for the normal distribution: it is, to
+    /// a thousandth of u at 95 %.
     many_freedom: f64 = 1000.0;
 }
 

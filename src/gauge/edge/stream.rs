@@ -44,7 +44,7 @@ limits! {
     /// fitting fifth is known to 2 %.
     most_chi2: f64 = 1.1;
     /// Frames after which the part is searched anew, in case another has come in: a search costs
-    /// more than a followed frame, and a 256th of it little. Tuned: see study limits.
+    /// more than a followed frame, and a 256th of it little.
     search_every: u32 = 256;
 }
 

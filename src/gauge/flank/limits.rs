@@ -19,29 +19,35 @@ limits! {
     /// Quantile of the cells' detail that counts as the flank's full texture: a flank of a fiftieth
     /// of the field reaches it.
     full_detail: f64 = 0.98;
-    /// Depth of the strips on both sides of a line, cells.
+    /// Depth of the strips on both sides of a line, cells: more than half of a flank that is ten
+    /// cells deep (`cells`), and all of it on the flank.
     side_cells: usize = 6;
     /// Weight of detail beyond a line over that of detail on its flank: the air beside a cutting
     /// edge is out of focus, the neighbour of a facet is not.
     beyond_weight: f64 = 3.0;
-    /// Least length of a cutting edge, cells.
+    /// Least length of a cutting edge, cells: a tenth of the longer side of the image (`cells`).
     least_cells: f64 = 60.0;
     /// Pitch of the rectified strip, µm: a land of 20 µm is ten rows.
     pitch_um: f64 = 2.0;
     /// Depth of the strip below the reference line, µm: above the limit of a notch, 600 µm, by
     /// half.
     depth_um: f64 = 900.0;
-    /// Height of the strip above it, µm.
+    /// Height of the strip above it, µm: three times `air_um`, so that two thirds of it show the
+    /// air's level.
     above_um: f64 = 120.0;
-    /// Depth from which the air's level beside the edge is taken, µm.
+    /// Depth from which the air's level beside the edge is taken, µm: sixteen pixels of 2.4 µm,
+    /// where an edge in focus reaches thirteen (4.2 standard deviations of 3 px).
     air_um: f64 = 40.0;
     /// Least width of a worn land, µm: less is the rounding and the blur of a new edge.
     least_land_um: f64 = 6.0;
-    /// Largest gap that a worn length bridges, µm.
+    /// Largest gap that a worn length bridges, µm: shorter than the least worn length
+    /// (`least_length_um`), so that no gap is bridged that could be a land.
     bridge_um: f64 = 60.0;
-    /// Least worn length, µm.
+    /// Least worn length, µm: twenty columns of the strip, more than one independent departure of
+    /// the border (`shared_columns`).
     least_length_um: f64 = 80.0;
-    /// Share of full scale from which a pixel counts as saturated.
+    /// Share of full scale from which a pixel counts as saturated: 252 of 255 counts, which leaves
+    /// three counts to the noise at the end.
     saturated: f64 = 0.99;
     /// Most of the border's length that may lie in glare, %: the path bridges short ones.
     most_glare_percent: f64 = 20.0;
@@ -60,7 +66,7 @@ limits! {
     column_pitches: f64 = 2.0;
     /// Powers of the reference curve: ground edges of inserts are straight or slightly cambered.
     edge_powers: usize = 4;
-    /// Rounds of reweighting of the reference curve.
+    /// Rounds of reweighting of the reference curve. Tuned: see tests of flanks.
     edge_rounds: usize = 12;
     /// Log-odds of one pixel are worth no more: neighbours share what they are classified by.
     most_log_odds: f64 = 3.0;
@@ -70,7 +76,8 @@ limits! {
     /// Columns over which the border's departures are alike: half of the step of 40 µm over which
     /// features drawn out along the edge look.
     shared_columns: f64 = 12.0;
-    /// Depth below the line of most detail in which steps are as sharp as an edge, µm.
+    /// Depth below the line of most detail in which steps are as sharp as an edge, µm. Tuned: see
+    /// tests of flanks.
     step_um: f64 = 60.0;
     /// Share of the sharp steps about that line which the edge has at least: it may be dimly lit,
     /// what is out of focus has less than a tenth.
@@ -90,9 +97,11 @@ limits! {
     /// Pixels that are drawn from an image near its border: as many of a class as there are, since
     /// the border's place follows from the odds of both.
     pixels: usize = 9000;
-    /// Pixels that are drawn from what is farther below.
+    /// Pixels that are drawn from what is farther below: a third of those near (`pixels`), since
+    /// the border's place does not follow from them.
     far_pixels: usize = 3000;
-    /// Least depth below the land that is near its border, rows.
+    /// Least depth below the land that is near its border, rows: as deep as a land of 24 µm, since
+    /// as many rows as a narrower one has would show little of what lies below.
     near_rows: usize = 12;
     /// Depth below the land from which pixels are drawn, rows: what is far below is never near it.
     below_rows: usize = 160;

@@ -22,13 +22,14 @@ limits! {
     close_rows: usize = 4;
     /// Radius of opening, rows: sparkles of a ground flank are facets of 5 µm.
     open_rows: usize = 2;
-    /// Lower threshold of Canny's hysteresis on the region's image, in Sobel's units.
+    /// Lower threshold of Canny's hysteresis on the region's image, in Sobel's units: a third of
+    /// the upper one (J. Canny, 1986: two to three times less).
     canny_low: f64 = 50.0;
     /// Upper threshold: a border between 0 and 255 has 400 after the detector's Gaussian.
     canny_high: f64 = 150.0;
-    /// Depth below the reference within which a land begins, µm.
+    /// Depth below the reference within which a land begins, µm. Tuned: see tests of flanks.
     begins_um: f64 = 30.0;
-    /// Least share of the columns that must show a land.
+    /// Least share of the columns that must show a land. Tuned: see tests of flanks.
     least_share: f64 = 0.1;
 }
 

@@ -24,6 +24,6 @@ limits! {
     least_on_piece: f64 = 0.5;
     /// Most rounds, each along the pieces of the one before: the third moves them by thousandths.
     rounds: usize = 6;
-    /// Movement of a piece, px, below which the band follows it.
+    /// Movement of a piece, px, below which the band follows it: as for noses (`nose.settled_px`).
     settled_px: f64 = 0.02;
 }

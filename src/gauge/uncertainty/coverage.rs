@@ -25,8 +25,8 @@ use crate::numerics::distributions::{phi_cdf, student};
 limits! {
     /// When rectangles are convolved with the rest.
     CoverageLimits = "coverage";
-    /// Share of rectangles in the variance, up to which their sum with the rest is a normal to 0.1
-    /// % of k.
+    /// Share of rectangles in the variance up to which their density is not evaluated: their sum
+    /// with the rest is then a normal to 0.1 % of k.
     least_share: f64 = 0.1;
     /// Cells of the rectangles' density: one is 0.8 % of their reach to either side, and within it
     /// the sum is a line.

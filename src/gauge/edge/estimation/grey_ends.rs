@@ -16,28 +16,33 @@ use crate::numerics::robust::upper_median;
 limits! {
     /// What separates the end of a grey scale from a level that has a few equal pixels.
     GreyEndLimits = "grey_ends";
-    /// Columns looked at before anything looks clipped.
+    /// Columns looked at before anything looks clipped: five flat pixels each, which miss a share
+    /// of `at_one` once in 120 (0.985³²⁰).
     glance_columns: usize = 64;
     /// Share of the flat pixels that may lie beyond an end: hot pixels. Less than this clipped
     /// moves a level by 0.016 standard deviations.
     beyond: f64 = 0.04;
-    /// Share of the flat pixels at one grey value from which on it may be an end.
+    /// Share of the flat pixels at one grey value from which on it may be an end. Tuned: see study
+    /// limits.
     at_one: f64 = 0.015;
-    /// Times as many pixels at an end as in the step before it.
+    /// Times as many pixels at an end as in the step before it: a tail that is not clipped has
+    /// fewer in each further step, and half as many more leave room for chance.
     piled: f64 = 1.5;
     /// Pixels expected beyond an end, none seen, that are evidence of it: chance leaves none of ten
     /// once in 20 000.
     expected: f64 = 10.0;
     /// Share of the pixels expected beyond an end that may be seen there: hot ones.
     seen: f64 = 0.2;
-    /// Fewest pairs of pixels from which a noise is estimated.
+    /// Fewest pairs of pixels from which a noise is estimated: a variance from 32 is known to
+    /// √(2/32), a quarter.
     least_pairs: usize = 32;
-    /// Largest number of flat pixels evaluated.
+    /// Largest number of flat pixels evaluated: a variance from them is known to √(2/4096) = 2 %.
     most_pixels: usize = 4096;
     /// Scatter that counts as noise, in steps of the grey scale: a level half-way between two steps
     /// toggles under the least noise: √(1/4 − 1/12) = 0.41 are left without rounding's own.
     least_noise_steps: f64 = 0.45;
-    /// Scatter that counts as noise where the grey scale has no step, of the contrast.
+    /// Scatter that counts as noise where the grey scale has no step, of the contrast: below, the
+    /// part's own drift through the pixels scatters as much (`soft_knee.least_noise`).
     least_noise_contrast: f64 = 1e-3;
 }
 

@@ -20,7 +20,8 @@ limits! {
     /// Difference of the steps tried, counts: a step that is off by half of it moves its 512th
     /// multiple by half a count.
     finest: f64 = 1.0 / 512.0;
-    /// Probability with which grey values of a scale of single counts show a larger step by chance.
+    /// False-alarm probability: grey values of a scale of single counts show a larger step by
+    /// chance in one frame of 10⁴.
     chance: f64 = 1e-4;
     /// Distance from a multiple of the step, in steps and of that multiple, up to which a float is
     /// one: what conversions to f32 and back leave is far less. Tuned: see study limits.

@@ -34,8 +34,8 @@ limits! {
     /// Least width of a column over the least diameter, which the part has in the median of its
     /// columns: a groove may be narrower than the part. Tuned: see study limits.
     neck: f64 = 0.8;
-    /// Share of the columns with both edges from which on the search by two levels has found all of
-    /// a part, and the second search is saved. Tuned: see study limits.
+    /// Share of the columns with both edges from which on the second search is saved: 1/`more`,
+    /// since no search can find that many more columns than the frame has.
     whole: f64 = 0.98;
     /// Share of the columns that a shadow between light must have where the frame has no two
     /// levels: a speck in a field whose part reaches beyond the border is no part. Tuned: see study
@@ -43,7 +43,7 @@ limits! {
     least_between: f64 = 0.25;
     /// Columns that the search between light must find over those that the search by two levels
     /// found: as many and two in a hundred, since both find the same part within a few columns of
-    /// its ends. Tuned: see study limits.
+    /// its ends, ten of 512.
     more: f64 = 1.02;
     /// Columns in which light inside the shadow is looked for: a line along the part crosses most
     /// of them, and a share of a half is known to 9 % from 32.
@@ -52,7 +52,7 @@ limits! {
     /// of 2 px.
     edge_rows: usize = 8;
     /// Rows, at least, in which the shadow itself is looked for inside a stretch of dimmed light. A
-    /// bound of time alone: mist of more rows hides a part. Tuned: see study limits.
+    /// bound of time alone: mist of more rows hides a part.
     inwards: usize = 256;
 }
 

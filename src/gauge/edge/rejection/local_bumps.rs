@@ -32,9 +32,9 @@ limits! {
     /// Departure from the neighbourhood that is contamination, in robust standard deviations of the
     /// same comparison at n places elsewhere: noise gives it in 6·10⁻⁵ of the blocks.
     limit: f64 = 4.0;
-    /// A standard deviation from few places is uncertain, so that the limit is 1 + few/n times
-    /// higher: of n places it is known to 1/√(2n) at best, a median to less. Tuned: see study
-    /// limits.
+    /// A standard deviation from n places is uncertain, so that the limit is 1 + few/n times
+    /// higher: as Student's t is wider than the normal distribution at one false-alarm probability,
+    /// by (z² + 1)/(4n) to first order (Cornish-Fisher), 4.25/n at z = 4.
     few: f64 = 4.0;
     /// Factor of the limit in a field known to be contaminated, whose prior probability is higher.
     /// Tuned: see study limits.
@@ -45,8 +45,8 @@ limits! {
     /// Fewest places elsewhere from which that standard deviation is estimated: of two the median
     /// is the larger one.
     least_places: usize = 3;
-    /// Share of a departure down to which the neighbouring blocks belong to it. Tuned: see study
-    /// limits.
+    /// Share of a departure down to which the neighbouring blocks belong to it: as for the extent
+    /// of a bump (`bump_extent.base`).
     flank: f64 = 0.2;
     /// Every how many columns are read for the noise of a block: it hardly varies along the field.
     every: usize = 4;

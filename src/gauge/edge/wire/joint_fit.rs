@@ -53,7 +53,8 @@ limits! {
     /// Pixels on both sides of the wire that the light's field is estimated from, px: more rows
     /// then show it than the widest wire of 24 px hides.
     field_px: f64 = 20.0;
-    /// Most knots of the light along the wire beside the field. Tuned: see study limits.
+    /// Most knots of the light along the wire beside the field: five halvings of the two ends'
+    /// distance, each of which must be worth the penalty of its knots (`levels.knot_penalty`).
     most_knots: usize = 33;
     /// Fewest pixels from which a zone's noise is estimated: the standard deviation by a median of
     /// 64 is known to 1.17/√64 = 15 %.

@@ -31,7 +31,8 @@ limits! {
     /// Relative standard deviation of half a pitch, up to which it is that of a thread or knurl:
     /// blocks of five columns leave 1.4 px of ten or more.
     most_uneven: f64 = 0.3;
-    /// Shortest such stretch, columns: of fine threads it has more crests. Tuned: see study limits.
+    /// Shortest such stretch, columns: the widest mean's (`largest_value.widest_mean`), so that the
+    /// largest value of a fine thread is no more local than a cylinder's.
     shortest: f64 = 65.0;
 }
 
