@@ -3,8 +3,11 @@
 //! The sectors' departures from the nominal radius are smoothed by penalised least squares (second
 //! differences; E. T. Whittaker, Proc. Edinburgh Math. Soc. 41 (1923) 63), the weight of the
 //! penalty by generalised cross-validation (P. Craven, G. Wahba, Numer. Math. 31 (1979) 377). A
-//! hull over noise reaches too far: draws of the sectors' noise about the smooth contour give the
-//! bias, which is taken off, and the covariance.
+//! hull over noise reaches too far, and smoothing takes off corners: draws of the sectors' noise
+//! about the smooth contour, smoothed again, give the bias, which is taken off. What is taken off
+//! for smoothing depends on the measured contour: with H the smoother, the noise of the result is
+//! that of 2H − H² (twicing; J. W. Tukey, Exploratory Data Analysis (1977)), larger than that of H,
+//! and the covariance is of draws by it.
 
 use glam::DVec2;
 use nalgebra::{DMatrix, DVector};
@@ -52,21 +55,25 @@ pub(super) fn support(
     let smooth = &hat * &departures;
     let hull = Hull::new(path);
     let plain = hull.values(&smooth);
+    let twiced = &hat * 2.0 - &hat * &hat;
     let mut random = rand_pcg::Pcg64::seed_from_u64(0);
     let (m, draws) = (plain.len(), limits.draws);
-    let (mut sum, mut products) = (DVector::zeros(m), DMatrix::zeros(m, m));
+    let (mut sum, mut twiced_sum) = (DVector::zeros(m), DVector::zeros(m));
+    let mut products = DMatrix::zeros(m, m);
     for _ in 0..draws {
         let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
         let common: [f64; SHARED] = std::array::from_fn(|_| draw());
         let drawn = noise.iter().map(|n| n.own * draw() + product(&n.shared, &common));
         let drawn = DVector::from_iterator(noise.len(), drawn.collect::<Vec<f64>>());
-        let off = hull.values(&(&hat * (&smooth + drawn))) - &plain;
+        sum += hull.values(&(&hat * (&smooth + &drawn))) - &plain;
+        let off = hull.values(&(&smooth + &twiced * drawn)) - &plain;
         products += &off * off.transpose();
-        sum += off;
+        twiced_sum += off;
     }
-    let bias = sum / draws as f64;
+    let (bias, mean) = (sum / draws as f64, twiced_sum / draws as f64);
     // of what is taken off for bias half stays uncertain: it is that of the smooth contour
-    let mut covariance = products / draws as f64 - &bias * bias.transpose() * 0.75;
+    let mut covariance =
+        products / draws as f64 - &mean * mean.transpose() + &bias * bias.transpose() * 0.25;
     add_edges(path, &hull, &mut covariance);
     let step_px = path.nominal_px * path.step_rad();
     let own: Vec<f64> = noise.iter().map(|n| n.own).collect();

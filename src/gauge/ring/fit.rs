@@ -11,7 +11,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::edge_fit::{Begun, Caliper, EdgeFit, POOLED, Variance};
 use super::edge_pixels::{Band, EdgePixel};
-use super::model::square_edge;
+use super::model::{Sample, square_edge};
 use crate::gauge::edge::estimation::censored::{Censored, Ends};
 use crate::gauge::edge::estimation::grey_ends::robust_mean;
 use crate::gauge::edge::estimation::rounding::{noise_behind, repeated_variance};
@@ -104,6 +104,9 @@ struct State<const P: usize> {
     clipped: Option<Clipped>,
     /// Relative standard uncertainty of the noise in the light where it is clipped.
     noise_known_to: f64,
+    /// The edge in every pixel of every caliper at the present blur and shifts; empty where they
+    /// have changed since. Noise, judgement and the step after them need the same ones.
+    edges: Vec<Vec<Sample>>,
 }
 
 /// Where the edge of one caliper stands in its sector.
@@ -124,14 +127,15 @@ struct Clipped {
     separated: ShapeTerms,
 }
 
-/// A pixel's model value, its derivatives (pooled, shift), and its share of light.
+/// A pixel's model value, its derivatives (pooled, shift), and its share of light; `e` is the edge
+/// in it.
 fn model<const P: usize>(
     pixel: &EdgePixel,
+    mut e: Sample,
     p: &Vector<P>,
     shift: f64,
     separated: Option<&ShapeTerms>,
 ) -> (f64, Vector<P>, f64, f64) {
-    let mut e = square_edge(pixel.distance - shift, pixel.cos, pixel.sin, p[SIGMA]);
     let (x, y) = (pixel.x, pixel.y);
     let dark = p[0] + p[1] * x + p[2] * y;
     let contrast = p[3] + p[4] * x + p[5] * y;
@@ -180,6 +184,7 @@ impl<const P: usize> State<P> {
             least_variance,
             clipped: ends.map(|ends| Clipped { ends, seen: light - dark, separated: ShapeTerms::default() }),
             noise_known_to: 0.0,
+            edges: Vec::new(),
         })
     }
 
@@ -208,7 +213,27 @@ impl<const P: usize> State<P> {
         }
     }
 
-    fn sums(&self, pixels: &[EdgePixel], shift: f64) -> Sums<P> {
+    /// Computes the edge in every pixel where blur and shifts have changed.
+    fn evaluate(&mut self, band: &Band) {
+        if !self.edges.is_empty() {
+            return;
+        }
+        let sigma = self.pooled[SIGMA];
+        let of = |(pixels, at): (&Vec<EdgePixel>, &SectorFit)| {
+            let edge = |p: &EdgePixel| square_edge(p.distance - at.shift, p.cos, p.sin, sigma);
+            pixels.iter().map(edge).collect()
+        };
+        self.edges = band.sectors.iter().zip(&self.sectors).map(of).collect();
+    }
+
+    /// Sums of every caliper, at the present parameters.
+    fn all_sums(&mut self, band: &Band) -> Vec<Sums<P>> {
+        self.evaluate(band);
+        (0..band.sectors.len()).map(|k| self.sums(&band.sectors[k], k)).collect()
+    }
+
+    fn sums(&self, pixels: &[EdgePixel], caliper: usize) -> Sums<P> {
+        let shift = self.sectors[caliper].shift;
         let limits = RingFitLimits::get();
         let mut s = Sums {
             normal: Matrix::<P>::zeros(),
@@ -221,9 +246,9 @@ impl<const P: usize> State<P> {
             stray: 0,
             by_noise: (Vector::<P>::zeros(), 0.0),
         };
-        for pixel in pixels {
+        for (pixel, edge) in pixels.iter().zip(&self.edges[caliper]) {
             let separated = self.clipped.as_ref().map(|c| &c.separated);
-            let (value, by_pooled, by_shift, light) = model(pixel, &self.pooled, shift, separated);
+            let (value, by_pooled, by_shift, light) = model(pixel, *edge, &self.pooled, shift, separated);
             let variance = self.variance.at(light);
             let deviation = variance.sqrt();
             let (mut residual, mut information, mut between, mut expected) =
@@ -255,8 +280,7 @@ impl<const P: usize> State<P> {
     /// `None` if the equations are singular.
     fn step(&mut self, band: &Band) -> Option<f64> {
         let limits = RingFitLimits::get();
-        let sums: Vec<Sums<P>> =
-            band.sectors.iter().zip(&self.sectors).map(|(pixels, at)| self.sums(pixels, at.shift)).collect();
+        let sums = self.all_sums(band);
         let (mut normal, mut right) = (Matrix::<P>::zeros(), Vector::<P>::zeros());
         for (s, _) in sums.iter().zip(&self.sectors).filter(|(s, at)| at.good && s.own > 0.0) {
             normal += s.normal - s.cross * s.cross.transpose() / s.own;
@@ -272,6 +296,7 @@ impl<const P: usize> State<P> {
         let scale = (POOLED..P).fold(scale, |scale, k| scale.min(tame(full[k], 2.0 * amplitude)));
         let change = full * scale;
         self.pooled += change;
+        self.edges.clear();
         if let Some(clipped) = self.clipped.as_ref().filter(|_| P == SHAPED) {
             self.pooled[3] = self.pooled[3].clamp(0.3 * clipped.seen, limits.most_contrast * clipped.seen);
         }
@@ -294,17 +319,19 @@ impl<const P: usize> State<P> {
     /// it, h = w·(∂m/∂δ)²/Σw·(∂m/∂δ)².
     fn estimate_variance(&mut self, band: &Band) {
         let limits = RingFitLimits::get();
+        self.evaluate(band);
         let mut zones = [Vec::new(), Vec::new(), Vec::new()];
         let ends = self.clipped.map_or(Ends::NONE, |c| c.ends);
         let separated = self.clipped.as_ref().map(|c| &c.separated);
         let mut evaluated = Vec::new();
-        for (pixels, at) in band.sectors.iter().zip(&self.sectors).filter(|(_, at)| at.good) {
+        let calipers = band.sectors.iter().zip(&self.sectors).zip(&self.edges);
+        for ((pixels, at), edges) in calipers.filter(|((_, at), _)| at.good) {
             let shift = at.shift;
             let informed = |light: f64, by_shift: f64| by_shift * by_shift / self.variance.at(light);
-            let inside = pixels.iter().filter(|p| p.value > ends.low && p.value < ends.high);
+            let inside = |(p, _): &(&EdgePixel, &Sample)| p.value > ends.low && p.value < ends.high;
             evaluated.clear();
-            evaluated.extend(inside.map(|pixel| {
-                let (value, _, by_shift, light) = model(pixel, &self.pooled, shift, separated);
+            evaluated.extend(pixels.iter().zip(edges).filter(inside).map(|(pixel, edge)| {
+                let (value, _, by_shift, light) = model(pixel, *edge, &self.pooled, shift, separated);
                 (pixel.value - value, informed(light, by_shift), light)
             }));
             let own: f64 = evaluated.iter().map(|(_, informed, _)| informed).sum();
@@ -350,16 +377,19 @@ impl<const P: usize> State<P> {
         (repeated(dark) * by_dark * by_dark + repeated(light) * lever[3] * lever[3]).sqrt()
     }
 
+    /// Which calipers are good.
+    fn goods(&self) -> Vec<bool> {
+        self.sectors.iter().map(|at| at.good).collect()
+    }
+
     /// Refuses calipers whose residuals do not look like an edge, or whose edge departs from the
     /// neighbours'.
     fn judge(&mut self, band: &Band, outlier_sigmas: f64) {
         let limits = RingFitLimits::get();
-        let judged: Vec<(f64, f64)> = band
-            .sectors
+        let judged: Vec<(f64, f64)> = self
+            .all_sums(band)
             .iter()
-            .zip(&self.sectors)
-            .map(|(pixels, at)| {
-                let s = self.sums(pixels, at.shift);
+            .map(|s| {
                 if s.pixels < 5.0 || s.own <= 0.0 || s.stray > limits.most_stray {
                     return (f64::INFINITY, f64::INFINITY);
                 }
@@ -422,7 +452,7 @@ pub(in crate::gauge) fn fit_edge_from(
         state.pooled = Vector::from(begun.pooled);
         state.variance = begun.variance;
     }
-    settle(start, band, outlier_sigmas)
+    settle(start, band, outlier_sigmas, true)
 }
 
 /// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0; `ends`
@@ -434,8 +464,8 @@ pub(in crate::gauge) fn fit_edge(
     ends: Option<Ends>,
 ) -> Result<EdgeFit, String> {
     match ends {
-        None => settle(State::<POOLED>::start(band, least_variance, None), band, outlier_sigmas),
-        Some(_) => settle(State::<SHAPED>::start(band, least_variance, ends), band, outlier_sigmas),
+        None => settle(State::<POOLED>::start(band, least_variance, None), band, outlier_sigmas, false),
+        Some(_) => settle(State::<SHAPED>::start(band, least_variance, ends), band, outlier_sigmas, false),
     }
 }
 
@@ -443,6 +473,7 @@ fn settle<const P: usize>(
     start: Option<State<P>>,
     band: &Band,
     outlier_sigmas: f64,
+    begun: bool,
 ) -> Result<EdgeFit, String> {
     let limits = RingFitLimits::get();
     let mut state = start.ok_or("no light on its outer side, or no shadow on its inner")?;
@@ -461,12 +492,17 @@ fn settle<const P: usize>(
                 break;
             }
         }
+        let before = (state.variance, state.goods());
         state.estimate_variance(band);
         // Calipers that still move are not tested: all of them do while the light beyond the end is
         // being estimated.
         if round + 1 < rounds && (P == POOLED || settled < limits.settled) {
             // Not after the last round: the equations have been solved for these calipers.
             state.judge(band, outlier_sigmas);
+        }
+        // a further round would solve the same equations: the same calipers, weighted alike
+        if begun && settled < 1e-5 && state.goods() == before.1 && state.variance.is_like(&before.0) {
+            break;
         }
     }
     if P == SHAPED
@@ -485,7 +521,7 @@ fn settle<const P: usize>(
     if settled > 1e-4 {
         return Err(format!("the fit does not settle (last change {settled:.1e} px)"));
     }
-    finish(&state, band).ok_or_else(|| singular.to_owned())
+    finish(&mut state, band).ok_or_else(|| singular.to_owned())
 }
 
 /// Variance along a lever with the shape terms fixed.
@@ -496,9 +532,8 @@ fn known_shape<const P: usize>(normal: &Matrix<P>, lever: &Vector<P>) -> Option<
 }
 
 /// Uncertainties from the inverse of the normal equations, pooled parameters and shifts together.
-fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
-    let sums: Vec<Sums<P>> =
-        band.sectors.iter().zip(&state.sectors).map(|(p, at)| state.sums(p, at.shift)).collect();
+fn finish<const P: usize>(state: &mut State<P>, band: &Band) -> Option<EdgeFit> {
+    let sums = state.all_sums(band);
     let (mut normal, mut lever, mut own, mut count) = (Matrix::<P>::zeros(), Vector::<P>::zeros(), 0.0, 0.0);
     let mut by_noise = (Vector::<P>::zeros(), 0.0);
     for (s, _) in sums.iter().zip(&state.sectors).filter(|(_, at)| at.good) {
