@@ -44,6 +44,7 @@ use std::ffi::OsString;
 use std::io::Write as _;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use failure::{CommandResult, Outcome};
@@ -153,7 +154,11 @@ fn write_manual(arguments: &man::ManArgs) -> CommandResult {
 /// Arguments, the program's name first; ends the process with a message where they are refused.
 fn arguments(given: impl IntoIterator<Item = OsString>) -> Arguments {
     let mut command = command();
-    let mut matches = command.try_get_matches_from_mut(given).unwrap_or_else(|error| error.exit());
+    let given: Vec<OsString> = given.into_iter().collect();
+    let mut matches = command.try_get_matches_from_mut(&given).unwrap_or_else(|error| {
+        let refusal = study::unsplit::refusal(&given).filter(|_| error.kind() == ErrorKind::UnknownArgument);
+        refusal.map_or(error, |text| command.error(ErrorKind::UnknownArgument, text)).exit()
+    });
     Arguments::from_arg_matches_mut(&mut matches).unwrap_or_else(|error| error.format(&mut command).exit())
 }
 

@@ -50,6 +50,31 @@ fn joined_shards_print_what_the_unsplit_study_prints() {
     }
 }
 
+/// `study machine-coverage` of few machines.
+const MACHINES: [&str; 6] =
+    ["machine-coverage", "configs/machine_coverage.toml", "--machines", "4", "--json", "--seed=3"];
+
+#[test]
+fn machines_joined_print_what_the_unsplit_study_prints() {
+    let whole = study(&MACHINES, &[]);
+    let folder = tempfile::tempdir().unwrap();
+    let joined = merge(&shards(&MACHINES, 3, folder.path()));
+    // four machines may lie outside 94 to 96 %: whichever it is, merge says the same
+    assert!(matches!(whole.status.code(), Some(0 | 1)), "{}", said(&whole));
+    assert_eq!(joined.status.code(), whole.status.code(), "{}", said(&joined));
+    assert_eq!(text(&joined.stdout), text(&whole.stdout));
+}
+
+#[test]
+fn studies_that_cannot_be_split_are_refused_with_the_reason() {
+    for (name, reason) in [("nose", "one generator"), ("controllers", "--shafts"), ("washers", "images")] {
+        let output = shadowgauge(["study", name, "--shard", "1/2"]);
+        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+        assert!(said(&output).contains(reason), "{name}: {}", said(&output));
+        assert!(said(&output).contains("machine-coverage"), "{name}: {}", said(&output));
+    }
+}
+
 #[test]
 fn a_shard_that_is_there_is_left_and_one_that_was_lost_is_made_again() {
     let folder = tempfile::tempdir().unwrap();

@@ -26,7 +26,7 @@ from .errors import MissingPackage, StudyError
 from .studies import command
 
 #: Studies that can be split.
-STUDIES = ("coverage", "contamination")
+STUDIES = ("contamination", "coverage", "machine-coverage")
 
 #: Shards a worker where nothing is said: enough that the last ones to end leave few idle.
 SHARDS_A_WORKER = 8

@@ -2,12 +2,15 @@
 
 use std::path::PathBuf;
 
+use super::shard::ShardArgs;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, json_text};
 use crate::cli::terminal::progress;
 use crate::config;
 use crate::identification::IdentificationConfig;
-use crate::studies::machine_coverage::{CoverageRow, MachineCoverage, machine_coverage};
+use crate::setting::SettingError;
+use crate::studies::machine_coverage::{CoverageRow, MachineCoverage, MachineCoveragePlan, machine_coverage};
+use crate::studies::sharding::SceneStudy as _;
 
 /// Arguments of `study machine-coverage`.
 #[derive(Debug, clap::Args)]
@@ -27,25 +30,52 @@ pub(crate) struct StudyMachineCoverageArgs {
     /// Print JSON.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    sharding: ShardArgs,
 }
 
+<<<<<<< ours
 /// Runs the study; exit 1 where the share of all figures together lies outside 94 to 96 %, through
 /// frames by more than twice its standard deviation.
+=======
+/// Runs the study, or one of its shards; exit 1 where the share of all figures together lies outside
+/// 94 to 96 %.
+>>>>>>> theirs
 ///
 /// # Errors
 /// Exit 2 for a config that is refused.
 pub(crate) fn run(args: &StudyMachineCoverageArgs) -> CommandResult {
     let text = ConfigText::read(&args.config)?;
     let config: IdentificationConfig = text.parse()?;
+<<<<<<< ours
     let job = args.frames.as_deref().map(config::load).transpose().map_err(Failure::refused)?;
     let bar = progress::bar(u64::from(args.machines), "drawing and identifying", "machines");
     let found = machine_coverage(&config, args.machines, args.seed, job.as_ref(), &|| bar.inc(1))
         .map_err(|e| if e.key.starts_with("--") { Failure::refuse(e) } else { text.refuse_at(e) })?;
+=======
+    let plan = MachineCoveragePlan { config, machines: args.machines, seed: args.seed };
+    let refused =
+        |e: SettingError| if e.key.starts_with("--") { Failure::refuse(e) } else { text.refuse_at(e) };
+    plan.bench().map_err(refused)?;
+    if let Some(shard) = args.sharding.run(&plan) {
+        return shard;
+    }
+    let bar = progress::bar(u64::from(args.machines), "drawing and identifying", "machines");
+    let found = machine_coverage(&plan, &|| bar.inc(1)).map_err(refused)?;
+>>>>>>> theirs
     bar.finish_and_clear();
-    if args.json {
-        say_line!("{}", json_text(&found)?);
+    say(&found, args.json)
+}
+
+/// Prints the study.
+///
+/// # Errors
+/// Figures that JSON cannot represent.
+pub(super) fn say(found: &MachineCoverage, json: bool) -> CommandResult {
+    if json {
+        say_line!("{}", json_text(found)?);
     } else {
-        print(&found);
+        print(found);
     }
     Ok(if found.holds() { Outcome::Done } else { Outcome::OutOfTolerance })
 }

@@ -4,10 +4,11 @@
 use std::path::PathBuf;
 
 use super::shard::read;
-use super::{contamination, coverage};
+use super::{contamination, coverage, machine_coverage};
 use crate::cli::failure::{CommandResult, Failure};
 use crate::studies::contamination_plan::ContaminationPlan;
 use crate::studies::coverage::CoveragePlan;
+use crate::studies::machine_coverage::MachineCoveragePlan;
 use crate::studies::sharding::{SceneStudy, joined};
 
 /// Arguments of `study merge`.
@@ -38,11 +39,16 @@ pub(crate) fn run(args: &StudyMergeArgs) -> CommandResult {
             let (plan, outcomes) = joined::<ContaminationPlan>(&shards).map_err(Failure::refuse)?;
             contamination::say(&plan.result(&outcomes), args.json)
         }
+        MachineCoveragePlan::NAME => {
+            let (plan, machines) = joined::<MachineCoveragePlan>(&shards).map_err(Failure::refuse)?;
+            machine_coverage::say(&plan.result(&machines), args.json)
+        }
         other => Err(Failure::refuse(format!(
-            "{}: a shard of the study {other:?}, which this version cannot split; it splits {} and {}",
+            "{}: a shard of the study {other:?}, which this version cannot split; it splits {}, {} and {}",
             args.files.first().map(|file| file.display().to_string()).unwrap_or_default(),
             CoveragePlan::NAME,
-            ContaminationPlan::NAME
+            ContaminationPlan::NAME,
+            MachineCoveragePlan::NAME
         ))),
     }
 }

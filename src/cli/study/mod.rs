@@ -25,6 +25,7 @@ mod shard;
 mod stability;
 mod tool;
 mod uncertainty;
+pub(crate) mod unsplit;
 mod washers;
 
 use clap::Subcommand;

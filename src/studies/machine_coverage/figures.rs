@@ -1,5 +1,9 @@
 //! What of a machine is compensated, as identified and as it is.
 
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+
 use crate::identification::head_geometry::of_identified;
 use crate::identification::{Identification, IdentificationConfig};
 use crate::machine::conditions::{Conditions, Direction};
@@ -10,10 +14,11 @@ use crate::setting::SettingError;
 const PLACES: usize = 9;
 
 /// A compensated value against the truth, µm.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Off {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Off {
     /// Which figure.
-    pub figure: &'static str,
+    pub figure: Cow<'static, str>,
     /// As compensated less as it is.
     pub off_um: f64,
     /// Its standard uncertainty.
@@ -75,7 +80,7 @@ impl Machine<'_> {
         let true_at = |[x, z]: [f64; 2]| self.true_shift(&self.truth.tool(x, z))[along];
         let truth = true_at(at) - true_at(set);
         Off {
-            figure: name,
+            figure: name.into(),
             off_um: 1e3 * scale * (own.value - truth),
             u_um: 1e3 * scale * own.u,
             uncompensated_um: 1e3 * scale * truth,
@@ -117,7 +122,7 @@ impl Machine<'_> {
             let place = geometry.at(station.point_mm.z)?;
             let truth = -self.true_shift(&station)[1];
             Some(Off {
-                figure: "head along Y",
+                figure: "head along Y".into(),
                 off_um: 1e3 * (place.axis_y_mm - truth),
                 u_um: 1e3 * place.u_axis_y_mm,
                 uncompensated_um: 1e3 * truth,

@@ -5,6 +5,7 @@
 //! In: a plan of readings as `calibrate machine` takes it, a number of machines, a seed, and the
 //! job of a camera whose frames the midlines are read in, where `frames` asks for it. Out:
 //! [`MachineCoverage`], the share of figures within U = 2u of the truth, figure by figure. `drawn`
+<<<<<<< ours
 //! draws a machine, `frames` are its midlines through frames, `figures` are what is compensated.
 //! The identification gets the text of the readings alone. A machine has the errors that the plan
 //! seeks and no others: what is not sought is in no uncertainty, and is named in `machine.json`.
@@ -12,10 +13,19 @@
 mod drawn;
 mod figures;
 mod frames;
+=======
+//! draws a machine, `figures` are what is compensated, `plan` numbers the machines. The identification gets the text of the
+//! readings alone. A machine has the errors that the plan seeks and no others: what is not sought
+//! is in no uncertainty, and is named in `machine.json`.
 
-use rayon::prelude::*;
+mod drawn;
+mod figures;
+mod plan;
+>>>>>>> theirs
+
 use serde::Serialize;
 
+<<<<<<< ours
 use self::figures::{Off, compensated};
 use self::frames::midline_text;
 use super::machine_readings::SimulatedMachine;
@@ -23,11 +33,16 @@ use crate::identification::instrument::Instrument;
 use crate::identification::{IdentificationConfig, checked_set, identify};
 use crate::job::Job;
 use crate::setting::{SettingError, require};
+=======
+use self::figures::Off;
+use super::sharding::{SceneStudy, outcomes};
+use crate::setting::SettingError;
+
+pub(crate) use self::plan::MachineCoveragePlan;
+>>>>>>> theirs
 
 /// Shares that a coverage of 95 % may have, per cent.
 const WANTED_PERCENT: [f64; 2] = [94.0, 96.0];
-/// Most machines: ten times what separates 95 from 95.5 %.
-const MOST_MACHINES: u32 = 100_000;
 
 /// A compensated figure over all machines.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -80,6 +95,7 @@ impl MachineCoverage {
 /// A config that cannot be right, a set without a plan of its own, readings that do not hold what
 /// is sought, frames asked of a plan without a midline, a job that cannot run on the machine.
 pub(crate) fn machine_coverage(
+<<<<<<< ours
     config: &IdentificationConfig,
     machines: u32,
     seed: u64,
@@ -157,6 +173,13 @@ fn of_machine(
     let sets: Result<Vec<_>, SettingError> = (0..config.readings.len()).map(set).collect();
     let found = identify(config, &sets?)?;
     compensated(config, &found, &truth)
+=======
+    plan: &MachineCoveragePlan,
+    done: &(dyn Fn() + Sync),
+) -> Result<MachineCoverage, SettingError> {
+    plan.bench()?;
+    Ok(plan.result(&outcomes(plan, &(), 0..plan.scenes(), done)?))
+>>>>>>> theirs
 }
 
 fn row(figure: &str, values: &[&Off]) -> CoverageRow {

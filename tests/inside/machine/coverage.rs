@@ -5,14 +5,18 @@ use std::path::Path;
 
 use crate::config;
 use crate::identification::IdentificationConfig;
-use crate::studies::machine_coverage::{MachineCoverage, machine_coverage};
+use crate::studies::machine_coverage::{MachineCoverage, MachineCoveragePlan, machine_coverage};
 
 const PLAN: &str = include_str!("../../../configs/machine_coverage.toml");
 const FRAMES: &str = include_str!("../../../configs/machine_coverage_frames.toml");
 
 fn covered(plan: &str, machines: u32, seed: u64) -> MachineCoverage {
     let config: IdentificationConfig = toml::from_str(plan).unwrap();
+<<<<<<< ours
     machine_coverage(&config, machines, seed, None, &|| {}).unwrap()
+=======
+    machine_coverage(&MachineCoveragePlan { config, machines, seed }, &|| {}).unwrap()
+>>>>>>> theirs
 }
 
 #[test]
@@ -37,7 +41,11 @@ fn stated_uncertainties_hold_over_machines_of_the_class() {
 fn plans_that_draw_nothing_are_refused() {
     let refused = |plan: &str, machines: u32| {
         let config: IdentificationConfig = toml::from_str(plan).unwrap();
+<<<<<<< ours
         machine_coverage(&config, machines, 1, None, &|| {}).unwrap_err().to_string()
+=======
+        machine_coverage(&MachineCoveragePlan { config, machines, seed: 1 }, &|| {}).unwrap_err().to_string()
+>>>>>>> theirs
     };
     assert!(refused(PLAN, 0).contains("--machines"));
     let read = PLAN.replace("radius_mm = 20.0", "radius_mm = 20.0\nfile = \"my.csv\"").replacen(
