@@ -489,4 +489,30 @@ mod tests {
             assert!((f64::from(x) / stated - 1.0).abs() < 0.05, "σ {sigma}: {x} for {stated}");
         }
     }
+
+    /// Light whose logarithm falls 1.6 times as steeply to the farther pixels as to the far ones is
+    /// bent, one that falls 2.6 times as steeply is something else.
+    #[test]
+    fn light_that_bends_by_more_than_its_own_fall_is_other_light() {
+        let mut windows = Windows::new(Side::Bottom);
+        windows.flat = 4;
+        (windows.dark, windows.light) = (vec![0.0; 8], vec![1.0; 8]);
+        windows.centre = vec![Ok(50); 8];
+        let near = apart(windows.flat);
+        let far = near + LevelGradientLimits::get().farther_px as f32;
+        let bend = |ratio: f32| {
+            let slope = 0.3 / far;
+            let change = Change {
+                counts: (slope * near).exp_m1(),
+                farther: (ratio * slope * far).exp_m1(),
+                scatter: 0.0,
+                farther_scatter: 0.0,
+                ..Change::of(&mut [])
+            };
+            change.bend(&windows, 0..8)
+        };
+        let (slope, bent, _) = bend(1.6).unwrap();
+        assert!((slope * far - 0.3).abs() < 1e-4 && (bent * (far - near) * far - 0.18).abs() < 1e-4);
+        assert!(bend(2.6).is_none());
+    }
 }

@@ -139,3 +139,36 @@ fn level_if_stuck<T: Sample>(
 fn share_of(part: usize, all: usize) -> f64 {
     part as f64 / all.max(1) as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gauge::edge::image::scan_windows::Side;
+
+    /// Whether the middle one of three rows is stuck that departs from both others by half of the
+    /// contrast in so many of sixty columns, and lies between them in the rest.
+    fn is_stuck(departing: usize) -> bool {
+        let columns = 60;
+        let middle = |k: usize| if k < departing { 150.0 + k as f32 } else { 50.0 };
+        let pixels: Vec<f32> = (0..3 * columns)
+            .map(|i| match i / columns {
+                0 => 40.0,
+                1 => middle(i % columns),
+                _ => 60.0,
+            })
+            .collect();
+        let plane =
+            Plane { pixels: &pixels, rows: 3, columns, row_stride: columns, column_stride: 1, sign: 1.0 };
+        let mut windows = Windows::new(Side::Bottom);
+        windows.centre = vec![Ok(1); columns];
+        level_if_stuck(&plane, &windows, 1, (4, 180.0)).is_some()
+    }
+
+    /// Along a slanted edge a stuck value lies between its neighbours in a few columns in a hundred;
+    /// a row that does so in one column of seven is alive.
+    #[test]
+    fn a_stuck_row_departs_in_nearly_all_columns() {
+        assert!(is_stuck(56));
+        assert!(!is_stuck(51));
+    }
+}

@@ -115,3 +115,21 @@ pub(crate) fn reject_uncertain(line: &mut [Edge]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An edge of clipped light may be known to 2 px in a window that reaches 3 px to its side, not
+    /// to 4 px; one without such a reason to a third of a pixel, not to 0.7 px.
+    #[test]
+    fn an_edge_that_is_known_too_badly_is_none() {
+        let edge = |u_own_px, state| Edge { row_px: 9.0, u_own_px, u_shared_px: 0.0, chi2: 1.0, state };
+        let impaired = EdgeState::Impaired(Reason::Saturated);
+        let good = EdgeState::Good;
+        let mut line =
+            [(2.0, impaired), (4.0, impaired), (0.33, good), (0.7, good)].map(|(u, state)| edge(u, state));
+        reject_uncertain(&mut line);
+        assert_eq!(line.map(|e| e.is_usable()), [true, false, true, false]);
+    }
+}

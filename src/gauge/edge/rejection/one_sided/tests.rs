@@ -100,3 +100,15 @@ mod bumps {
         }
     }
 }
+
+/// Noise and hot pixels refuse less than one edge in twenty-five; a field of which contamination
+/// hides seven columns in a hundred counts as contaminated.
+#[test]
+fn a_field_is_contaminated_where_seven_columns_in_a_hundred_are_hidden() {
+    let hidden = |count: usize| {
+        let (mut top, bottom) = lines(|_| 500.0, |_| 300.0);
+        top[..count].fill(Edge::gap(Reason::Outlier));
+        is_contaminated(&top, &bottom)
+    };
+    assert!(!hidden(512 * 4 / 100) && hidden(512 * 7 / 100));
+}
