@@ -108,6 +108,25 @@ pub(crate) fn csv_text<T: serde::Serialize>(rows: &[T]) -> Result<Vec<u8>, Failu
     writer.into_inner().map_err(Failure::fail)
 }
 
+/// A row of a table of moves: the programmed point as a program's text commands it.
+#[derive(serde::Serialize)]
+pub(crate) struct MoveRow {
+    from_diameter_mm: f64,
+    from_z_mm: f64,
+    to_diameter_mm: f64,
+    to_z_mm: f64,
+    /// `rapid`, `roughing` or `finishing`.
+    kind: &'static str,
+}
+
+impl MoveRow {
+    /// A move between two places (X radius, Z), mm.
+    pub(crate) fn new(from: glam::DVec2, to: glam::DVec2, kind: &'static str) -> Self {
+        let (from_diameter_mm, to_diameter_mm) = (2.0 * from.x, 2.0 * to.x);
+        Self { from_diameter_mm, from_z_mm: from.y, to_diameter_mm, to_z_mm: to.y, kind }
+    }
+}
+
 /// A value as pretty JSON.
 ///
 /// # Errors

@@ -23,18 +23,30 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'u
 const REPORT_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; \
                              frame-ancestors 'self'; base-uri 'none'; form-action 'none'; sandbox allow-scripts";
 
+/// Who asks, for the audit: the name of the token, `page` without tokens.
+#[derive(Clone, Debug)]
+pub(super) struct Who(pub String);
+
+/// What those who operate may change; the rest of what is stored is set up.
+const OPERATED: [&str; 2] = ["/api/runs", "/api/programs"];
+
 /// Lets through what is allowed, and adds the headers.
 pub(super) async fn guard(
     Extract(state): Extract<Shared>,
-    request: Request,
+    mut request: Request,
     next: Next,
 ) -> Result<Response, Problem> {
     check_host(&state.settings, request.headers())?;
-    let needed = needed(&state.settings, request.method(), request.headers())?;
-    let role = role(&state.settings, request.headers())?;
+    let needed = needed(&state.settings, (request.method(), request.uri().path()), request.headers())?;
+    let (role, who) = role(&state.settings, request.headers())?;
     if role < needed {
-        return Err(Problem::new(StatusCode::FORBIDDEN, "this token may read, and not change"));
+        let words = match needed {
+            Role::SetUp => "this token may not change what is stored: role set_up may",
+            _ => "this token may read, and not change",
+        };
+        return Err(Problem::new(StatusCode::FORBIDDEN, words));
     }
+    request.extensions_mut().insert(who);
     let is_report = request.uri().path().ends_with("/report");
     let mut response = next.run(request).await;
     let policy = if is_report { REPORT_POLICY } else { POLICY };
@@ -69,7 +81,11 @@ fn check_host(settings: &ServeSettings, headers: &HeaderMap) -> Result<(), Probl
 }
 
 /// The role that a request needs; a change must come from this page.
-fn needed(settings: &ServeSettings, method: &Method, headers: &HeaderMap) -> Result<Role, Problem> {
+fn needed(
+    settings: &ServeSettings,
+    (method, path): (&Method, &str),
+    headers: &HeaderMap,
+) -> Result<Role, Problem> {
     if matches!(*method, Method::GET | Method::HEAD) {
         return Ok(Role::View);
     }
@@ -81,16 +97,17 @@ fn needed(settings: &ServeSettings, method: &Method, headers: &HeaderMap) -> Res
     if text(headers, CHANGES).is_none() || !is_ours {
         return Err(Problem::new(StatusCode::FORBIDDEN, format!("a change needs the header {CHANGES}: 1")));
     }
-    Ok(Role::Operate)
+    let operates = OPERATED.iter().any(|operated| path.starts_with(operated));
+    Ok(if operates { Role::Operate } else { Role::SetUp })
 }
 
 /// The role of who asks: all of it on this machine where no tokens are set.
-fn role(settings: &ServeSettings, headers: &HeaderMap) -> Result<Role, Problem> {
-    let Some(tokens) = &settings.tokens else { return Ok(Role::SetUp) };
+fn role(settings: &ServeSettings, headers: &HeaderMap) -> Result<(Role, Who), Problem> {
+    let Some(tokens) = &settings.tokens else { return Ok((Role::SetUp, Who("page".to_owned()))) };
     let given = text(headers, header::AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
     let given = given.or_else(|| cookie(headers)).unwrap_or_default();
     let found = tokens.token.iter().find(|token| equal(token.token.as_bytes(), given.as_bytes()));
-    found.map(|token| token.role).ok_or_else(|| {
+    found.map(|token| (token.role, Who(token.name.clone()))).ok_or_else(|| {
         Problem::new(StatusCode::UNAUTHORIZED, "a token is needed: Authorization: Bearer …, or on the page")
     })
 }

@@ -5,8 +5,8 @@ use axum::extract::{Query, State as Extract};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
+use super::off_thread::off_thread;
 use super::problem::{Problem, Words};
-use super::runs::off_thread;
 use super::state::Shared;
 use crate::gauge::calibration::Date;
 use crate::store::{Store, StoredRow, Utc};

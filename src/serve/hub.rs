@@ -51,6 +51,12 @@ impl Hub {
         let _ = self.lines.send(invalid(why).into());
     }
 
+    /// Whether the last frame is no reading of now.
+    pub(super) fn is_dead(&self, stale: Duration) -> bool {
+        let now = self.now.lock().unwrap_or_else(PoisonError::into_inner);
+        now.ended.is_some() || now.frame.as_ref().is_none_or(|(_, at)| at.elapsed() > stale)
+    }
+
     /// What a reader sees first, and what comes then. A frame that is older than `stale` is none.
     pub(super) fn join(&self, stale: Duration) -> (Option<Arc<str>>, broadcast::Receiver<Arc<str>>) {
         let coming = self.lines.subscribe();

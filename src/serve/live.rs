@@ -5,19 +5,19 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::State as Extract;
-use axum::http::StatusCode;
+use axum::http::{StatusCode, header};
+use axum::response::IntoResponse;
 use axum::response::sse::{Event, KeepAlive, Sse};
 use futures_util::stream::{Stream, unfold};
 use tokio::sync::broadcast::{Receiver, error::RecvError};
 
-use super::child::{self, LONGEST_LINE};
+use super::child::{self, LONGEST_LINE, add_words};
+use super::off_thread::off_thread;
 use super::problem::{Problem, Words};
 use super::state::Shared;
 
 /// Age from which a frame is no reading of now, as `watch` has it by default.
 const STALE: Duration = Duration::from_secs(1);
-/// Characters of the log's end that are kept: a sentence or two.
-const LOG_END: usize = 400;
 /// Pause before a source that has ended is watched again.
 const AGAIN: Duration = Duration::from_secs(2);
 
@@ -25,6 +25,9 @@ const AGAIN: Duration = Duration::from_secs(2);
 pub(super) async fn watch(state: Shared) {
     let Some((source, more)) = &state.settings.source else { return };
     let mut arguments = vec!["watch".to_owned(), source.clone(), "--json".to_owned()];
+    if let Some(picture) = &state.picture {
+        arguments.extend(["--picture".to_owned(), picture.path().to_string_lossy().into_owned()]);
+    }
     arguments.extend(more.iter().cloned());
     let mut ends = state.ends.clone();
     loop {
@@ -67,20 +70,6 @@ async fn watched(state: &Shared, arguments: &[String]) -> String {
     }
 }
 
-/// Adds a line of the log to its end, without what draws it on a terminal.
-fn add_words(log: &mut String, line: &str) {
-    let words: Vec<&str> = line.split(|c: char| c.is_whitespace() || "×│├╰─▶".contains(c)).collect();
-    for word in words.into_iter().filter(|word| !word.is_empty()) {
-        if !log.is_empty() {
-            log.push(' ');
-        }
-        log.push_str(word);
-    }
-    if let Some((start, _)) = log.char_indices().rev().nth(LOG_END) {
-        log.drain(..start);
-    }
-}
-
 /// Frames and events of the source, as they come.
 #[utoipa::path(get, path = "/api/live", responses((status = 200, body = String, content_type = "text/event-stream"), (status = 503, body = Words)))]
 pub(super) async fn live(
@@ -114,4 +103,25 @@ async fn newest(coming: &mut Receiver<Arc<str>>) -> Option<Arc<str>> {
             Err(RecvError::Closed) => return None,
         }
     }
+}
+
+/// The newest frame with its edges.
+///
+/// The body: the length of a JSON text (32 bits, little-endian), that text and an 8-bit PNG, all of
+/// the same frame. The text has `frame` (its number in the lines of `/api/live`), `rows` and
+/// `columns` of the camera, `column_step` (columns from one of the PNG to the next; it has every
+/// row), `grey_full_scale` in counts, and `top_px` and `bottom_px`: the row of each edge in every
+/// column of the PNG, null in a gap, empty where the frame was refused.
+#[utoipa::path(get, path = "/api/live/picture", responses((status = 200, body = Vec<u8>, content_type = "application/octet-stream"), (status = 404, body = Words)))]
+pub(super) async fn picture(Extract(state): Extract<Shared>) -> Result<impl IntoResponse, Problem> {
+    let none = || Problem::absent("no frame yet: is a source watched (--source)?");
+    if state.hub.is_dead(STALE) {
+        return Err(Problem::absent("no frame of now"));
+    }
+    let bytes = off_thread(move || {
+        let picture = state.picture.as_ref().ok_or_else(none)?;
+        std::fs::read(picture.path()).map_err(|_| none())
+    })
+    .await?;
+    Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes))
 }

@@ -8,22 +8,37 @@
 //!
 //! Bottom to top: `problem` (refusals with their status), `settings` (what is served, to whom),
 //! `child`, `hub` (live lines to all readers, newest wins), `jobs` (runs that were started),
-//! `state` (all of these), `access` (who may do what, headers), `runs`, `history`, `live` (the
-//! routes), `page` (files compiled in), `server`. One more route is a function in its file with a
+//! `workshop` (where programs and readings are made, `making` of them), `picture_file` (the newest
+//! frame), `state` (all of these), `access` (who may do what, headers), `files` (uploads by their
+//! digest), `documents` (what the store has by name); the routes `runs`, `history`, `live`,
+//! `machines`, `products`, `tools`, `programs` (with `changed` and `drawn`: what differs, what is
+//! drawn); `page` (files compiled in), `server`. One more route is a function in its file with a
 //! line in `server::router` and one in `server::Documented`.
 
 mod access;
+mod changed;
 mod child;
+mod documents;
+mod drawn;
+mod files;
 mod history;
 mod hub;
 mod jobs;
 mod live;
+mod machines;
+mod making;
+mod off_thread;
 mod page;
+mod picture_file;
 mod problem;
+mod products;
+mod programs;
 mod runs;
 mod server;
 mod settings;
 mod state;
+mod tools;
+mod workshop;
 
 #[cfg(test)]
 pub(crate) use runs::named_file;

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::jobs::JobStatus;
+use super::off_thread::off_thread;
 use super::problem::{Problem, Words};
 use super::state::Shared;
 use crate::run_folder::{PassRow, RunFolder, StationRow};
@@ -36,6 +37,11 @@ pub(super) struct Page {
 impl Page {
     fn default_limit() -> usize {
         50
+    }
+
+    /// Entries before it, and in it.
+    pub(super) fn bounds(&self) -> (usize, usize) {
+        (self.offset, self.limit.min(MOST_ON_A_PAGE))
     }
 }
 
@@ -124,13 +130,6 @@ fn folder(state: &Shared, run: &str) -> Result<PathBuf, Problem> {
     let all = folders(state)?;
     let found = all.into_iter().find(|(name, _)| name == run);
     found.map(|(_, path)| path).ok_or_else(|| Problem::absent(format!("no run {run:?}")))
-}
-
-/// Does what waits for a disk on a thread of its own.
-pub(super) async fn off_thread<T: Send + 'static>(
-    work: impl FnOnce() -> Result<T, Problem> + Send + 'static,
-) -> Result<T, Problem> {
-    tokio::task::spawn_blocking(work).await.map_err(Problem::failed)?
 }
 
 fn is_finished(path: &std::path::Path) -> bool {

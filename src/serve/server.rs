@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use axum::http::StatusCode;
-use axum::routing::{get, post};
+use axum::extract::DefaultBodyLimit;
+use axum::routing::{MethodRouter, delete, get, post, put};
 use axum::{Json, Router, middleware};
 use thiserror::Error;
 use tokio::net::TcpListener;
@@ -21,10 +22,17 @@ use super::problem::Problem;
 use super::runs::LONGEST_CONFIG;
 use super::settings::ServeSettings;
 use super::state::{MOST_STREAMS, Shared, State};
-use super::{access, history, live, page, runs};
+use super::making::Making;
+use super::picture_file::PictureFile;
+use super::products::LARGEST_MODEL;
+use super::tools::LARGEST_IMAGE;
+use super::workshop::Workshop;
+use super::{access, files, history, live, machines, page, products, programs, runs, tools};
 
 /// Time that an answer may take; a day out of ten million stations takes less than a tenth of it.
 const ANSWERED: Duration = Duration::from_secs(30);
+/// Time that an upload with its reading may take: a minute of work behind others.
+const MEASURED: Duration = Duration::from_secs(120);
 /// How often the end is looked for.
 const LOOKS: Duration = Duration::from_millis(50);
 /// Time that open connections have at the end.
@@ -70,13 +78,38 @@ pub(crate) struct Server {
         runs::stop,
         history::history,
         history::checked,
-        live::live
+        live::live,
+        live::picture,
+        products::list,
+        products::add,
+        products::model,
+        products::contour,
+        products::remove,
+        tools::list,
+        tools::add,
+        tools::image,
+        tools::overlay,
+        tools::remove,
+        machines::list,
+        machines::add,
+        machines::show,
+        machines::change,
+        machines::remove,
+        programs::list,
+        programs::make,
+        programs::show,
+        programs::nc,
+        programs::path
     )
 )]
 pub(super) struct Documented;
 
-fn router(state: Shared) -> Router {
-    let answers = Router::new()
+/// Runs, history and the files of the page.
+fn watched() -> Router<Shared> {
+    let files = page::FILES.iter().fold(Router::new(), |router, file| {
+        router.route(file.path, get(move || async move { page::answer(file) }))
+    });
+    files
         .route("/api/openapi.json", get(|| async { Json(Documented::openapi()) }))
         .route("/api/runs", get(runs::list).post(runs::start))
         .route("/api/runs/{run}", get(runs::show))
@@ -86,18 +119,49 @@ fn router(state: Shared) -> Router {
         .route("/api/jobs", get(runs::jobs))
         .route("/api/history", get(history::history))
         .route("/api/store", get(history::checked))
-        .route("/", get(page::index))
-        .route("/page.js", get(page::script))
-        .route("/page.css", get(page::style))
-        .route("/uplot.js", get(page::plot_script))
-        .route("/uplot.css", get(page::plot_style))
-        .route("/uplot.txt", get(page::plot_licence))
+        .route("/api/live/picture", get(live::picture))
+}
+
+/// Products, tools, machines and programs of them.
+fn made() -> Router<Shared> {
+    Router::new()
+        .route("/api/products", get(products::list).post(products::add))
+        .route("/api/products/{name}", delete(products::remove))
+        .route("/api/products/{name}/contour", get(products::contour))
+        .route("/api/tools", get(tools::list).post(tools::add))
+        .route("/api/tools/{name}", delete(tools::remove))
+        .route("/api/tools/{name}/overlay", get(tools::overlay))
+        .route("/api/machines", get(machines::list).post(machines::add))
+        .route(
+            "/api/machines/{name}",
+            get(machines::show).put(machines::change).delete(machines::remove),
+        )
+        .route("/api/programs", get(programs::list).post(programs::make))
+        .route("/api/programs/{id}", get(programs::show))
+        .route("/api/programs/{id}/nc", get(programs::nc))
+        .route("/api/programs/{id}/path", get(programs::path))
+}
+
+/// Uploads, each with its own limit.
+fn uploads() -> Router<Shared> {
+    let limited = |route: MethodRouter<Shared>, bytes| route.layer(DefaultBodyLimit::max(bytes));
+    Router::new()
+        .route("/api/products/{name}/model", limited(put(products::model), LARGEST_MODEL))
+        .route("/api/tools/{name}/images", limited(post(tools::image), LARGEST_IMAGE))
+        .layer(RequestBodyLimitLayer::new(LARGEST_IMAGE))
+        .layer(TimeoutLayer::with_status_code(StatusCode::SERVICE_UNAVAILABLE, MEASURED))
+}
+
+fn router(state: Shared) -> Router {
+    let answers = watched()
+        .merge(made())
         .layer(TimeoutLayer::with_status_code(StatusCode::SERVICE_UNAVAILABLE, ANSWERED));
     Router::new()
         .route("/api/live", get(live::live))
         .merge(answers)
         .fallback(|| async { Problem::absent("no such page; the routes are in /api/openapi.json") })
         .layer(RequestBodyLimitLayer::new(LONGEST_CONFIG))
+        .merge(uploads())
         .layer(middleware::from_fn_with_state(Arc::clone(&state), access::guard))
         .with_state(state)
 }
@@ -130,13 +194,18 @@ impl Server {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         runtime.block_on(async {
             let (end, ends) = watch::channel(false);
+            let picture = self.settings.source.as_ref().map(|_| PictureFile::new()).transpose()?;
             let state = Arc::new(State {
                 settings: self.settings,
+                workshop: Workshop::new(),
+                making: Making::default(),
+                picture,
                 hub: Hub::new(),
                 jobs: Jobs::default(),
                 streams: Arc::new(Semaphore::new(MOST_STREAMS)),
                 ends,
             });
+            files::clear_jobs(&state);
             tokio::spawn(live::watch(Arc::clone(&state)));
             let listener = TcpListener::from_std(self.listener)?;
             let stop = Arc::clone(stop);

@@ -6,7 +6,10 @@ use tokio::sync::{Semaphore, watch};
 
 use super::hub::Hub;
 use super::jobs::Jobs;
+use super::making::Making;
+use super::picture_file::PictureFile;
 use super::settings::ServeSettings;
+use super::workshop::Workshop;
 
 /// Open event streams at most: each holds a connection for as long as its page is open.
 pub(super) const MOST_STREAMS: usize = 100;
@@ -17,6 +20,10 @@ pub(super) struct State {
     pub settings: ServeSettings,
     pub hub: Hub,
     pub jobs: Jobs,
+    pub workshop: Workshop,
+    pub making: Making,
+    /// Where the source's newest frame is; none without a source.
+    pub picture: Option<PictureFile>,
     pub streams: Arc<Semaphore>,
     /// Becomes true at the end.
     pub ends: watch::Receiver<bool>,

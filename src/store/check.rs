@@ -102,9 +102,11 @@ impl ByAudit {
         if link.what == PRUNE {
             let before = link.key.parse().map_or(Utc(i64::MIN), Utc);
             self.pruned_before = Some(self.pruned_before.map_or(before, |b| b.max(before)));
+        } else if let Some(new) = &link.new {
+            self.newest.insert((link.what.clone(), link.key.clone()), (link.utc, new.clone()));
         } else {
-            let new = link.new.clone().unwrap_or_default();
-            self.newest.insert((link.what.clone(), link.key.clone()), (link.utc, new));
+            // taken out, and the audit says so
+            self.newest.remove(&(link.what.clone(), link.key.clone()));
         }
     }
 

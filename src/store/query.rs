@@ -1,11 +1,11 @@
 //! Reading: stations by the time of their pass.
 
-use rusqlite::params;
+use rusqlite::{OptionalExtension as _, params};
 use serde::Serialize;
 
 use super::database::Store;
 use super::error::StoreError;
-use super::row::StationToStore;
+use super::row::{EntryKind, StationToStore};
 use super::utc::Utc;
 
 /// A station with what it belongs to.
@@ -72,6 +72,39 @@ impl Store {
                 });
             }
             Ok(())
+        };
+        read().map_err(|e: rusqlite::Error| self.failure(&e))
+    }
+
+    /// A document by its name.
+    ///
+    /// # Errors
+    /// As [`Self::stations_between`].
+    pub(crate) fn entry(&self, kind: EntryKind, key: &str) -> Result<Option<String>, StoreError> {
+        let sql = "SELECT document FROM entries WHERE kind = ?1 AND key = ?2";
+        let read = self.db.query_row(sql, [kind.as_str(), key], |row| row.get(0)).optional();
+        read.map_err(|e| self.failure(&e))
+    }
+
+    /// Documents of a kind, by their names, and how many there are in all.
+    ///
+    /// # Errors
+    /// As [`Self::stations_between`].
+    pub(crate) fn entries(
+        &self,
+        kind: EntryKind,
+        (offset, limit): (usize, usize),
+    ) -> Result<(usize, Vec<String>), StoreError> {
+        let read = || {
+            let (count, page) = (
+                "SELECT count(*) FROM entries WHERE kind = ?1",
+                "SELECT document FROM entries WHERE kind = ?1 ORDER BY key LIMIT ?2 OFFSET ?3",
+            );
+            let total: i64 = self.db.query_row(count, [kind.as_str()], |row| row.get(0))?;
+            let mut query = self.db.prepare_cached(page)?;
+            let bounds = params![kind.as_str(), limit as i64, offset as i64];
+            let all = query.query_map(bounds, |row| row.get(0))?.collect::<rusqlite::Result<Vec<String>>>()?;
+            Ok((total.max(0).cast_unsigned() as usize, all))
         };
         read().map_err(|e: rusqlite::Error| self.failure(&e))
     }

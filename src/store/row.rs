@@ -16,6 +16,14 @@ pub(crate) enum EntryKind {
     Tool,
     /// A calibration; its key is the digest of its document.
     Calibration,
+    /// What a page makes programs for: an outline, or a model with its card.
+    Product,
+    /// An insert in its holder, with what was measured of it.
+    Insert,
+    /// A machine: control and limits.
+    Machine,
+    /// A program that was made, with what it was made from.
+    Program,
 }
 
 impl EntryKind {
@@ -24,6 +32,10 @@ impl EntryKind {
             Self::Part => "part",
             Self::Tool => "tool",
             Self::Calibration => "calibration",
+            Self::Product => "product",
+            Self::Insert => "insert",
+            Self::Machine => "machine",
+            Self::Program => "program",
         }
     }
 }

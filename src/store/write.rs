@@ -5,7 +5,7 @@ use rusqlite::{Connection, OptionalExtension as _, params};
 use super::audit;
 use super::database::{Store, classified};
 use super::error::StoreError;
-use super::row::{Change, Entry, PassToStore, RunToStore};
+use super::row::{Change, Entry, EntryKind, PassToStore, RunToStore};
 use super::utc::Utc;
 
 /// What became of a pass.
@@ -38,6 +38,18 @@ impl Store {
         let (path, who) = (self.path.clone(), self.who.clone());
         let change = self.change()?;
         put(&change, &who, entry).and_then(|()| change.commit()).map_err(|e| classified(&path, &e))
+    }
+
+    /// Takes a document out; the audit keeps it. Whether it was there.
+    ///
+    /// # Errors
+    /// As [`Self::put`].
+    pub(crate) fn take_out(&mut self, kind: EntryKind, key: &str) -> Result<bool, StoreError> {
+        let (path, who) = (self.path.clone(), self.who.clone());
+        let change = self.change()?;
+        let taken = taken_out(&change, &who, (kind.as_str(), key));
+        let taken = taken.and_then(|was_there| change.commit().map(|()| was_there));
+        taken.map_err(|e| classified(&path, &e))
     }
 
     /// Stores passes of a run in one transaction, the run too where it is new: all of them are
@@ -82,6 +94,15 @@ fn put(db: &Connection, who: &str, entry: &Entry) -> rusqlite::Result<()> {
     ])?;
     let (old, new) = (old.as_deref(), Some(entry.document.as_str()));
     audit::add(db, &Change { utc, who, what: kind, key: &entry.key, old, new })
+}
+
+fn taken_out(db: &Connection, who: &str, (kind, key): (&str, &str)) -> rusqlite::Result<bool> {
+    let sql = "DELETE FROM entries WHERE kind = ?1 AND key = ?2 RETURNING document";
+    let old: Option<String> = db.query_row(sql, [kind, key], |row| row.get(0)).optional()?;
+    let Some(old) = old else { return Ok(false) };
+    let (utc, old) = (Utc::now(), Some(old.as_str()));
+    audit::add(db, &Change { utc, who, what: kind, key, old, new: None })?;
+    Ok(true)
 }
 
 /// The row of a run, which is made where it is new.

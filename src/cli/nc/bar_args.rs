@@ -27,6 +27,9 @@ pub(crate) struct BarArgs {
     /// Draw part, path and what is left into this file.
     #[arg(long, value_name = "FILE.svg")]
     pub(super) svg: Option<PathBuf>,
+    /// Write its moves, as the text commands them, into this table.
+    #[arg(long, value_name = "FILE.csv")]
+    pub(super) moves: Option<PathBuf>,
 }
 
 /// Depth of rough cuts, allowance and facing where none is stated, mm: usual for steel with a nose
@@ -44,6 +47,7 @@ impl BarArgs {
             ("--facing", self.facing.is_some()),
             ("--from-z", self.from_z.is_some()),
             ("--svg", self.svg.is_some()),
+            ("--moves", self.moves.is_some()),
         ];
         match given.iter().find(|(_, is_given)| *is_given) {
             None => Ok(()),

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use super::args::{Form, NcArgs};
 use super::machine_data::in_file;
 use crate::cli::failure::Failure;
-use crate::cli::input_output::ConfigText;
+use crate::cli::input_output::{ConfigText, MoveRow, csv_text};
 use crate::cli::run::model::ModelTool;
 use crate::files::OutputFile;
-use crate::nc::NcSettings;
+use crate::nc::{NcSettings, ToolMove};
 use crate::nose::NoseProfile;
 use crate::part_program::{PartPlan, PartProgram, PartProgramError, Reason};
 use crate::report::plot::{Chart, Mark, Series};
@@ -46,6 +46,16 @@ pub(super) fn program(args: &NcArgs) -> Result<(String, Vec<PathBuf>), Failure> 
     if let Some(path) = &args.bar.svg {
         let svg = picture(&written, plan.stock_mm).map_err(Failure::fail)?;
         OutputFile::claim(path, inputs.clone())?.write(svg.as_bytes())?;
+    }
+    if let Some(path) = &args.bar.moves {
+        let kind = |m: &ToolMove| match (m.rapid, m.roughing) {
+            (true, _) => "rapid",
+            (false, true) => "roughing",
+            (false, false) => "finishing",
+        };
+        let rows: Vec<MoveRow> =
+            written.moves.iter().map(|m| MoveRow::new(m.from, m.to, kind(m))).collect();
+        OutputFile::claim(path, inputs.clone())?.write(&csv_text(&rows)?)?;
     }
     Ok((written.text, inputs))
 }

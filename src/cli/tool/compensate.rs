@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::{pictures, words};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
-use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
+use crate::cli::input_output::{ConfigText, MoveRow, StudyFolder, csv_text, json_text};
 use crate::config;
 use crate::nc::{
     Bore, ContourProgram, Dialect, Direction, NcError, NcSettings, NoseRegister, Workpiece, WrittenContour,
@@ -128,7 +128,7 @@ pub(crate) fn run(args: &CompensateArgs) -> CommandResult {
     let program = written.as_ref().map(|written| written.text.as_str());
     StudyFolder::fill(folder, |folder| {
         folder.write("compensation.json", (json_text(&document)? + "\n").as_bytes())?;
-        write(folder, &inputs.outline, &tried, (done, program))
+        write(folder, &inputs.outline, &tried, (done, written.as_ref()))
     })?;
     if args.json {
         say_line!("{}", json_text(&document)?);
@@ -152,14 +152,16 @@ fn write(
     folder: &StudyFolder,
     outline: &Outline,
     tried: &Tried,
-    (done, program): (&Compensated, Option<&str>),
+    (done, written): (&Compensated, Option<&WrittenContour>),
 ) -> Result<(), Failure> {
     let left: Vec<(Way, &[Remainder])> =
         tried.iter().filter_map(|(way, found)| Some((*way, found.as_ref().ok()?.1.as_slice()))).collect();
     folder.write("left.csv", &csv_text(&left_rows(&left))?)?;
     folder.write("path.csv", &csv_text(&path_rows(&done.programmed))?)?;
-    if let Some(program) = program {
-        folder.write("program.nc", program.as_bytes())?;
+    if let Some(WrittenContour { text, moves }) = written {
+        folder.write("program.nc", text.as_bytes())?;
+        let rows: Vec<MoveRow> = moves.iter().map(|m| MoveRow::new(m.0, m.1, "finishing")).collect();
+        folder.write("moves.csv", &csv_text(&rows)?)?;
     }
     let svg = pictures::left(&left, outline).map_err(Failure::fail)?;
     folder.write("left.svg", svg.as_bytes())?;

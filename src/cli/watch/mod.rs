@@ -5,7 +5,7 @@
 //! measurement by `live_conditions`). Out: on a terminal one line of the present diameter that is
 //! written over again, on stdout a line a part, or with `--json` a line a frame and a line an event
 //! (`shown`); an alarm with its command (`on_alarm`, run by `shell`); counts at the end; the frames
-//! themselves (`recorded`), results and bad frames (`saved`); a page to set the gauge up by
+//! themselves (`recorded`), results and bad frames (`saved`); the newest frame for a page (`picture`); a page to set the gauge up by
 //! (`setup_page`).
 //! `session` takes the events of the source and measures; what is computed beside the measurement
 //! is in [`measurement::watch`](crate::measurement), where one more figure goes.
@@ -13,6 +13,7 @@
 mod condition_args;
 mod live_conditions;
 mod on_alarm;
+mod picture;
 #[cfg(feature = "mcap")]
 mod recorded;
 mod saved;
@@ -28,6 +29,7 @@ use std::time::Duration;
 use self::condition_args::ConditionArgs;
 use self::live_conditions::LiveConditions;
 use self::on_alarm::OnAlarm;
+use self::picture::Picture;
 #[cfg(feature = "mcap")]
 use self::recorded::Recording;
 use self::saved::Saved;
@@ -125,6 +127,10 @@ pub(crate) struct WatchArgs {
     /// invalid or not good as 16-bit PNG in frames/, as the source gave them, with frames.csv.
     #[arg(long, value_name = "DIR")]
     save: Option<PathBuf>,
+    /// Keeps the newest frame with its edges in this file, five times a second, for a page that
+    /// shows it (docs/serve.md).
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
     /// Most frames that are saved; further ones are counted.
     #[arg(long, value_name = "N", requires = "save", default_value_t = 200)]
     save_frames: u32,
@@ -268,6 +274,7 @@ fn beside(args: &WatchArgs, calibration: Option<&Calibration>) -> Result<Beside,
         on_alarm: OnAlarm::new(args.on_alarm.clone()),
         conditions: LiveConditions::open(&args.conditions)?,
         setup: args.setup.then(|| SetupPage::new(of)),
+        picture: args.picture.as_deref().map(Picture::begin).transpose()?,
     })
 }
 
@@ -287,6 +294,7 @@ fn session_settings(args: &WatchArgs, calibration: Option<&Calibration>) -> Sess
         stale: args.stale_s,
         name: shown_name(args),
         turning: args.turning,
+        vertical: args.vertical,
         scale: calibration.map_or(1.0, |c| c.scale_mm_per_px),
         corrects: setup.is_some_and(|setup| setup.flat_field.is_some()),
     }

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::live_conditions::{LiveConditions, TakenConditions};
 use super::on_alarm::OnAlarm;
+use super::picture::{Picture, Pictured};
 use super::setup_page::{PageOf, SetupPage};
 use super::shown::{Missed, Now, Shown, ShownFrame};
 use crate::cli::failure::Failure;
@@ -43,6 +44,8 @@ pub(super) struct SessionSettings {
     pub(super) name: String,
     /// Whether what must agree are means of whole turns, by the frames' angles.
     pub(super) turning: bool,
+    /// Whether the shaft stands upright in the images.
+    pub(super) vertical: bool,
     /// Scale of the profile: mm per pixel, or 1 in pixels.
     pub(super) scale: f64,
     /// Whether frames are corrected by a flat field: what is saved is the frame before.
@@ -57,6 +60,8 @@ pub(super) struct Beside {
     pub(super) conditions: LiveConditions,
     /// The page of `--setup`.
     pub(super) setup: Option<SetupPage>,
+    /// The picture of `--picture`.
+    pub(super) picture: Option<Picture>,
 }
 
 /// How a session ended.
@@ -199,6 +204,7 @@ impl<'a> Session<'a> {
         let measured = self.measure(frame, &meta, &remarks);
         let t_s = self.now_s();
         self.set_up(t_s, measured.as_ref(), &meta);
+        self.picture(t_s, measured.as_ref(), meta.sequence);
         let saved = self.save(meta.sequence, || raw.or_else(|| measured.clone()));
         if let Some(frame) = measured {
             slot.give_back(frame);
@@ -273,6 +279,16 @@ impl<'a> Session<'a> {
         let of = PageOf { frame, meta, edges: self.stream.edges(), refusal };
         let keys = page.look(t_s, &of, !self.shown.is_json());
         self.shown.set_up(keys);
+    }
+
+    /// Keeps the frame for a page, where it is time.
+    fn picture(&mut self, t_s: f64, frame: Option<&Frame>, number: u64) {
+        let (Some(picture), Some(frame)) = (&mut self.beside.picture, frame) else { return };
+        if picture.is_due(t_s) {
+            let view = frame.view();
+            let view = if self.settings.vertical { view.transposed() } else { view };
+            picture.show(t_s, Pictured { number, view, edges: self.stream.edges() });
+        }
     }
 
     /// Saves the frame that was measured last where it is invalid or not good; its file.

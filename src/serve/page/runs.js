@@ -1,0 +1,61 @@
+"use strict";
+// Runs: the list, those that were started here, one of them.
+
+function runs() {
+  const list = element("tbody"), jobs = element("div"), more = element("p");
+  const filter = element("input", { id: "filter", oninput: () => { offset = 0; load(); } });
+  let offset = 0;
+  const name = element("input", { id: "name", maxlength: "64", required: "" });
+  const config = element("textarea", { id: "config", spellcheck: "false", required: "" });
+  const form = element("form", { onsubmit: async (event) => {
+    event.preventDefault();
+    try {
+      await api("runs", { method: "POST", body: JSON.stringify({ run: name.value, config: config.value }) });
+      said(); form.reset(); load();
+    } catch (error) { said(error); }
+  } }, element("label", { for: "name" }, "Name"), name, element("label", { for: "config" }, "Config (TOML)"), config, element("p", {}, element("button", {}, "Start")));
+  main.replaceChildren(
+    element("h1", {}, "Runs"),
+    element("label", { for: "filter" }, "Names that contain"), filter,
+    element("div", { class: "scroll" }, element("table", {}, element("thead", {}, element("tr", {}, ...["run", "passes", "largest error / µm", "state"].map((t) => element("th", { scope: "col" }, t)))), list)),
+    more, jobs,
+    element("details", {}, element("summary", {}, "Start a simulated run"), form));
+  const act = (run, what) => element("button", { onclick: () => api(`runs/${encodeURIComponent(run)}/${what}`, { method: "POST" }).then(() => { said(); load(); }, said) }, what);
+  async function load() {
+    try {
+      const answer = await api(`runs?offset=${offset}&limit=50&name=${encodeURIComponent(filter.value)}`);
+      const started = await api("jobs");
+      list.replaceChildren(...answer.runs.map((r) => element("tr", {},
+        element("td", {}, element("a", { href: "#run/" + encodeURIComponent(r.run) }, r.run)),
+        element("td", {}, String(r.passes)),
+        element("td", {}, r.max_abs_error_mm === null ? "–" : number(1e3 * r.max_abs_error_mm, 2)),
+        element("td", {}, r.finished ? "finished" : started.some((j) => j.run === r.run && j.running) ? "running" : "unfinished"))));
+      const step = (to, text) => element("button", { onclick: () => { offset = to; load(); } }, text);
+      more.replaceChildren(`${answer.total} runs `, offset > 0 ? step(Math.max(0, offset - 50), "earlier") : null || "", offset + 50 < answer.total ? step(offset + 50, "later") : "");
+      jobs.replaceChildren(...started.map((j) => element("section", {}, element("h2", {}, j.run), element("p", {}, j.running ? "running " : `ended (${j.exit ?? "stopped"}) `, j.running ? act(j.run, "stop") : act(j.run, "resume")), element("pre", {}, j.log.slice(-8).join("\n")))));
+    } catch (error) { said(error); }
+  }
+  load();
+  const timer = setInterval(load, 2000);
+  return () => clearInterval(timer);
+}
+
+async function run(name) {
+  const detail = await api("runs/" + encodeURIComponent(name));
+  const plots = [];
+  const rows = detail.passes.map((p) => element("tr", {}, ...[p.pass, number(p.nominal_mm, 3), number(1e3 * p.max_abs_error_mm, 2), p.decision].map((t) => element("td", {}, String(t)))));
+  main.replaceChildren(
+    element("h1", {}, name),
+    element("p", {}, detail.finished ? element("a", { href: `api/runs/${encodeURIComponent(name)}/report` }, "Report") : "unfinished"),
+    element("div", { class: "scroll" }, element("table", {}, element("thead", {}, element("tr", {}, ...["pass", "nominal / mm", "largest error / µm", "decision"].map((t) => element("th", { scope: "col" }, t)))), element("tbody", {}, ...rows))));
+  for (const p of detail.passes) {
+    const place = element("div", { class: "plot", role: "img", "aria-label": `Pass ${p.pass}: measured minus nominal along z` });
+    main.append(element("h2", {}, `Pass ${p.pass}: measured − nominal`), place);
+    const error = p.d_mm.map((d) => (d === null ? null : 1e3 * (d - p.nominal_mm)));
+    const band = p.u_mm.map((v) => (v === null ? null : 2e3 * v));
+    plots.push(plot(place, p.z_mm, error, band, { xLabel: "z / mm", yLabel: "error / µm", digits: 2 }));
+  }
+  main.append(element("details", {}, element("summary", {}, "Config"), element("pre", {}, detail.config)));
+  return () => plots.forEach((p) => p.end());
+}
+
