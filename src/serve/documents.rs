@@ -30,7 +30,9 @@ pub(super) fn check_name(name: &str) -> Result<(), Problem> {
     if is_short && name.chars().all(is_plain) && !name.starts_with('.') {
         return Ok(());
     }
-    Err(Problem::refused(format!("name {name:?}: 1 to {LONGEST_NAME} letters, digits, -, _ and ., no . first")))
+    Err(Problem::refused(format!(
+        "name {name:?}: 1 to {LONGEST_NAME} letters, digits, -, _ and ., no . first"
+    )))
 }
 
 fn path(state: &Shared) -> Result<&std::path::Path, Problem> {

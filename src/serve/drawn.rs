@@ -89,9 +89,8 @@ mod tests {
         points.push([corner[0] + 3.0, corner[1]]);
         let kept = thinned(&points);
         assert!(kept.len() < 200 && kept.contains(&corner), "{}", kept.len());
-        let nearest = |p: &[f64; 2]| {
-            kept.windows(2).map(|w| distance_mm(*p, w[0], w[1])).fold(f64::INFINITY, f64::min)
-        };
+        let nearest =
+            |p: &[f64; 2]| kept.windows(2).map(|w| distance_mm(*p, w[0], w[1])).fold(f64::INFINITY, f64::min);
         assert!(points.iter().all(|p| nearest(p) <= WITHIN_MM));
     }
 }

@@ -120,8 +120,6 @@ pub(super) async fn remove(
     Extension(who): Extension<Who>,
     Path(name): Path<String>,
 ) -> Result<StatusCode, Problem> {
-    off_thread(move || {
-        documents::remove::<Machine>(&state, &who, &name).map(|()| StatusCode::NO_CONTENT)
-    })
-    .await
+    off_thread(move || documents::remove::<Machine>(&state, &who, &name).map(|()| StatusCode::NO_CONTENT))
+        .await
 }

@@ -173,8 +173,6 @@ pub(super) async fn remove(
     Extension(who): Extension<Who>,
     Path(name): Path<String>,
 ) -> Result<StatusCode, Problem> {
-    off_thread(move || {
-        documents::remove::<Product>(&state, &who, &name).map(|()| StatusCode::NO_CONTENT)
-    })
-    .await
+    off_thread(move || documents::remove::<Product>(&state, &who, &name).map(|()| StatusCode::NO_CONTENT))
+        .await
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use axum::http::StatusCode;
 use axum::extract::DefaultBodyLimit;
+use axum::http::StatusCode;
 use axum::routing::{MethodRouter, delete, get, post, put};
 use axum::{Json, Router, middleware};
 use thiserror::Error;
@@ -18,13 +18,13 @@ use utoipa::OpenApi;
 
 use super::hub::Hub;
 use super::jobs::Jobs;
+use super::making::Making;
+use super::picture_file::PictureFile;
 use super::problem::Problem;
+use super::products::LARGEST_MODEL;
 use super::runs::LONGEST_CONFIG;
 use super::settings::ServeSettings;
 use super::state::{MOST_STREAMS, Shared, State};
-use super::making::Making;
-use super::picture_file::PictureFile;
-use super::products::LARGEST_MODEL;
 use super::tools::LARGEST_IMAGE;
 use super::workshop::Workshop;
 use super::{access, files, history, live, machines, page, products, programs, runs, tools};
@@ -132,10 +132,7 @@ fn made() -> Router<Shared> {
         .route("/api/tools/{name}", delete(tools::remove))
         .route("/api/tools/{name}/overlay", get(tools::overlay))
         .route("/api/machines", get(machines::list).post(machines::add))
-        .route(
-            "/api/machines/{name}",
-            get(machines::show).put(machines::change).delete(machines::remove),
-        )
+        .route("/api/machines/{name}", get(machines::show).put(machines::change).delete(machines::remove))
         .route("/api/programs", get(programs::list).post(programs::make))
         .route("/api/programs/{id}", get(programs::show))
         .route("/api/programs/{id}/nc", get(programs::nc))

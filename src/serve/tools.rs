@@ -27,8 +27,23 @@ const MOST_READINGS: usize = 100;
 pub(super) const LARGEST_IMAGE: usize = 32 << 20;
 /// Values of a reading that are kept in the document; the whole of it is a file.
 const KEPT: [&str; 17] = [
-    "mean_radius_mm", "u_mean_radius_mm", "angle_deg", "u_angle_deg", "sigma_px", "reference", "flags", "vbb_um",
-    "u_vbb_um", "vbb_max_um", "u_vbb_max_um", "vc_um", "vn_um", "verdict", "reason", "confidence", "wear",
+    "mean_radius_mm",
+    "u_mean_radius_mm",
+    "angle_deg",
+    "u_angle_deg",
+    "sigma_px",
+    "reference",
+    "flags",
+    "vbb_um",
+    "u_vbb_um",
+    "vbb_max_um",
+    "u_vbb_max_um",
+    "vc_um",
+    "vn_um",
+    "verdict",
+    "reason",
+    "confidence",
+    "wear",
 ];
 
 /// What an image shows.
@@ -142,10 +157,8 @@ pub(super) async fn remove(
     Extension(who): Extension<Who>,
     Path(name): Path<String>,
 ) -> Result<StatusCode, Problem> {
-    off_thread(move || {
-        documents::remove::<Insert>(&state, &who, &name).map(|()| StatusCode::NO_CONTENT)
-    })
-    .await
+    off_thread(move || documents::remove::<Insert>(&state, &who, &name).map(|()| StatusCode::NO_CONTENT))
+        .await
 }
 
 /// What is stated of an image.

@@ -103,7 +103,8 @@ impl Store {
             let total: i64 = self.db.query_row(count, [kind.as_str()], |row| row.get(0))?;
             let mut query = self.db.prepare_cached(page)?;
             let bounds = params![kind.as_str(), limit as i64, offset as i64];
-            let all = query.query_map(bounds, |row| row.get(0))?.collect::<rusqlite::Result<Vec<String>>>()?;
+            let all =
+                query.query_map(bounds, |row| row.get(0))?.collect::<rusqlite::Result<Vec<String>>>()?;
             Ok((total.max(0).cast_unsigned() as usize, all))
         };
         read().map_err(|e: rusqlite::Error| self.failure(&e))

@@ -53,8 +53,7 @@ pub(super) fn program(args: &NcArgs) -> Result<(String, Vec<PathBuf>), Failure> 
             (false, true) => "roughing",
             (false, false) => "finishing",
         };
-        let rows: Vec<MoveRow> =
-            written.moves.iter().map(|m| MoveRow::new(m.from, m.to, kind(m))).collect();
+        let rows: Vec<MoveRow> = written.moves.iter().map(|m| MoveRow::new(m.from, m.to, kind(m))).collect();
         OutputFile::claim(path, inputs.clone())?.write(&csv_text(&rows)?)?;
     }
     Ok((written.text, inputs))

@@ -34,26 +34,16 @@ pub(crate) struct StudyMachineCoverageArgs {
     sharding: ShardArgs,
 }
 
-<<<<<<< ours
-/// Runs the study; exit 1 where the share of all figures together lies outside 94 to 96 %, through
-/// frames by more than twice its standard deviation.
-=======
 /// Runs the study, or one of its shards; exit 1 where the share of all figures together lies outside
-/// 94 to 96 %.
->>>>>>> theirs
+/// 94 to 96 %, through frames by more than twice its standard deviation.
 ///
 /// # Errors
 /// Exit 2 for a config that is refused.
 pub(crate) fn run(args: &StudyMachineCoverageArgs) -> CommandResult {
     let text = ConfigText::read(&args.config)?;
     let config: IdentificationConfig = text.parse()?;
-<<<<<<< ours
-    let job = args.frames.as_deref().map(config::load).transpose().map_err(Failure::refused)?;
-    let bar = progress::bar(u64::from(args.machines), "drawing and identifying", "machines");
-    let found = machine_coverage(&config, args.machines, args.seed, job.as_ref(), &|| bar.inc(1))
-        .map_err(|e| if e.key.starts_with("--") { Failure::refuse(e) } else { text.refuse_at(e) })?;
-=======
-    let plan = MachineCoveragePlan { config, machines: args.machines, seed: args.seed };
+    let frames = args.frames.as_deref().map(config::load).transpose().map_err(Failure::refused)?;
+    let plan = MachineCoveragePlan { config, machines: args.machines, seed: args.seed, frames };
     let refused =
         |e: SettingError| if e.key.starts_with("--") { Failure::refuse(e) } else { text.refuse_at(e) };
     plan.bench().map_err(refused)?;
@@ -62,7 +52,6 @@ pub(crate) fn run(args: &StudyMachineCoverageArgs) -> CommandResult {
     }
     let bar = progress::bar(u64::from(args.machines), "drawing and identifying", "machines");
     let found = machine_coverage(&plan, &|| bar.inc(1)).map_err(refused)?;
->>>>>>> theirs
     bar.finish_and_clear();
     say(&found, args.json)
 }

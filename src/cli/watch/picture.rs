@@ -169,7 +169,8 @@ mod tests {
     #[test]
     fn a_picture_has_every_row_of_its_columns_and_the_edges_there() {
         let (rows, columns) = (3_usize, 1025_usize);
-        let grey: Vec<u16> = (0..rows * columns).map(|k| ((k / columns) * 1000 + k % columns) as u16).collect();
+        let grey: Vec<u16> =
+            (0..rows * columns).map(|k| ((k / columns) * 1000 + k % columns) as u16).collect();
         let view = FrameView::new(Pixels::U16(&grey), PixelFormat::Mono12, rows, columns, columns).unwrap();
         let edge = |row_px| Edge { row_px, ..Edge::gap(Reason::Implausible) };
         let edges = FrameEdges {

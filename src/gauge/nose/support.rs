@@ -72,8 +72,7 @@ pub(super) fn support(
     }
     let (bias, mean) = (sum / draws as f64, twiced_sum / draws as f64);
     // of what is taken off for bias half stays uncertain: it is that of the smooth contour
-    let mut covariance =
-        products / draws as f64 - &mean * mean.transpose() + &bias * bias.transpose() * 0.25;
+    let mut covariance = products / draws as f64 - &mean * mean.transpose() + &bias * bias.transpose() * 0.25;
     add_edges(path, &hull, &mut covariance);
     let step_px = path.nominal_px * path.step_rad();
     let own: Vec<f64> = noise.iter().map(|n| n.own).collect();

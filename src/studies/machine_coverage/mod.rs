@@ -5,41 +5,23 @@
 //! In: a plan of readings as `calibrate machine` takes it, a number of machines, a seed, and the
 //! job of a camera whose frames the midlines are read in, where `frames` asks for it. Out:
 //! [`MachineCoverage`], the share of figures within U = 2u of the truth, figure by figure. `drawn`
-<<<<<<< ours
-//! draws a machine, `frames` are its midlines through frames, `figures` are what is compensated.
-//! The identification gets the text of the readings alone. A machine has the errors that the plan
-//! seeks and no others: what is not sought is in no uncertainty, and is named in `machine.json`.
+//! draws a machine, `frames` are its midlines through frames, `figures` are what is compensated,
+//! `plan` numbers the machines. The identification gets the text of the readings alone. A machine
+//! has the errors that the plan seeks and no others: what is not sought is in no uncertainty, and
+//! is named in `machine.json`.
 
 mod drawn;
 mod figures;
 mod frames;
-=======
-//! draws a machine, `figures` are what is compensated, `plan` numbers the machines. The identification gets the text of the
-//! readings alone. A machine has the errors that the plan seeks and no others: what is not sought
-//! is in no uncertainty, and is named in `machine.json`.
-
-mod drawn;
-mod figures;
 mod plan;
->>>>>>> theirs
 
 use serde::Serialize;
 
-<<<<<<< ours
-use self::figures::{Off, compensated};
-use self::frames::midline_text;
-use super::machine_readings::SimulatedMachine;
-use crate::identification::instrument::Instrument;
-use crate::identification::{IdentificationConfig, checked_set, identify};
-use crate::job::Job;
-use crate::setting::{SettingError, require};
-=======
 use self::figures::Off;
 use super::sharding::{SceneStudy, outcomes};
 use crate::setting::SettingError;
 
 pub(crate) use self::plan::MachineCoveragePlan;
->>>>>>> theirs
 
 /// Shares that a coverage of 95 % may have, per cent.
 const WANTED_PERCENT: [f64; 2] = [94.0, 96.0];
@@ -88,54 +70,17 @@ impl MachineCoverage {
     }
 }
 
-/// Draws machines, identifies them and compares; `done` is called after each. `frames` is a job on
-/// whose part and camera every midline is read.
+/// Draws machines, identifies them and compares; `done` is called after each.
 ///
 /// # Errors
 /// A config that cannot be right, a set without a plan of its own, readings that do not hold what
 /// is sought, frames asked of a plan without a midline, a job that cannot run on the machine.
 pub(crate) fn machine_coverage(
-<<<<<<< ours
-    config: &IdentificationConfig,
-    machines: u32,
-    seed: u64,
-    frames: Option<&Job>,
+    plan: &MachineCoveragePlan,
     done: &(dyn Fn() + Sync),
 ) -> Result<MachineCoverage, SettingError> {
-    let right = format!("between 1 and {MOST_MACHINES}");
-    require((1..=MOST_MACHINES).contains(&machines), "--machines", machines, &right)?;
-    config.check()?;
-    if let Some(k) = config.readings.iter().position(|set| set.plan.is_none()) {
-        let why = "is needed: readings of drawn machines are simulated at the places of a plan";
-        return Err(SettingError::at(format!("readings[{k}].plan"), why));
-    }
-    let has_midline = config.readings.iter().any(|set| set.instrument == Instrument::Midline);
-    if frames.is_some() && !has_midline {
-        return Err(SettingError::at("--frames", "needs a set of readings with instrument = \"midline\""));
-    }
-    let one = |k: u32| {
-        // sets of one machine have seeds that follow each other
-        let own = seed.wrapping_mul(1_000_003).wrapping_add(1000 * u64::from(k));
-        let found = of_machine(config, own, frames);
-        done();
-        found
-    };
-    let all: Result<Vec<Vec<Off>>, SettingError> = (0..machines).into_par_iter().map(one).collect();
-    let all = all?;
-    let scatter_percent = scatter_percent(&all);
-    let all: Vec<Off> = all.into_iter().flatten().collect();
-    let mut names: Vec<&str> = all.iter().map(|off| off.figure).collect();
-    names.sort_unstable();
-    names.dedup();
-    let of = |name: &&str| row(name, &all.iter().filter(|off| off.figure == *name).collect::<Vec<_>>());
-    Ok(MachineCoverage {
-        machines,
-        seed,
-        figures: names.iter().map(of).collect(),
-        together: row("all figures", &all.iter().collect::<Vec<_>>()),
-        scatter_percent,
-        through_frames: frames.is_some(),
-    })
+    plan.bench()?;
+    Ok(plan.result(&outcomes(plan, &(), 0..plan.scenes(), done)?))
 }
 
 /// Standard deviation of the mean of the machines' own shares, per cent: the figures of one machine
@@ -150,36 +95,6 @@ fn scatter_percent(machines: &[Vec<Off>]) -> f64 {
 
 fn within<'a>(offs: impl IntoIterator<Item = &'a Off>) -> usize {
     offs.into_iter().filter(|off| off.off_um.abs() <= 2.0 * off.u_um).count()
-}
-
-/// The figures of one machine.
-fn of_machine(
-    config: &IdentificationConfig,
-    seed: u64,
-    frames: Option<&Job>,
-) -> Result<Vec<Off>, SettingError> {
-    let truth = drawn::machine(config, seed)?;
-    let simulated = SimulatedMachine::new(truth.clone(), config.temperature_c, seed)?;
-    let set = |k: usize| {
-        let set = &config.readings[k];
-        let text = match (frames, &set.plan, set.instrument) {
-            (Some(job), Some(plan), Instrument::Midline) => {
-                midline_text(job, &truth, config.temperature_c, plan, seed)?
-            }
-            _ => simulated.text(set, k)?,
-        };
-        checked_set(config, k, text.as_bytes(), "simulated readings")
-    };
-    let sets: Result<Vec<_>, SettingError> = (0..config.readings.len()).map(set).collect();
-    let found = identify(config, &sets?)?;
-    compensated(config, &found, &truth)
-=======
-    plan: &MachineCoveragePlan,
-    done: &(dyn Fn() + Sync),
-) -> Result<MachineCoverage, SettingError> {
-    plan.bench()?;
-    Ok(plan.result(&outcomes(plan, &(), 0..plan.scenes(), done)?))
->>>>>>> theirs
 }
 
 fn row(figure: &str, values: &[&Off]) -> CoverageRow {

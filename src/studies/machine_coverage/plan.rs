@@ -3,8 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::figures::{Off, compensated};
-use super::{MachineCoverage, drawn, row};
+use super::frames::midline_text;
+use super::{MachineCoverage, drawn, row, scatter_percent};
+use crate::identification::instrument::Instrument;
 use crate::identification::{IdentificationConfig, checked_set, identify};
+use crate::job::Job;
 use crate::setting::{SettingError, require};
 use crate::studies::machine_readings::SimulatedMachine;
 use crate::studies::sharding::{Cell, ColumnKind, Columns, SceneStudy};
@@ -22,6 +25,9 @@ pub(crate) struct MachineCoveragePlan {
     pub machines: u32,
     /// Seed of the draws.
     pub seed: u64,
+    /// A job on whose part and before whose camera every midline is read; else its readings are
+    /// simulated as stated.
+    pub frames: Option<Job>,
 }
 
 impl MachineCoveragePlan {
@@ -37,6 +43,8 @@ impl MachineCoveragePlan {
             seed: self.seed,
             figures: names.iter().map(|name| row(name, &named(name))).collect(),
             together: row("all figures", &all),
+            scatter_percent: scatter_percent(machines),
+            through_frames: self.frames.is_some(),
         }
     }
 }
@@ -62,13 +70,17 @@ impl SceneStudy for MachineCoveragePlan {
         let right = format!("between 1 and {MOST_MACHINES}");
         require((1..=MOST_MACHINES).contains(&self.machines), "--machines", self.machines, &right)?;
         self.config.check()?;
-        match self.config.readings.iter().position(|set| set.plan.is_none()) {
-            Some(k) => {
-                let why = "is needed: readings of drawn machines are simulated at the places of a plan";
-                Err(SettingError::at(format!("readings[{k}].plan"), why))
-            }
-            None => Ok(()),
+        let readings = &self.config.readings;
+        if let Some(k) = readings.iter().position(|set| set.plan.is_none()) {
+            let why = "is needed: readings of drawn machines are simulated at the places of a plan";
+            return Err(SettingError::at(format!("readings[{k}].plan"), why));
         }
+        let has_midline = readings.iter().any(|set| set.instrument == Instrument::Midline);
+        if self.frames.is_some() && !has_midline {
+            let why = "needs a set of readings with instrument = \"midline\"";
+            return Err(SettingError::at("--frames", why));
+        }
+        Ok(())
     }
 
     fn scene(&self, number: u64, (): &()) -> Result<Vec<Off>, SettingError> {
@@ -78,7 +90,13 @@ impl SceneStudy for MachineCoveragePlan {
         let truth = drawn::machine(config, seed)?;
         let simulated = SimulatedMachine::new(truth.clone(), config.temperature_c, seed)?;
         let set = |k: usize| {
-            let text = simulated.text(&config.readings[k], k)?;
+            let set = &config.readings[k];
+            let text = match (&self.frames, &set.plan, set.instrument) {
+                (Some(job), Some(plan), Instrument::Midline) => {
+                    midline_text(job, &truth, config.temperature_c, plan, seed)?
+                }
+                _ => simulated.text(set, k)?,
+            };
             checked_set(config, k, text.as_bytes(), "simulated readings")
         };
         let sets: Result<Vec<_>, SettingError> = (0..config.readings.len()).map(set).collect();

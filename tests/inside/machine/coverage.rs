@@ -5,18 +5,19 @@ use std::path::Path;
 
 use crate::config;
 use crate::identification::IdentificationConfig;
+use crate::job::Job;
 use crate::studies::machine_coverage::{MachineCoverage, MachineCoveragePlan, machine_coverage};
 
 const PLAN: &str = include_str!("../../../configs/machine_coverage.toml");
 const FRAMES: &str = include_str!("../../../configs/machine_coverage_frames.toml");
 
+fn of(config: IdentificationConfig, machines: u32, seed: u64, frames: Option<Job>) -> MachineCoveragePlan {
+    MachineCoveragePlan { config, machines, seed, frames }
+}
+
 fn covered(plan: &str, machines: u32, seed: u64) -> MachineCoverage {
     let config: IdentificationConfig = toml::from_str(plan).unwrap();
-<<<<<<< ours
-    machine_coverage(&config, machines, seed, None, &|| {}).unwrap()
-=======
-    machine_coverage(&MachineCoveragePlan { config, machines, seed }, &|| {}).unwrap()
->>>>>>> theirs
+    machine_coverage(&of(config, machines, seed, None), &|| {}).unwrap()
 }
 
 #[test]
@@ -41,11 +42,7 @@ fn stated_uncertainties_hold_over_machines_of_the_class() {
 fn plans_that_draw_nothing_are_refused() {
     let refused = |plan: &str, machines: u32| {
         let config: IdentificationConfig = toml::from_str(plan).unwrap();
-<<<<<<< ours
-        machine_coverage(&config, machines, 1, None, &|| {}).unwrap_err().to_string()
-=======
-        machine_coverage(&MachineCoveragePlan { config, machines, seed: 1 }, &|| {}).unwrap_err().to_string()
->>>>>>> theirs
+        machine_coverage(&of(config, machines, 1, None), &|| {}).unwrap_err().to_string()
     };
     assert!(refused(PLAN, 0).contains("--machines"));
     let read = PLAN.replace("radius_mm = 20.0", "radius_mm = 20.0\nfile = \"my.csv\"").replacen(
@@ -62,7 +59,7 @@ fn plans_that_draw_nothing_are_refused() {
 fn machines_are_identified_from_their_frames() {
     let config: IdentificationConfig = toml::from_str(FRAMES).unwrap();
     let job = config::load(Path::new("configs/machine_run.toml")).unwrap();
-    let found = machine_coverage(&config, 2, 1, Some(&job), &|| {}).unwrap();
+    let found = machine_coverage(&of(config.clone(), 2, 1, Some(job.clone())), &|| {}).unwrap();
     println!("{found:?}");
     assert!(found.through_frames);
     let [diameter, head] = &found.figures[..] else { panic!("{:?}", found.figures) };
@@ -71,12 +68,12 @@ fn machines_are_identified_from_their_frames() {
     assert!(diameter.rms_off_um < 0.05 * diameter.rms_uncompensated_um, "{diameter:?}");
     assert!(found.together.within_percent > 80.0, "{:?}", found.together);
     // the same plan from stated readings holds the same truth
-    let stated = machine_coverage(&config, 2, 1, None, &|| {}).unwrap();
+    let stated = machine_coverage(&of(config, 2, 1, None), &|| {}).unwrap();
     let uncompensated = |rows: &MachineCoverage| rows.figures[0].rms_uncompensated_um;
     assert!((uncompensated(&found) - uncompensated(&stated)).abs() < 1e-6);
-    let refused = |plan: &str, job: &crate::job::Job| {
+    let refused = |plan: &str, job: &Job| {
         let config: IdentificationConfig = toml::from_str(plan).unwrap();
-        machine_coverage(&config, 1, 1, Some(job), &|| {}).unwrap_err().to_string()
+        machine_coverage(&of(config, 1, 1, Some(job.clone())), &|| {}).unwrap_err().to_string()
     };
     let sets: Vec<&str> = FRAMES.split("[[readings]]").collect();
     let blind = format!("{}[[readings]]{}", sets[0], sets[2]).replace("\"exz\", \"b0c\", ", "");
