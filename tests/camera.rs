@@ -116,12 +116,12 @@ fn features_are_set_by_name_and_restored() {
     let head = published(&still_config(folder.path()), own_address(11));
     let mut client = head.client();
     let before = ["Height", "GevSCPD"].map(|name| client.get(name));
-    let features = ["Height=256", "GevSCPD=2000", "GevSCPSPacketSize=1400"];
-    let given = features.iter().flat_map(|feature| ["--feature", *feature]);
     let source = head.source();
-    let words: Vec<&str> =
-        [source.as_str(), "--json", "--um-per-px", "30"].into_iter().chain(given).collect();
-    let running = Running::of("measure", &words);
+    let mut given = vec![source.as_str(), "--json", "--um-per-px", "30"];
+    for feature in ["Height=256", "GevSCPD=2000", "GevSCPSPacketSize=1400"] {
+        given.extend(["--feature", feature]);
+    }
+    let running = Running::of("measure", &given);
     running.json();
     assert_eq!(["Height", "GevSCPD", "GevSCPSPacketSize"].map(|name| client.get(name)), [256, 2000, 1400]);
     interrupt(&running);

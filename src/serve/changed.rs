@@ -46,9 +46,9 @@ mod tests {
 
     #[test]
     fn a_line_that_was_put_in_or_altered_is_named_and_no_other() {
-        assert_eq!(changed("a\nb\nc", "a\nb\nc"), []);
+        assert_eq!(changed("a\nb\nc", "a\nb\nc"), [0; 0]);
         assert_eq!(changed("a\nb\nc", "a\nx\nb\nc"), [2]);
-        assert_eq!(changed("a\nb\nc", "a\nc"), []);
+        assert_eq!(changed("a\nb\nc", "a\nc"), [0; 0]);
         assert_eq!(changed("a\nb\nc\nd", "a\nx\nc\ny\nd"), [2, 4]);
         assert_eq!(changed("", "a\nb"), [1, 2]);
         assert_eq!(changed("b\nc\na", "a\nb\nc"), [1]);

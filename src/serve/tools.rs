@@ -199,7 +199,7 @@ pub(super) async fn image(
     let scale = of.um_per_px.to_string();
     let has_baseline = folder.path().join("baseline.json").is_file();
     workshop::run(folder.path(), &arguments(of.kind, &scale, has_baseline)).await?;
-    let reading = off_thread(move || stored(&state, (&who, &name), of, (&folder, &bytes))).await?;
+    let reading = off_thread(move || stored(&state, (&who, &name), &of, (&folder, &bytes))).await?;
     drop(places);
     Ok((StatusCode::CREATED, Json(reading)))
 }
@@ -220,7 +220,7 @@ fn arguments(kind: ImageKind, scale: &str, has_baseline: bool) -> Vec<&str> {
 fn stored(
     state: &Shared,
     (who, name): (&Who, &str),
-    of: OfImage,
+    of: &OfImage,
     (folder, image): (&JobFolder, &[u8]),
 ) -> Result<ToolReading, Problem> {
     let text = folder.read("stdout").unwrap_or_default();

@@ -39,7 +39,7 @@ impl CameraFrames {
     pub(super) fn open(plan: &CalibrationPlan, source: &str, args: &CameraArgs) -> Result<Self, Failure> {
         let failed = |why: &dyn std::fmt::Display| Failure::fail(format!("{source}: {why}"));
         let name = source.strip_prefix("gige:").unwrap_or(source);
-        let camera = CommandedCamera::open_with(name, args.settings()?).map_err(|why| failed(&why))?;
+        let camera = CommandedCamera::open_with(name, &args.settings()?).map_err(|why| failed(&why))?;
         tracing::info!("{source}: {}", camera.shown());
         let binding = camera.binding().cloned();
         let scene = match places(&camera) {

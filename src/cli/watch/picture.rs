@@ -157,7 +157,6 @@ fn rounded(px: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test that cannot set up its case must fail")]
 mod tests {
     use serde_json::Value;
 

@@ -36,17 +36,17 @@ impl CommandedCamera {
     /// No such camera, one that is busy, and one that is set to what is not measured.
     pub(crate) fn open(name: &str) -> Result<Self, CameraError> {
         let settings = CameraSettings::unchanged(WhenGone::Ends);
-        Self::open_with(name, settings)
+        Self::open_with(name, &settings)
     }
 
     /// As [`Self::open`], with exposure and gain set where they are given.
     ///
     /// # Errors
     /// As [`Self::open`], and a setting that is refused.
-    pub(crate) fn open_with(name: &str, settings: CameraSettings) -> Result<Self, CameraError> {
+    pub(crate) fn open_with(name: &str, settings: &CameraSettings) -> Result<Self, CameraError> {
         let device = find::find(name)?;
         let mut restore = Restore::default();
-        let session = Some(Session::open(&device, &settings, &mut restore)?);
+        let session = Some(Session::open(&device, settings, &mut restore)?);
         Ok(Self { device, session, restore, spare: Spare::of(SPARE) })
     }
 

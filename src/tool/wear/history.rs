@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn a_row_that_is_no_reading_is_named_by_its_line() {
         let refused =
-            |from: &str, to: &str| read_history(&TEXT.replacen(from, to, 1)).unwrap_err().to_string();
+            |from: &str, to: &str| read_history(TEXT.replacen(from, to, 1)).unwrap_err().to_string();
         assert!(refused("70.5", "-1").contains("line 3"));
         assert!(refused("70.5", "NaN").contains("line 3"));
         assert!(refused("doubtful", "perhaps").contains("line 3"));

@@ -110,7 +110,7 @@ fn opened(address: Ipv4Addr, when_gone: WhenGone) -> Camera {
     let settings = CameraSettings::unchanged(when_gone);
     let begun = Instant::now();
     loop {
-        match Camera::open(&address.to_string(), settings) {
+        match Camera::open(&address.to_string(), settings.clone()) {
             Ok(camera) => return camera,
             Err(why) if begun.elapsed() > SOON => panic!("{why}"),
             Err(_) => std::thread::sleep(Duration::from_millis(50)),
