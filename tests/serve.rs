@@ -130,14 +130,30 @@ fn every_route_that_is_documented_is_served() {
             continue;
         }
         for method in methods.as_object().unwrap().keys() {
-            let asked = path.replace("{run}", "none");
+            let asked = ["{run}", "{name}", "{id}"]
+                .iter()
+                .fold(path.clone(), |path, word| path.replace(word, "none"));
             let headers = "Content-Type: application/json\r\nX-Shadowgauge: 1\r\n";
             let answer = server.ask(&method.to_uppercase(), &asked, headers, "{}");
             let is_no_route = answer.body.contains("no such page") || answer.status == 405;
             assert!(!is_no_route, "{method} {path}: {} {}", answer.status, answer.body);
         }
     }
-    for page in ["/", "/page.js", "/page.css", "/uplot.js", "/uplot.css", "/uplot.txt"] {
+    for page in [
+        "/",
+        "/base.js",
+        "/page.js",
+        "/live.js",
+        "/picture.js",
+        "/programs.js",
+        "/runs.js",
+        "/history.js",
+        "/setup.js",
+        "/page.css",
+        "/uplot.js",
+        "/uplot.css",
+        "/uplot.txt",
+    ] {
         let answer = server.get(page);
         assert_eq!(answer.status, 200, "{page}");
         let head = answer.head.to_lowercase();
@@ -242,7 +258,7 @@ fn live_lines_come_as_they_are_measured_and_a_dead_source_reads_invalid() {
         data.filter_map(|line| serde_json::from_str::<Value>(&line).ok()).find(|v| v["valid"] == true);
     let frame = frame.expect("no frame with a diameter came");
     // what the page reads of a line is in it
-    let script = server.get("/page.js").body;
+    let script = server.get("/live.js").body;
     for key in ["max_diameter_mm", "expanded_u_max_mm", "latency_ms"] {
         assert!(frame[key].is_number() && script.contains(&format!("line.{key}")), "{key}: {frame}");
     }
