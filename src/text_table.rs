@@ -92,7 +92,7 @@ impl TextTable {
             if fields.iter().all(str::is_empty) {
                 continue;
             }
-            let line = fields.position().map_or(0, csv::Position::line) + above as u64;
+            let line = line_of(text, fields.position(), comments) + above as u64;
             table.rows.push(TextRow { row: index + 1 + above, line, fields });
         }
         Ok(table)
@@ -217,7 +217,7 @@ pub(crate) fn plain_rows(
             while fields.last().is_some_and(String::is_empty) {
                 fields.pop();
             }
-            let line = record.position().map_or(0, csv::Position::line) + above;
+            let line = line_of(text, record.position(), Comments::Hash) + above;
             Ok(PlainRow { line, fields, separator })
         });
         let is_filled = |row: &Result<PlainRow, _>| row.as_ref().map_or(true, |row| !row.fields.is_empty());
@@ -272,6 +272,16 @@ fn reader(text: &str, separator: u8, comments: Comments) -> csv::Reader<&[u8]> {
     let mut builder = csv::ReaderBuilder::new();
     builder.delimiter(separator).has_headers(false).flexible(true).trim(csv::Trim::All);
     builder.comment((comments == Comments::Hash).then_some(b'#')).from_reader(text.as_bytes())
+}
+
+/// The line of a record, from 1: the reader's place is before empty lines and comments above it.
+fn line_of(text: &str, place: Option<&csv::Position>, comments: Comments) -> u64 {
+    let Some(place) = place else { return 0 };
+    let from = text.get(place.byte() as usize..).unwrap_or_default();
+    let is_skipped = |line: &&str| {
+        line.trim_end_matches('\r').is_empty() || (comments == Comments::Hash && line.starts_with('#'))
+    };
+    place.line() + from.split('\n').take_while(is_skipped).count() as u64
 }
 
 fn names(text: &str, separator: u8, comments: Comments) -> Vec<String> {

@@ -146,7 +146,8 @@ fn the_simulated_head_is_measured_scan_by_scan() {
 #[test]
 fn what_is_no_source_is_refused_with_what_would_be_right() {
     for (arguments, word) in [
-        (&["measure", "usb:0"][..], "gige:NAME"),
+        (&["measure", "video:0"][..], "gige:NAME"),
+        (&["measure", "usb:"], "serial number"),
         (&["measure", "gige:"], "IP address"),
         (&["measure", "raw:a.bin", "--raw", "4x4:mono8", "--exposure-us", "50"], "sets a camera"),
         (&["watch", "gige:head", "--exposure-us", "0"], "above 0"),

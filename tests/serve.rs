@@ -285,3 +285,123 @@ fn a_port_that_is_taken_and_an_address_beyond_this_machine_are_named() {
     let mut server = server;
     assert_eq!(server.program.wait().unwrap().code(), Some(0), "Ctrl-C ends with 0");
 }
+
+/// Places of a program's blocks, Z and X (diameter) in mm, whatever moves there.
+fn places(program: &str) -> Vec<[f64; 2]> {
+    let (mut at, mut all) = ([None, None], Vec::new());
+    for line in program.lines() {
+        let code = line.split(['(', ';']).next().unwrap_or_default();
+        let (mut moves, machine) = (false, code.contains("G53") || code.contains("G28"));
+        for word in code.split_whitespace() {
+            let axis = match word.as_bytes().first() {
+                Some(b'Z') => 0,
+                Some(b'X') => 1,
+                _ => continue,
+            };
+            if let Ok(value) = word[1..].parse::<f64>() {
+                (at[axis], moves) = (Some(value), true);
+            }
+        }
+        if let ([Some(z), Some(x)], true, false) = (at, moves, machine) {
+            all.push([z, x]);
+        }
+    }
+    all
+}
+
+/// Distance of a place from a polyline; X as a radius, mm.
+fn distance_mm(p: [f64; 2], line: &[[f64; 2]]) -> f64 {
+    let of = |w: &[[f64; 2]]| {
+        let at = |q: [f64; 2]| [q[0], 0.5 * q[1]];
+        let ([pz, px], [az, ax], [bz, bx]) = (at(p), at(w[0]), at(w[1]));
+        let (dz, dx) = (bz - az, bx - ax);
+        let length = (dz * dz + dx * dx).max(f64::MIN_POSITIVE);
+        let share = (((pz - az) * dz + (px - ax) * dx) / length).clamp(0.0, 1.0);
+        (pz - az - share * dz).hypot(px - ax - share * dx)
+    };
+    line.windows(2).map(of).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn a_product_a_tool_and_a_machine_make_the_program_that_is_drawn() {
+    let read = |name: &str| std::fs::read_to_string(format!("configs/tool/{name}")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let store = folder.path().join("store.sqlite");
+    let server = Server::start(&["--runs", text(folder.path()), "--store", text(&store)]);
+    let nose = read("nose.json");
+    let product = json!({ "name": "shaft", "outline": read("outline.toml") });
+    let tool = json!({ "name": "finishing", "tool": read("tool.toml"), "nose": nose });
+    let machine = json!({ "name": "lathe", "dialect": "fanuc", "data": read("machine.toml") });
+    for (kind, body) in [("products", &product), ("tools", &tool), ("machines", &machine)] {
+        let added = server.post(&format!("/api/{kind}"), body);
+        assert_eq!(added.status, 201, "{kind}: {}", added.body);
+        assert_eq!(server.post(&format!("/api/{kind}"), body).status, 409, "{kind} twice");
+        assert_eq!(server.get(&format!("/api/{kind}")).json()[0]["name"], body["name"]);
+    }
+    assert!(server.get("/api/products/shaft/contour").json()["points_mm"].as_array().unwrap().len() > 2);
+    let asked = json!({
+        "product": "shaft", "tool": "finishing", "machine": "lathe", "mode": "compensated", "way": "path"
+    });
+    let accepted = server.post("/api/programs", &asked);
+    assert_eq!(accepted.status, 202, "{}", accepted.body);
+    let id = accepted.json()["id"].as_str().unwrap().to_owned();
+    let until = Instant::now() + Duration::from_secs(120);
+    let made = loop {
+        let found = server.get(&format!("/api/programs/{id}")).json();
+        if found["program"]["state"] != "running" {
+            break found;
+        }
+        assert!(Instant::now() < until, "{found}");
+        std::thread::sleep(Duration::from_millis(50));
+    };
+    assert_eq!(made["program"]["state"], "made", "{made}");
+    assert!(!made["program"]["changed_lines"].as_array().unwrap().is_empty(), "{made}");
+    drawn_as_downloaded_and_kept(&server, &id);
+    what_is_missing_is_refused(&server, &read("machine.toml"));
+}
+
+fn drawn_as_downloaded_and_kept(server: &Server, id: &str) {
+    let program = server.get(&format!("/api/programs/{id}/nc")).body;
+    let path = server.get(&format!("/api/programs/{id}/path")).json();
+    let lines: Vec<Vec<[f64; 2]>> = path["polylines"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|line| serde_json::from_value(line["points_mm"].clone()).unwrap())
+        .collect();
+    let all = places(&program);
+    assert!(all.len() > 10, "{program}");
+    for place in all {
+        let nearest = lines.iter().map(|line| distance_mm(place, line)).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-4, "{place:?} lies {nearest} mm beside what is drawn\n{program}");
+    }
+    // what it was made from may go; the program stays, and the store is whole
+    let gone = server.ask("DELETE", "/api/products/shaft", "X-Shadowgauge: 1\r\n", "");
+    assert_eq!(gone.status, 204, "{}", gone.body);
+    assert_eq!(server.get(&format!("/api/programs/{id}/nc")).body, program);
+    assert_eq!(server.get("/api/store").json()["findings"], json!([]));
+}
+
+fn what_is_missing_is_refused(server: &Server, machine: &str) {
+    // what is missing or names a path is refused in words
+    for (method, place, status) in [
+        ("GET", "/api/products/none/contour", 404),
+        ("GET", "/api/programs/..%2f..%2fetc/nc", 404),
+        ("DELETE", "/api/tools/..%2fx", 404),
+    ] {
+        let answer = server.ask(method, place, "X-Shadowgauge: 1\r\n", "");
+        assert!(
+            answer.status == status || answer.status == 422,
+            "{place}: {} {}",
+            answer.status,
+            answer.body
+        );
+    }
+    for (name, data) in [("../x", machine.to_owned()), ("empty", String::new())] {
+        let wrong = json!({ "name": name, "dialect": "fanuc", "data": data });
+        assert_eq!(server.post("/api/machines", &wrong).status, 422, "{name}");
+    }
+    let asked = json!({ "product": "none", "tool": "finishing", "machine": "lathe", "mode": "plain" });
+    let refused = server.post("/api/programs", &asked);
+    assert!(refused.status == 404 && refused.body.contains("none"), "{} {}", refused.status, refused.body);
+}

@@ -187,3 +187,21 @@ pub fn run_arguments(given: impl IntoIterator<Item = OsString>) -> u8 {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::study::unsplit::REASONS;
+    use super::*;
+
+    #[test]
+    fn every_study_is_split_or_has_a_reason() {
+        let command = command();
+        let studies = command.find_subcommand("study").unwrap();
+        for study in studies.get_subcommands().filter(|study| study.get_name() != "merge") {
+            let splits = study.get_arguments().any(|argument| argument.get_id() == "shard");
+            let has_reason = REASONS.iter().any(|(name, _)| *name == study.get_name());
+            assert_ne!(splits, has_reason, "{}", study.get_name());
+        }
+        assert_eq!(REASONS.len() + 3 + 1, studies.get_subcommands().count(), "three are split; merge");
+    }
+}

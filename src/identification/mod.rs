@@ -10,9 +10,9 @@
 //! `reading_order` and `turn_mean` (text to readings); `observation` (what a reading holds of each
 //! error, by the first order of the chain), `sag`; `spline_basis`, `unknowns`, `equations`;
 //! `rank`, `normal_equations`, `smoothing` (how smooth each error is), `least_squares`,
-//! `inseparable` (in words), `midline_file` (frames to text), `iso230_2`, `spindle_readings` (turns of an artefact); `solution` (a
-//! model, fitted), `identified` (the file), `assemble`, `export`. One more instrument is a variant
-//! of [`instrument::Instrument`] and its terms in `observation`.
+//! `inseparable` (in words), `midline_file` (frames to text), `iso230_2`, `spindle_readings` (turns
+//! of an artefact); `solution` (a model, fitted), `identified` (the file), `assemble`, `export`.
+//! One more instrument is a variant of [`instrument::Instrument`] and its terms in `observation`.
 
 pub(crate) mod assemble;
 mod checked_sets;

@@ -1,5 +1,7 @@
 //! Documents of the pages in the store: products, inserts, machines, programs, by their name.
 
+use std::sync::{MutexGuard, PoisonError};
+
 use axum::http::StatusCode;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -65,9 +67,16 @@ pub(super) fn get<D: Document>(state: &Shared, name: &str) -> Result<D, Problem>
     parsed(&text)
 }
 
+/// Others wait from the reading of a document to its change. One that panicked between both has
+/// changed nothing: the store has whole documents alone.
+fn held(state: &Shared) -> MutexGuard<'_, ()> {
+    state.documents.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Stores a new document.
 pub(super) fn add<D: Document>(state: &Shared, who: &Who, document: &D) -> Result<(), Problem> {
     check_name(document.name())?;
+    let _held = held(state);
     let store = Store::read(path(state)?).map_err(failed)?;
     if store.entry(D::KIND, document.name()).map_err(failed)?.is_some() {
         let words = format!("there is a {} {:?} already", D::WORD, document.name());
@@ -78,6 +87,19 @@ pub(super) fn add<D: Document>(state: &Shared, who: &Who, document: &D) -> Resul
         return Err(Problem::new(StatusCode::INSUFFICIENT_STORAGE, words));
     }
     change(state, who, document)
+}
+
+/// Changes a document as it is now, with no other change between.
+pub(super) fn update<D: Document>(
+    state: &Shared,
+    who: &Who,
+    name: &str,
+    alter: impl FnOnce(&mut D),
+) -> Result<(), Problem> {
+    let _held = held(state);
+    let mut document: D = get(state, name)?;
+    alter(&mut document);
+    change(state, who, &document)
 }
 
 /// Stores a document in place of the one of its name; the audit has both.

@@ -87,8 +87,9 @@ mod tests {
         let mut points: Vec<[f64; 2]> = (0..=1000).map(arc).collect();
         let corner = points[1000];
         points.push([corner[0] + 3.0, corner[1]]);
+        // chords of 28 µm on a radius of 5 mm lie 20 nm beside it: five steps each
         let kept = thinned(&points);
-        assert!(kept.len() < 200 && kept.contains(&corner), "{}", kept.len());
+        assert!(kept.len() < 250 && kept.contains(&corner), "{}", kept.len());
         let nearest =
             |p: &[f64; 2]| kept.windows(2).map(|w| distance_mm(*p, w[0], w[1])).fold(f64::INFINITY, f64::min);
         assert!(points.iter().all(|p| nearest(p) <= WITHIN_MM));

@@ -50,6 +50,9 @@ impl Document for Machine {
 
 impl Machine {
     fn check(&self) -> Result<(), Problem> {
+        if self.data.trim().is_empty() {
+            return Err(Problem::refused("data: is empty; chuck, tailstock and change position are needed"));
+        }
         let settings: NcSettings =
             toml::from_str(&self.data).map_err(|e| Problem::refused(format!("data: {e}")))?;
         settings.validate().map_err(|e| Problem::refused(format!("data: {e}")))

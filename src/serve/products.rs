@@ -150,7 +150,8 @@ pub(super) async fn model(
         let card = card.ok_or_else(|| Problem::refused(format!("{name} has an outline and no model")))?;
         read_model(card, &bytes)?;
         let model = Some(files::put(&state, &bytes)?);
-        documents::change(&state, &who, &Product { model, ..product }).map(|()| StatusCode::NO_CONTENT)
+        documents::update(&state, &who, &name, |product: &mut Product| product.model = model)
+            .map(|()| StatusCode::NO_CONTENT)
     });
     let stored = stored.await;
     drop(place);

@@ -1,8 +1,8 @@
 //! The server: routes, limits, its end.
 
 use std::net::SocketAddr;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use axum::extract::DefaultBodyLimit;
@@ -199,6 +199,7 @@ impl Server {
                 picture,
                 hub: Hub::new(),
                 jobs: Jobs::default(),
+                documents: Mutex::new(()),
                 streams: Arc::new(Semaphore::new(MOST_STREAMS)),
                 ends,
             });

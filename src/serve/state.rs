@@ -1,6 +1,6 @@
 //! What all routes share.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use tokio::sync::{Semaphore, watch};
 
@@ -24,6 +24,8 @@ pub(super) struct State {
     pub making: Making,
     /// Where the source's newest frame is; none without a source.
     pub picture: Option<PictureFile>,
+    /// Held from the reading of a document to its change.
+    pub documents: Mutex<()>,
     pub streams: Arc<Semaphore>,
     /// Becomes true at the end.
     pub ends: watch::Receiver<bool>,

@@ -237,11 +237,12 @@ fn stored(
         overlay: folder.read("overlay.png").map(|png| files::put(state, &png)).transpose()?,
         values: values.map(|(key, value)| (key.clone(), value.clone())).collect(),
     };
-    let mut insert: Insert = documents::get(state, name)?;
-    insert.readings.push(reading.clone());
-    let before = insert.readings.len().saturating_sub(MOST_READINGS);
-    insert.readings.drain(..before);
-    documents::change(state, who, &insert)?;
+    let added = reading.clone();
+    documents::update(state, who, name, |insert: &mut Insert| {
+        insert.readings.push(added);
+        let before = insert.readings.len().saturating_sub(MOST_READINGS);
+        insert.readings.drain(..before);
+    })?;
     Ok(reading)
 }
 

@@ -2,8 +2,8 @@
 //!
 //! `-` is images one after another on stdin, `raw:-` and `raw:FILE` pixels whose layout is stated
 //! beside, `sim:CONFIG.toml` the simulated head, `gige:NAME` or `gige:IP` a camera, `usb:SERIAL`
-//! one by USB3 Vision, `replay:FILE.mcap` a recording; everything else is a file or a folder. One more kind is a
-//! variant and a line of [`Address::of`].
+//! one by USB3 Vision, `replay:FILE.mcap` a recording; everything else is a file or a folder. One
+//! more kind is a variant and a line of [`Address::of`].
 
 use std::path::{Path, PathBuf};
 

@@ -105,7 +105,7 @@ impl ByAudit {
         } else if let Some(new) = &link.new {
             self.newest.insert((link.what.clone(), link.key.clone()), (link.utc, new.clone()));
         } else {
-            // taken out, and the audit says so
+            // taken out by an audited change
             self.newest.remove(&(link.what.clone(), link.key.clone()));
         }
     }

@@ -19,8 +19,8 @@ pub(crate) struct CameraArgs {
     /// measured by the calibration with this gain alone.
     #[arg(long, value_name = "DB", value_parser = gain_db, allow_negative_numbers = true)]
     pub(super) gain_db: Option<f64>,
-    /// Feature that the config's camera is set to, by its name (PixelFormat=Mono12); again for more.
-    /// It has its own back at the end.
+    /// Feature that the config's camera is set to, by its name (PixelFormat=Mono12); again for
+    /// more. It has its own back at the end.
     #[arg(long = "feature", value_name = "NAME=VALUE")]
     pub(super) features: Vec<String>,
     /// Takes a camera whose shutter exposes row after row: masters at rest alone.

@@ -34,8 +34,8 @@ pub(crate) struct StudyMachineCoverageArgs {
     sharding: ShardArgs,
 }
 
-/// Runs the study, or one of its shards; exit 1 where the share of all figures together lies outside
-/// 94 to 96 %, through frames by more than twice its standard deviation.
+/// Runs the study, or one of its shards; exit 1 where the share of all figures together lies
+/// outside 94 to 96 %, through frames by more than twice its standard deviation.
 ///
 /// # Errors
 /// Exit 2 for a config that is refused.

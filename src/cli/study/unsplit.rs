@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 
 /// Name and reason of every study that is not of independent scenes.
-const REASONS: [(&str, &str); 16] = [
+pub(crate) const REASONS: [(&str, &str); 16] = [
     (
         "controllers",
         "a shaft of it leaves passes of every controller, which no row of a table holds; --shafts and --seed take parts of it",
@@ -41,18 +41,6 @@ pub(crate) fn refusal(words: &[OsString]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_study_is_split_or_has_a_reason() {
-        let command = crate::cli::command();
-        let studies = command.find_subcommand("study").unwrap();
-        for study in studies.get_subcommands().filter(|study| study.get_name() != "merge") {
-            let splits = study.get_arguments().any(|argument| argument.get_id() == "shard");
-            let has_reason = REASONS.iter().any(|(name, _)| *name == study.get_name());
-            assert_ne!(splits, has_reason, "{}", study.get_name());
-        }
-        assert_eq!(REASONS.len() + 3 + 1, studies.get_subcommands().count(), "three are split; merge");
-    }
 
     #[test]
     fn other_mistakes_keep_their_own_words() {

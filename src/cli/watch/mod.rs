@@ -5,10 +5,10 @@
 //! measurement by `live_conditions`). Out: on a terminal one line of the present diameter that is
 //! written over again, on stdout a line a part, or with `--json` a line a frame and a line an event
 //! (`shown`); an alarm with its command (`on_alarm`, run by `shell`); counts at the end; the frames
-//! themselves (`recorded`), results and bad frames (`saved`); the newest frame for a page (`picture`); a page to set the gauge up by
-//! (`setup_page`).
-//! `session` takes the events of the source and measures; what is computed beside the measurement
-//! is in [`measurement::watch`](crate::measurement), where one more figure goes.
+//! themselves (`recorded`), results and bad frames (`saved`); the newest frame for a page
+//! (`picture`); a page to set the gauge up by (`setup_page`). `session` takes the events of the
+//! source and measures; what is computed beside the measurement is in
+//! [`measurement::watch`](crate::measurement), where one more figure goes.
 
 mod condition_args;
 mod live_conditions;

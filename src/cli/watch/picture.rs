@@ -84,7 +84,7 @@ impl Drop for Picture {
     fn drop(&mut self) {
         self.to = None;
         if let Some(thread) = self.thread.take() {
-            // it has nothing to say: what cannot be written was logged
+            // no result: what cannot be written was logged
             let _ = thread.join();
         }
     }

@@ -50,7 +50,7 @@ impl Setup {
     }
 }
 
-/// Sets a camera to what is measured with; its clock is added by who knows its registers.
+/// Sets a camera to what is measured with; its clock is added by what reads its registers.
 ///
 /// # Errors
 /// A camera that is set to what is not measured, or refuses a setting.

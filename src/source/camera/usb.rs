@@ -1,9 +1,10 @@
 //! USB3 Vision as the link to a live camera (feature `camera-usb`).
 //!
-//! Untested: no such camera, and no simulated one, could be had; of what is here the types alone are
-//! checked. Features, formats, chunks, guards, the watchdog and the return of a camera are the code
-//! of GigE Vision, which is tested. Times of blocks are nanoseconds of the camera (USB3 Vision 1.1, leader)
-//! without a map to the host's clock, so that encoders beside the frames cannot be bound to them.
+//! Untested: no such camera, and no simulated one, could be had; of what is here the types alone
+//! are checked. Features, formats, chunks, guards, the watchdog and the return of a camera are the
+//! code of GigE Vision, which is tested. Times of blocks are nanoseconds of the camera (USB3 Vision
+//! 1.1, leader) without a map to the host's clock, so that encoders beside the frames cannot be
+//! bound to them.
 
 use std::time::{Duration, Instant};
 

@@ -48,9 +48,14 @@ pub(super) fn midline_text(
     while let Some(frame) = frames.next_frame().map_err(|e| refuse(&e))? {
         let at = frame.meta.z_mm;
         let found = gauge.measure(&frame.view(), &calibration, &Conditions::default());
-        let midline = found.map_err(|e| refuse(&e))?.midline.ok_or_else(|| {
-            refuse(&format!("the frame at z = {at} mm has no midline: its field leaves the part of the job"))
-        })?;
+        let midline = found
+            .map_err(|e| refuse(&format!("the frame at z = {at} mm: {e}")))?
+            .midline
+            .ok_or_else(|| {
+                refuse(&format!(
+                    "the frame at z = {at} mm has no midline: its field leaves the part of the job"
+                ))
+            })?;
         rows.add(&frame.meta, Some(midline));
     }
     rows.text().map_err(|e| refuse(&e))

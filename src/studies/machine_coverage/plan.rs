@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::drawn;
 use super::figures::{Off, compensated};
 use super::frames::midline_text;
-use super::{MachineCoverage, drawn, row, scatter_percent};
+use super::rows::{MachineCoverage, row, scatter_percent};
 use crate::identification::instrument::Instrument;
 use crate::identification::{IdentificationConfig, checked_set, identify};
 use crate::job::Job;

@@ -79,6 +79,6 @@ fn machines_are_identified_from_their_frames() {
     let blind = format!("{}[[readings]]{}", sets[0], sets[2]).replace("\"exz\", \"b0c\", ", "");
     let words = refused(&blind, &job);
     assert!(words.contains("--frames") && words.contains("midline"), "{words}");
-    let words = refused(&FRAMES.replace("to_mm = 50.0", "to_mm = 75.0"), &job);
-    assert!(words.contains("--frames") && words.contains("75"), "{words}");
+    let words = refused(&FRAMES.replace("from_mm = 10.0", "from_mm = -40.0"), &job);
+    assert!(words.contains("must be -60 to 120 mm") && words.contains("z_travel_mm"), "{words}");
 }

@@ -164,8 +164,8 @@ mod tests {
         level_if_stuck(&plane, &windows, 1, (4, 180.0)).is_some()
     }
 
-    /// Along a slanted edge a stuck value lies between its neighbours in a few columns in a hundred;
-    /// a row that does so in one column of seven is alive.
+    /// Along a slanted edge a stuck value lies between its neighbours in a few columns in a
+    /// hundred; a row that does so in one column of seven is alive.
     #[test]
     fn a_stuck_row_departs_in_nearly_all_columns() {
         assert!(is_stuck(56));

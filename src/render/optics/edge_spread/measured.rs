@@ -1,10 +1,10 @@
 //! A measured edge: distance and intensity from a file, as from a slanted-edge or knife-edge scan.
 //!
 //! Two columns, `d_um,intensity`, with an optional header line; lines that start with `#` are
-//! skipped; separators and decimal commas as `text_table`. The intensity is that at a point (the pixel's area is integrated later): 0 in the
-//! shadow, 1 in the light. Between the samples F runs along the monotone piecewise cubic of Fritsch
-//! & Carlson (SIAM J. Numer. Anal. 17, 1980, 238) with the slopes of Fritsch & Butland, which never
-//! overshoots.
+//! skipped; separators and decimal commas as `text_table`. The intensity is that at a point (the
+//! pixel's area is integrated later): 0 in the shadow, 1 in the light. Between the samples F runs
+//! along the monotone piecewise cubic of Fritsch & Carlson (SIAM J. Numer. Anal. 17, 1980, 238)
+//! with the slopes of Fritsch & Butland, which never overshoots.
 
 use std::io::Read;
 
