@@ -286,23 +286,31 @@ fn a_port_that_is_taken_and_an_address_beyond_this_machine_are_named() {
     assert_eq!(server.program.wait().unwrap().code(), Some(0), "Ctrl-C ends with 0");
 }
 
-/// Places of a program's blocks, Z and X (diameter) in mm, whatever moves there.
+/// Places that a program moves to in feed, Z and X (diameter) in mm.
 fn places(program: &str) -> Vec<[f64; 2]> {
-    let (mut at, mut all) = ([None, None], Vec::new());
+    let (mut at, mut all, mut in_feed) = ([None, None], Vec::new(), false);
     for line in program.lines() {
         let code = line.split(['(', ';']).next().unwrap_or_default();
-        let (mut moves, machine) = (false, code.contains("G53") || code.contains("G28"));
+        let mut moves = false;
         for word in code.split_whitespace() {
-            let axis = match word.as_bytes().first() {
-                Some(b'Z') => 0,
-                Some(b'X') => 1,
+            let axis = match word {
+                "G0" | "G00" => {
+                    in_feed = false;
+                    continue;
+                }
+                "G1" | "G01" | "G2" | "G02" | "G3" | "G03" => {
+                    in_feed = true;
+                    continue;
+                }
+                _ if word.starts_with('Z') => 0,
+                _ if word.starts_with('X') => 1,
                 _ => continue,
             };
             if let Ok(value) = word[1..].parse::<f64>() {
                 (at[axis], moves) = (Some(value), true);
             }
         }
-        if let ([Some(z), Some(x)], true, false) = (at, moves, machine) {
+        if let ([Some(z), Some(x)], true) = (at, moves && in_feed) {
             all.push([z, x]);
         }
     }
@@ -331,7 +339,7 @@ fn a_product_a_tool_and_a_machine_make_the_program_that_is_drawn() {
     let nose = read("nose.json");
     let product = json!({ "name": "shaft", "outline": read("outline.toml") });
     let tool = json!({ "name": "finishing", "tool": read("tool.toml"), "nose": nose });
-    let machine = json!({ "name": "lathe", "dialect": "fanuc", "data": read("machine.toml") });
+    let machine = json!({ "name": "lathe", "dialect": "linuxcnc", "data": read("machine.toml") });
     for (kind, body) in [("products", &product), ("tools", &tool), ("machines", &machine)] {
         let added = server.post(&format!("/api/{kind}"), body);
         assert_eq!(added.status, 201, "{kind}: {}", added.body);

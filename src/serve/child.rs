@@ -10,8 +10,8 @@ use tokio::process::{Child, ChildStderr, ChildStdout, Command};
 /// Longest line that is passed on, bytes: a frame's is below 2 KiB, a budget's below 16.
 pub(super) const LONGEST_LINE: usize = 64 * 1024;
 
-/// Characters of the log's end that are kept: a sentence or two.
-const LOG_END: usize = 400;
+/// Characters of the log's end that are kept: the longest refusal with its help.
+const LOG_END: usize = 2000;
 /// Time that a program, a reading or a contour may take: a hundred times what one takes.
 const LONGEST: Duration = Duration::from_secs(60);
 
