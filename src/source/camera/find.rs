@@ -50,10 +50,22 @@ fn named(name: &str, all: Vec<DeviceInfo>) -> Result<DeviceInfo, CameraError> {
     let mut of_name: Vec<DeviceInfo> = all.into_iter().filter(is_it).collect();
     // A camera answers on each interface that reaches it.
     of_name.dedup_by_key(|camera| (camera.ip, camera.mac));
+    let none = |name, found| CameraError::NoSuchName { name, found };
+    the_one(of_name, (name, found), none)
+}
+
+/// The only camera of a name; `none` is the error where there is none, of the name and of what was
+/// found.
+pub(super) fn the_one<D>(
+    mut of_name: Vec<D>,
+    (name, found): (&str, String),
+    none: impl FnOnce(String, String) -> CameraError,
+) -> Result<D, CameraError> {
+    let name = name.to_owned();
     match (of_name.pop(), of_name.len()) {
-        (None, _) => Err(CameraError::NoSuchName { name: name.to_owned(), found }),
+        (None, _) => Err(none(name, found)),
         (Some(camera), 0) => Ok(camera),
-        (Some(_), others) => Err(CameraError::NotOne { name: name.to_owned(), count: others + 1, found }),
+        (Some(_), others) => Err(CameraError::NotOne { name, count: others + 1, found }),
     }
 }
 

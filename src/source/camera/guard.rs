@@ -148,6 +148,11 @@ impl Restore {
         });
         restored.filter_map(Result::err).collect()
     }
+
+    /// As [`Self::restore`]; what could not be restored is a warning each.
+    pub(super) fn give_back(&mut self, camera: &mut impl Features) {
+        self.restore(camera).iter().for_each(|why| tracing::warn!("{why}"));
+    }
 }
 
 fn not_set(feature: &str, value: &str, cause: String) -> CameraError {

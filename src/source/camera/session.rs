@@ -59,7 +59,7 @@ impl Session {
                 Ok(Self { stream, camera, setup, receiver, last_packet, speed, temperature })
             }
             Err(why) => {
-                restore.restore(&mut camera).iter().for_each(|why| tracing::warn!("{why}"));
+                restore.give_back(&mut camera);
                 Err(why)
             }
         }
@@ -180,7 +180,7 @@ impl Session {
             tracing::debug!("AcquisitionStop: {why}");
         }
         drop(self.stream);
-        restore.restore(&mut self.camera).iter().for_each(|why| tracing::warn!("{why}"));
+        restore.give_back(&mut self.camera);
     }
 }
 

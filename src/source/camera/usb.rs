@@ -17,6 +17,7 @@ use super::binding::Identity;
 use super::chunks::ChunkValues;
 use super::error::CameraError;
 use super::features::Features as _;
+use super::find::the_one;
 use super::guard::Restore;
 use super::ids::Ids;
 use super::link::{Link, Presence};
@@ -87,7 +88,7 @@ impl Link for UsbSession {
                 Ok(Self { stream, camera, setup, speed, temperature })
             }
             Err(why) => {
-                restore.restore(&mut camera).iter().for_each(|why| tracing::warn!("{why}"));
+                restore.give_back(&mut camera);
                 Err(why)
             }
         }
@@ -151,7 +152,7 @@ impl Link for UsbSession {
             tracing::debug!("AcquisitionStop: {why}");
         }
         drop(self.stream);
-        restore.restore(&mut self.camera).iter().for_each(|why| tracing::warn!("{why}"));
+        restore.give_back(&mut self.camera);
     }
 }
 
@@ -181,12 +182,8 @@ fn named(name: &str, all: Vec<U3vDeviceInfo>) -> Result<U3vDeviceInfo, CameraErr
         false => format!("there are {}", words.join("; ")),
     };
     let is_it = |camera: &U3vDeviceInfo| camera.serial.as_deref().is_some_and(|serial| serial.trim() == name);
-    let mut of_name: Vec<U3vDeviceInfo> = all.into_iter().filter(is_it).collect();
-    match (of_name.pop(), of_name.len()) {
-        (None, _) => Err(CameraError::NoSuchUsb { name: name.to_owned(), found }),
-        (Some(camera), 0) => Ok(camera),
-        (Some(_), others) => Err(CameraError::NotOne { name: name.to_owned(), count: others + 1, found }),
-    }
+    let of_name = all.into_iter().filter(is_it).collect();
+    the_one(of_name, (name, found), |name, found| CameraError::NoSuchUsb { name, found })
 }
 
 #[cfg(test)]
