@@ -62,10 +62,17 @@ def test_import_takes_a_moment():
     assert float(python("-c", code).stdout) < 0.3
 
 
+def heed_interrupts():
+    """A shell's background jobs, these tests among them, ignore Ctrl-C, and their children do."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def test_ctrl_c_ends_a_job_and_the_command_line():
     code = f"import shadowgauge as sg\nprint('go', flush=True)\nfor _ in range(9999): list(sg.run({str(SMALL)!r}))"
     for words in (["-c", code], ["-m", "shadowgauge", "study", "coverage", "--scenes", "1000000"]):
-        process = subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        process = subprocess.Popen(
+            [sys.executable, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=heed_interrupts
+        )
         if words[0] == "-c":
             process.stdout.readline()
         else:

@@ -81,7 +81,7 @@ impl BendingSettings {
         offset.check("bending.chuck_eccentricity_um", self.chuck_eccentricity_um)
     }
 
-    /// Whether anything bends the axis once the tool is clear.
+    /// Whether nothing bends the axis once the tool is clear.
     pub(crate) fn is_straight(&self) -> bool {
         let offsets = [self.tailstock_x_um, self.tailstock_y_um, self.chuck_eccentricity_um];
         !self.self_weight && !self.tailstock_push && offsets.iter().all(|o| *o == 0.0)

@@ -24,13 +24,13 @@ h1{font-size:1.5em;line-height:1.25;margin-bottom:.2em}h2{font-size:1.15em;margi
 .scroll{overflow-x:auto;margin:.6em 0}.scroll:focus-visible,summary:focus-visible{outline:2px solid var(--c0);outline-offset:2px}\
 table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.25em .8em;text-align:left;vertical-align:top;border-bottom:1px solid var(--rule)}\
 thead th{font-weight:600;background:var(--shade);vertical-align:bottom}tbody th{font-weight:400}th.n,td.n{text-align:right}td.n,tbody th{white-space:nowrap}\
-td.long{min-width:16em;font-size:.92em}\
+td.long{min-width:16em;font-size:.92em}tbody th.long{white-space:normal;min-width:13em}\
 figure{margin:1em 0}figcaption,.note{color:var(--muted);font-size:.92em}svg,img{max-width:100%;height:auto}summary{cursor:pointer}\
 .verdict{font-weight:600;border-left:.4em solid;padding:.2em .8em}.good{color:var(--good)}.open{color:var(--open)}.bad{color:var(--bad)}\
-@media(max-width:600px){body{margin-top:1em}figure .scroll .chart{width:660px;max-width:none}th,td{padding:.25em .4em}}\
+@media(max-width:600px){body{margin-top:1em}figure .scroll .chart{width:660px;max-width:none}th,td{padding:.25em .4em}tbody th.long{min-width:12em;font-size:.9em}}\
 @page{size:A4;margin:15mm}\
 @media print{body{font-size:10pt;max-width:none;margin:0;padding:0}.scroll{overflow:visible}th,td{padding:.15em .4em}table{font-size:8.5pt}\
-td.long{min-width:0}td.n,tbody th{white-space:normal}thead{display:table-header-group}tr,figure,.verdict{break-inside:avoid}h1,h2{break-after:avoid}\
+td.long,tbody th.long{min-width:0}td.n,tbody th{white-space:normal}thead{display:table-header-group}tr,figure,.verdict{break-inside:avoid}h1,h2{break-after:avoid}\
 details::details-content{content-visibility:visible;height:auto}}";
 
 /// Number of characters above which a cell is a sentence.

@@ -5,15 +5,16 @@
 //! In: a plan of readings as `calibrate machine` takes it, a number of machines, a seed, and the
 //! job of a camera whose frames the midlines are read in, where `frames` asks for it. Out:
 //! [`MachineCoverage`], the share of figures within U = 2u of the truth, figure by figure. `drawn`
-//! draws a machine, `frames` are its midlines through frames, `figures` are what is compensated,
-//! `plan` numbers the machines, `rows` are the shares. The identification gets the text of the
-//! readings alone. A machine
-//! has the errors that the plan seeks and no others: what is not sought is in no uncertainty, and
-//! is named in `machine.json`.
+//! draws a machine, `frames` are its midlines through frames of the part that `part` compares with
+//! what the readings state, `figures` are what is compensated, `plan` numbers the machines, `rows`
+//! are the shares. The identification gets the text of the readings alone. A machine has the errors
+//! that the plan seeks and no others: what is not sought is in no uncertainty, and is named in
+//! `machine.json`.
 
 mod drawn;
 mod figures;
 mod frames;
+mod part;
 mod plan;
 mod rows;
 

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::drawn;
 use super::figures::{Off, compensated};
 use super::frames::midline_text;
+use super::part;
 use super::rows::{MachineCoverage, row, scatter_percent};
 use crate::identification::instrument::Instrument;
 use crate::identification::{IdentificationConfig, checked_set, identify};
@@ -80,6 +81,11 @@ impl SceneStudy for MachineCoveragePlan {
         if self.frames.is_some() && !has_midline {
             let why = "needs a set of readings with instrument = \"midline\"";
             return Err(SettingError::at("--frames", why));
+        }
+        for (number, set) in readings.iter().enumerate() {
+            if let (Some(job), Some(stated)) = (&self.frames, &set.part) {
+                part::check(job, stated, number)?;
+            }
         }
         Ok(())
     }

@@ -81,4 +81,32 @@ fn machines_are_identified_from_their_frames() {
     assert!(words.contains("--frames") && words.contains("midline"), "{words}");
     let words = refused(&FRAMES.replace("from_mm = 10.0", "from_mm = -40.0"), &job);
     assert!(words.contains("must be -60 to 120 mm") && words.contains("z_travel_mm"), "{words}");
+    // the frames show the job's part, the identification knows the stated one
+    let bent = |edit: fn(&mut Job)| {
+        let mut job = job.clone();
+        edit(&mut job);
+        job
+    };
+    let longer = bent(|job| job.part.length_mm = 61.0);
+    let sagging = bent(|job| {
+        job.process.bending.self_weight = true;
+        job.process.support.tailstock_n_per_um = 0.0;
+    });
+    let supported = bent(|job| job.process.bending.tailstock_x_um = 3.0);
+    let level = FRAMES.replace("gravity_x = 0.0", "gravity_x = -1.0");
+    for (plan, job, key) in [
+        (FRAMES, &longer, "length_mm"),
+        (&FRAMES.replace("diameter_mm = 12.0", "diameter_mm = 25.0"), &job, "diameter_mm"),
+        (FRAMES, &sagging, "gravity_x"),
+        (&level, &job, "gravity_x"),
+        (FRAMES, &supported, "held"),
+        (
+            &level.replace("gravity_x = -1.0", "gravity_x = -1.0, density_kg_per_m3 = 2700.0"),
+            &sagging,
+            "density",
+        ),
+    ] {
+        let words = refused(plan, job);
+        assert!(words.contains("readings[0].part.") && words.contains(key), "{key}: {words}");
+    }
 }
