@@ -1,45 +1,10 @@
-//! Tables of text with names in their first row, as programs and spreadsheets write them.
-//!
-//! Separated by commas, semicolons or tabs; decimal points, or decimal commas where they do not
-//! separate; any line ending; UTF-8 with or without a byte order mark, UTF-16 with one, or Latin-1;
-//! quoted fields; Excel's `sep=` line; lines that begin with `#` where a table has comments. What
-//! a column means, and which of them a table must have, is its reader's affair.
-
-use std::ops::RangeInclusive;
+//! Tables with names in their first row.
 
 use csv::StringRecord;
 
-/// Separators looked for, in this order.
-const SEPARATORS: [u8; 3] = *b",;\t";
-
-/// Whether lines that begin with `#` are comments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Comments {
-    /// They are rows: the first column may begin so.
-    None,
-    /// They are passed over.
-    Hash,
-}
-
-/// Why a text is no table.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct TextTableError {
-    /// The row as a spreadsheet counts, the header 1, where one is wrong.
-    pub row: Option<usize>,
-    /// The line as an editor counts, where one is wrong.
-    pub line: Option<u64>,
-    /// What was found, and what would be right.
-    pub what: String,
-}
-
-impl std::fmt::Display for TextTableError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.line {
-            Some(line) => write!(f, "line {line}: {}", self.what),
-            None => f.write_str(&self.what),
-        }
-    }
-}
+use super::dialect::{
+    Comments, SEPARATORS, TextTableError, decoded, line_of, number, reader, separator_line,
+};
 
 /// A table: names of columns, and rows that are not empty.
 #[derive(Clone, Debug)]
@@ -170,120 +135,6 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// A row of a table that needs no names: its columns go by their order.
-#[derive(Clone, Debug)]
-pub(crate) struct PlainRow {
-    /// The line as an editor counts.
-    pub line: u64,
-    /// Its fields, without empty ones at the end.
-    pub fields: Vec<String>,
-    separator: u8,
-}
-
-impl PlainRow {
-    /// Its numbers; none where one of its fields is no finite number.
-    pub(crate) fn numbers(&self) -> Option<Vec<f64>> {
-        self.fields.iter().map(|field| number(field)).collect()
-    }
-
-    /// Whether it holds names: its fields begin with letters.
-    pub(crate) fn is_header(&self) -> bool {
-        self.fields.iter().all(|field| field.starts_with(char::is_alphabetic))
-    }
-
-    /// The fields with their separator.
-    pub(crate) fn shown(&self) -> String {
-        self.fields.join(&char::from(self.separator).to_string())
-    }
-}
-
-/// Reads a table that may stand without names, with lines of comments; `columns` are how many
-/// numbers a row may have: that separator is taken under which most rows have as many.
-///
-/// # Errors
-/// UTF-16 that ends within a letter.
-pub(crate) fn plain_rows(
-    bytes: &[u8],
-    columns: &RangeInclusive<usize>,
-) -> Result<Vec<PlainRow>, TextTableError> {
-    let text = decoded(bytes).map_err(|what| TextTableError { row: None, line: None, what })?;
-    let (text, stated) = separator_line(&text);
-    let above = u64::from(stated.is_some());
-    let rows = |separator: u8| -> Result<Vec<PlainRow>, TextTableError> {
-        let records = reader(text, separator, Comments::Hash).into_records();
-        let rows = records.map(|record| {
-            let record = record.map_err(|e| TextTableError { row: None, line: None, what: e.to_string() })?;
-            let mut fields: Vec<String> = record.iter().map(str::to_owned).collect();
-            while fields.last().is_some_and(String::is_empty) {
-                fields.pop();
-            }
-            let line = line_of(text, record.position(), Comments::Hash) + above;
-            Ok(PlainRow { line, fields, separator })
-        });
-        let is_filled = |row: &Result<PlainRow, _>| row.as_ref().map_or(true, |row| !row.fields.is_empty());
-        rows.filter(is_filled).collect()
-    };
-    let fit = |rows: &Vec<PlainRow>| {
-        let fits = |row: &&PlainRow| row.numbers().is_some_and(|n| columns.contains(&n.len()));
-        rows.iter().filter(fits).count()
-    };
-    let candidates = stated.map_or(SEPARATORS.to_vec(), |s| vec![s]);
-    let mut best: Option<Vec<PlainRow>> = None;
-    for separator in candidates {
-        let found = rows(separator)?;
-        if best.as_ref().is_none_or(|best| fit(&found) > fit(best)) {
-            best = Some(found);
-        }
-    }
-    Ok(best.unwrap_or_default())
-}
-
-/// A finite number with a decimal point or a decimal comma.
-pub(crate) fn number(text: &str) -> Option<f64> {
-    let point = if text.contains('.') { text.to_owned() } else { text.replacen(',', ".", 1) };
-    point.parse::<f64>().ok().filter(|v| v.is_finite())
-}
-
-/// The text of a file: UTF-8, UTF-16 with its mark, or Latin-1 (whose letters no column needs).
-fn decoded(bytes: &[u8]) -> Result<String, String> {
-    let wide = |pair: fn([u8; 2]) -> u16| {
-        let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|b| pair([b[0], b[1]])).collect();
-        String::from_utf16(&units).map_err(|_| "UTF-16 that ends within a letter".to_owned())
-    };
-    match bytes {
-        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
-        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
-        _ => {
-            let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-            let latin = |_| bytes.iter().map(|b| char::from(*b)).collect();
-            Ok(std::str::from_utf8(bytes).map_or_else(latin, str::to_owned))
-        }
-    }
-}
-
-/// Removes Excel's first line `sep=;`.
-fn separator_line(text: &str) -> (&str, Option<u8>) {
-    let Some(rest) = text.strip_prefix("sep=") else { return (text, None) };
-    let Some(separator) = rest.bytes().next().filter(u8::is_ascii) else { return (text, None) };
-    (rest[1..].trim_start_matches(['\r', '\n']), Some(separator))
-}
-
-fn reader(text: &str, separator: u8, comments: Comments) -> csv::Reader<&[u8]> {
-    let mut builder = csv::ReaderBuilder::new();
-    builder.delimiter(separator).has_headers(false).flexible(true).trim(csv::Trim::All);
-    builder.comment((comments == Comments::Hash).then_some(b'#')).from_reader(text.as_bytes())
-}
-
-/// The line of a record, from 1: the reader's place is before empty lines and comments above it.
-fn line_of(text: &str, place: Option<&csv::Position>, comments: Comments) -> u64 {
-    let Some(place) = place else { return 0 };
-    let from = text.get(place.byte() as usize..).unwrap_or_default();
-    let is_skipped = |line: &&str| {
-        line.trim_end_matches('\r').is_empty() || (comments == Comments::Hash && line.starts_with('#'))
-    };
-    place.line() + from.split('\n').take_while(is_skipped).count() as u64
-}
-
 fn names(text: &str, separator: u8, comments: Comments) -> Vec<String> {
     let first = reader(text, separator, comments).records().next().and_then(Result::ok);
     first.map_or_else(Vec::new, |r| r.iter().map(str::to_ascii_lowercase).collect())
@@ -359,33 +210,6 @@ mod tests {
             let refused = cell(text).unwrap_err();
             assert!(refused.contains(words), "{text:?}: {refused}");
         }
-    }
-
-    /// Pairs of a table without names, in every dialect; `sep=` and comments count as lines.
-    #[test]
-    fn columns_that_go_by_their_order_are_read_in_every_dialect() {
-        let points = "# a\n-1.5,2\n0.25,3,,\n\n4,5.5\n";
-        let commas = "# a\n-1,5;2\n0,25;3;;\n\n4;5,5\n";
-        let mut wide = vec![0xff, 0xfe];
-        wide.extend(commas.encode_utf16().flat_map(u16::to_le_bytes));
-        for (bytes, above) in [
-            (points.as_bytes().to_vec(), 0),
-            (commas.as_bytes().to_vec(), 0),
-            (commas.replace(';', "\t").replace('\n', "\r\n").into_bytes(), 0),
-            ([b"\xef\xbb\xbf".as_slice(), commas.as_bytes()].concat(), 0),
-            (format!("sep=;\n{commas}").into_bytes(), 1),
-            (wide, 0),
-        ] {
-            let shown = String::from_utf8_lossy(&bytes).into_owned();
-            let rows = plain_rows(&bytes, &(2..=2)).unwrap();
-            let numbers: Vec<Vec<f64>> = rows.iter().filter_map(PlainRow::numbers).collect();
-            assert_eq!(numbers, [[-1.5, 2.0], [0.25, 3.0], [4.0, 5.5]], "{shown:?}");
-            let lines: Vec<u64> = rows.iter().map(|row| row.line - above).collect();
-            assert_eq!(lines, [2, 3, 5], "{shown:?}");
-        }
-        let named = plain_rows(b"d_um;intensity\n0,5;1,5\n1;x\n", &(2..=2)).unwrap();
-        assert!(named[0].is_header() && !named[1].is_header() && named[2].numbers().is_none());
-        assert_eq!(named[2].shown(), "1;x");
     }
 
     #[test]
