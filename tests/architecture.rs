@@ -12,6 +12,10 @@ use imports::{Loop, Source, Tree};
 mod constants;
 #[path = "architecture/imports.rs"]
 mod imports;
+#[path = "architecture/lints.rs"]
+mod lints;
+#[path = "architecture/structs.rs"]
+mod structs;
 #[path = "architecture/thresholds.rs"]
 mod thresholds;
 
@@ -57,7 +61,7 @@ const ROOMS: [(&str, &str); 4] = [
     ("publish", "gvcp gvsp head genicam camera server simulated"),
     (
         "gauge",
-        "limit form sensor settings edges edge width calibration diameter uncertainty ring nose generatrix flank thresholds instrument",
+        "limit form sensor settings edges edge width calibration diameter uncertainty ring nose generatrix flank instrument",
     ),
     (
         "render",
@@ -71,7 +75,7 @@ const ROOMS: [(&str, &str); 4] = [
 ];
 
 /// Most entries directly in a room; in `cli`, besides one per subcommand.
-const MOST_ENTRIES: [(&str, usize); 4] = [("gauge", 17), ("publish", 16), ("render", 16), ("cli", 6)];
+const MOST_ENTRIES: [(&str, usize); 4] = [("gauge", 16), ("publish", 16), ("render", 16), ("cli", 6)];
 
 fn layers() -> [&'static [&'static str]; 4] {
     [&VOCABULARY, &STAGES, &COMPOSITION, &SURFACE]

@@ -2,7 +2,7 @@
 //! that instant.
 
 use super::seen_burst::SeenBurst;
-use super::simulated::SimulatedCell;
+use super::simulated::{NextFrame, SimulatedCell};
 use super::turning_cell::{CellError, FollowedCut, TurningCell as _};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::job::HeadView;
@@ -35,7 +35,7 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
         let mut setup = cell.setup.clone();
         setup.nominal.motion.spindle_rpm = follow.spindle_rpm;
         setup.nominal.motion.carriage_mm_s = follow.carriage_mm_s;
-        let begun_ns = cell.clock_ns;
+        let begun_ns = cell.next.t_ns;
         let (plan, follow) = (plan.clone(), follow.clone());
         Ok(Self { cell, plan, follow, setup, pass, next: 0, begun_ns, spare: None })
     }
@@ -62,7 +62,7 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
         let camera = &self.setup.nominal.camera;
         let windows = camera.windows.map(|w| w.rois(camera.columns));
         let request = FrameRequest {
-            frame_id: self.cell.frame_id,
+            frame_id: self.cell.next.id,
             t_ns: self.time_ns(at.turns),
             z_mm: view.as_ref().map_or(at.field_z_mm, HeadView::z_mm),
             angle_deg: view.as_ref().map_or(at.angle_deg, |view| view.angle_deg(at.angle_deg)),
@@ -82,12 +82,12 @@ impl FrameSource for SimulatedCut<'_, '_> {
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
         let Some(&at) = self.follow.frames.get(self.next) else { return Ok(None) };
         let frame = self.draw(&at).map_err(|e| SourceError {
-            what: format!("frame {} (tool at {:.1} mm) was not rendered", self.cell.frame_id, at.tool_z_mm),
+            what: format!("frame {} (tool at {:.1} mm) was not rendered", self.cell.next.id, at.tool_z_mm),
             cause: Some(Box::new(e)),
         })?;
         self.next += 1;
-        self.cell.frame_id += 1;
-        self.cell.clock_ns = self.time_ns(at.turns);
+        self.cell.next.id += 1;
+        self.cell.next.t_ns = self.time_ns(at.turns);
         Ok(Some(frame))
     }
 
@@ -107,7 +107,7 @@ impl FollowedCut for SimulatedCut<'_, '_> {
     }
 
     fn now_ns(&self) -> Option<u64> {
-        Some(self.cell.clock_ns)
+        Some(self.cell.next.t_ns)
     }
 
     fn command(&mut self, offset: &DiameterOffset) -> Result<(), CellError> {
@@ -120,11 +120,11 @@ impl FollowedCut for SimulatedCut<'_, '_> {
 
     fn finish(self: Box<Self>) -> Result<(), CellError> {
         let turns = self.cell.process.length_mm() / self.plan.cutting.feed_mm_per_rev;
-        let (frame_id, end_ns) = (self.cell.frame_id, self.time_ns(turns));
+        let left = NextFrame { id: self.cell.next.id, t_ns: self.time_ns(turns) };
         let followed = std::mem::take(&mut self.cell.followed);
         self.cell.cut(&self.plan)?;
         self.cell.followed = followed;
-        (self.cell.frame_id, self.cell.clock_ns) = (frame_id, end_ns);
+        self.cell.next = left;
         Ok(())
     }
 }

@@ -36,8 +36,8 @@ impl SimulatedCell<'_> {
 
     /// Number of the part's next frame, which is taken: with the seed it gives the noise.
     pub(crate) fn next_part_frame(&mut self) -> u64 {
-        let number = self.frame_id;
-        self.frame_id += 1;
+        let number = self.next.id;
+        self.next.id += 1;
         number
     }
 

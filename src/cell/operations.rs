@@ -100,7 +100,7 @@ impl TurningCell for SimulatedCell<'_> {
     }
 
     fn now_ns(&self) -> Option<u64> {
-        Some(self.clock_ns)
+        Some(self.next.t_ns)
     }
 
     fn true_stations_mm(&self, stations_mm: &[(f64, f64)]) -> Option<Vec<f64>> {
@@ -126,21 +126,21 @@ impl SimulatedCell<'_> {
         let base = self.first_frame_id();
         let mut next = match master {
             Some(index) => base + (1 << 31) + ((index as u64) << 24),
-            None => self.frame_id,
+            None => self.next.id,
         };
         let mut touches = Vec::with_capacity(orders.len());
         for order in orders {
-            self.clock_ns += TOUCH_NS;
+            self.next.t_ns += TOUCH_NS;
             touches.push(Touch {
                 order: *order,
                 id: next,
-                t_ns: self.clock_ns,
+                t_ns: self.next.t_ns,
                 x_mm: probe.touch(&target, order, next),
             });
             next += 1;
         }
         if master.is_none() {
-            self.frame_id = next;
+            self.next.id = next;
         }
         Ok(touches)
     }

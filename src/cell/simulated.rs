@@ -46,14 +46,23 @@ pub struct SimulatedCell<'a> {
     /// `[shaft.deflection]`: bending of the axis besides the process.
     pub(super) deflection: Vec<AxisKnot>,
     pub(super) masters: TrueMasters,
-    pub(super) frame_id: u64,
-    pub(super) clock_ns: u64,
+    /// The part's next frame.
+    pub(super) next: NextFrame,
     /// Number of the last pass; 0 before the first.
     pub(super) pass: u32,
     pub(super) batch: Batch,
     pub(super) probe: Option<TrueProbe>,
     /// Bursts of a followed pass.
     pub(super) followed: Vec<SeenBurst>,
+}
+
+/// The frame that is taken next.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct NextFrame {
+    /// Its number: with the seed it gives the noise.
+    pub(super) id: u64,
+    /// Its time, ns.
+    pub(super) t_ns: u64,
 }
 
 /// True values of the master pins.
@@ -158,8 +167,7 @@ impl<'a> SimulatedCell<'a> {
             part,
             deflection: formed.deflection,
             masters: TrueMasters { diameter_mm: true_masters_mm(&job.masters.pins, job.seed), frame_id: 0 },
-            frame_id: 0,
-            clock_ns: 0,
+            next: NextFrame::default(),
             pass: 0,
             probe: job.probe.as_ref().map(|probe| {
                 TrueProbe::new(probe, &job.process.disturbance.guideway, job.part.length_mm, job.seed)
@@ -184,8 +192,8 @@ impl SimulatedCell<'_> {
     pub(super) fn begin_pass(&mut self, pass: u32) {
         self.followed.clear();
         self.pass = pass;
-        self.frame_id = self.first_frame_id();
-        self.clock_ns = (self.batch.part * PASSES_OF_A_PART + u64::from(pass)) * PASS_PERIOD_NS;
+        let t_ns = (self.batch.part * PASSES_OF_A_PART + u64::from(pass)) * PASS_PERIOD_NS;
+        self.next = NextFrame { id: self.first_frame_id(), t_ns };
     }
 
     /// Acquires at stops (z, angle).
@@ -202,10 +210,10 @@ impl SimulatedCell<'_> {
             stops,
             next: 0,
             frame_id: match acquire {
-                Acquisition::Part => &mut self.frame_id,
+                Acquisition::Part => &mut self.next.id,
                 Acquisition::Master => &mut self.masters.frame_id,
             },
-            clock_ns: &mut self.clock_ns,
+            clock_ns: &mut self.next.t_ns,
             seed: self.batch.seed(),
             spare: None,
         })

@@ -8,10 +8,10 @@
 //!
 //! From below, and imports point down only: `settings`, `edges` (results) → `form`, `sensor` →
 //! `edge` (one frame to edges) → `width` (px) → `calibration` (px to mm) → `diameter` (mm) →
-//! `uncertainty` (budgets) → `ring` (parts seen end-on) → `nose` (the nose of a
-//! back-lit insert) → `generatrix` (lines and arcs of a shaft's silhouette at any angle) → `flank`
-//! (the worn land of a front-lit one); `instrument` is the gauge that all begin with. A file
-//! imports others by their own path, not through the `mod.rs` above it.
+//! `uncertainty` (budgets) → `ring` (parts seen end-on) → `nose` (the nose of a back-lit insert) →
+//! `generatrix` (lines and arcs of a shaft's silhouette at any angle) → `flank` (the worn land of a
+//! front-lit one); `instrument` is the gauge that users begin with, and the list of every
+//! threshold. A file imports others by their own path, not through the `mod.rs` above it.
 //!
 //! One more room is one more folder with a `mod.rs` like these, one line here and one in the order
 //! that `tests/architecture.rs` holds.
@@ -23,13 +23,12 @@ mod edges;
 pub(crate) mod flank;
 pub mod form;
 pub(crate) mod generatrix;
-mod instrument;
+pub(crate) mod instrument;
 pub(crate) mod limit;
 pub(crate) mod nose;
 pub mod ring;
 pub(crate) mod sensor;
 mod settings;
-pub(crate) mod thresholds;
 pub(crate) mod uncertainty;
 mod width;
 

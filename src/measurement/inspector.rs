@@ -55,6 +55,25 @@ pub(super) struct FollowedTurn {
     pub(super) jumps_left_out: usize,
 }
 
+/// What the frames of a series amount to so far.
+pub(super) struct SeriesSoFar {
+    /// Mean diameters of its frames.
+    pub(super) means: FrameMeans,
+    /// The worst judgement.
+    pub(super) worst: Judgement,
+    /// Frames, refused ones with them.
+    frames: usize,
+}
+
+/// What has changed in the head since it was calibrated, as far as something states it.
+#[derive(Default)]
+pub(super) struct HeadChange {
+    /// Standard uncertainty by the drift since the last zero, mm, and what it is of.
+    pub(super) drift: Option<(f64, String)>,
+    /// What the reference pin of the frame makes of its diameters.
+    pub(super) pin: Option<PinCorrection>,
+}
+
 /// Follows the frames of one series.
 pub(super) struct Inspector {
     pub(super) settings: MeasureSettings,
@@ -64,15 +83,10 @@ pub(super) struct Inspector {
     pub(super) geometry: Option<HeadGeometry>,
     pub(super) judge: Option<(Judge, (f64, f64))>,
     average: Average,
-    pub(super) means: FrameMeans,
-    pub(super) worst: Judgement,
+    pub(super) so_far: SeriesSoFar,
     pub(super) turn: FollowedTurn,
     pub(super) settled: Option<SettledPart>,
-    /// Standard uncertainty by the drift since the last zero, mm, and what it is of.
-    pub(super) drift: Option<(f64, String)>,
-    /// What the reference pin of the frame makes of its diameters.
-    pub(super) pin: Option<PinCorrection>,
-    frames: usize,
+    pub(super) change: HeadChange,
     buffers: Buffers,
 }
 
@@ -126,8 +140,7 @@ impl Inspector {
             geometry: None,
             judge,
             average: Average::new(settings.average)?,
-            means: FrameMeans::default(),
-            worst: Judgement::GO,
+            so_far: SeriesSoFar { means: FrameMeans::default(), worst: Judgement::GO, frames: 0 },
             turn: FollowedTurn {
                 frames: TurnFrames::default(),
                 history: TurnHistory::new(&plausibility, settings.station_mm.unwrap_or(TURN_STRETCH_MM)),
@@ -135,9 +148,7 @@ impl Inspector {
                 jumps_left_out: 0,
             },
             settled: settings.settle_s.map(|s| SettledPart::new(s, settings.turn)),
-            drift: None,
-            pin: None,
-            frames: 0,
+            change: HeadChange::default(),
             buffers: Buffers::default(),
             settings,
         })
@@ -174,7 +185,7 @@ impl Inspector {
 
     /// A frame without edges.
     pub(super) fn add_refused(&mut self, out: &mut Measurement) {
-        self.frames += 1;
+        self.so_far.frames += 1;
         self.not_proven(out);
     }
 
@@ -188,8 +199,8 @@ impl Inspector {
         edges: &FrameEdges,
         out: &mut Measurement,
     ) -> Result<(), MeasureError> {
-        let index = self.frames;
-        self.frames += 1;
+        let index = self.so_far.frames;
+        self.so_far.frames += 1;
         out.take_place(meta, &self.calibration);
         let reading = self.add_largest(edges, out)?;
         let mut meta = meta.clone();
@@ -205,7 +216,7 @@ impl Inspector {
         let mean = diameters.mean(0..diameters.columns.len());
         out.mean = mean.value();
         out.midline = FieldMidline::of(&diameters);
-        out.mean.into_iter().for_each(|d| self.means.push(d));
+        out.mean.into_iter().for_each(|d| self.so_far.means.push(d));
         let averaged = self.average.push(mean);
         out.average = averaged.value().filter(|_| self.settings.averages());
         let settled = self.settled.as_mut().map(|part| part.push(&meta, out.mean));
@@ -243,10 +254,10 @@ impl Inspector {
     /// in them.
     fn take_diameters(&self, edges: &FrameEdges, diameters: &mut ColumnDiameters) {
         self.calibration.diameters_into(edges, &self.conditions, diameters);
-        if let Some(pin) = &self.pin {
+        if let Some(pin) = &self.change.pin {
             pin.correct(diameters);
         }
-        if let Some((u_mm, _)) = &self.drift {
+        if let Some((u_mm, _)) = &self.change.drift {
             diameters.widen(*u_mm);
         }
     }
@@ -278,10 +289,10 @@ impl Inspector {
         let mut budget = std::mem::take(&mut self.buffers.budget);
         let texts = if self.settings.budget { Texts::Written } else { Texts::LeftOut };
         stated_budget(&reading, &self.calibration, &self.conditions, texts, &mut budget);
-        if let Some(pin) = &self.pin {
+        if let Some(pin) = &self.change.pin {
             correct_by_pin(&mut budget, pin, texts);
         }
-        if let Some((u_mm, since)) = &self.drift {
+        if let Some((u_mm, since)) = &self.change.drift {
             budget.contributions.extend(drift_row(*u_mm, since, texts));
         }
         if !(budget.diameter_mm.is_finite() && budget.u_mm().is_finite()) {
@@ -328,7 +339,7 @@ impl Inspector {
     pub(super) fn not_proven(&mut self, out: &mut Measurement) {
         if self.judge.is_some() {
             out.judgement = Verdict::NotProven;
-            self.worst = worse(self.worst, Judgement::HI);
+            self.so_far.worst = worse(self.so_far.worst, Judgement::HI);
         }
     }
 
@@ -428,7 +439,7 @@ impl Inspector {
             return self.not_proven(out);
         }
         let Some((judgement, value, diameter)) = decisive else { return self.not_proven(out) };
-        self.worst = worse(self.worst, judgement);
+        self.so_far.worst = worse(self.so_far.worst, judgement);
         out.acceptance_zone = judge.check_uncertainty(diameter.u_mm(), value.freedom).err();
         out.judgement = Verdict::Is(judgement);
         let guard_mm = judge.guard_mm(&diameter, value.freedom);

@@ -61,7 +61,7 @@ impl Series {
     /// Frames that do not form a turn.
     pub(super) fn of(mut inspector: Inspector) -> Result<Self, MeasureError> {
         let limits_mm = inspector.judge.map(|(_, limits)| limits);
-        let statistics = inspector.means.statistics(limits_mm, inspector.settings.parts);
+        let statistics = inspector.so_far.means.statistics(limits_mm, inspector.settings.parts);
         let mut warnings = Vec::new();
         let mut turn = None;
         if inspector.settings.turn {
@@ -70,17 +70,18 @@ impl Series {
             warnings.extend(jumps_word(inspector.turn.jumps_left_out));
             warnings.extend(scatter_word(&form.form));
             let judged = form.judged.as_ref().map(super::turn_sizes::TurnJudged::judgement);
-            inspector.worst = judged.map_or(inspector.worst, |judged| worse(inspector.worst, judged));
+            inspector.so_far.worst =
+                judged.map_or(inspector.so_far.worst, |judged| worse(inspector.so_far.worst, judged));
             turn = Some(form);
         } else {
             // Over a revolution the means differ by the form error of the part.
-            warnings.extend(inspector.means.word());
+            warnings.extend(inspector.so_far.means.word());
         }
         if let Some(word) = inspector.settled.as_ref().and_then(SettledPart::word) {
-            inspector.worst = worse(inspector.worst, Judgement::HI);
+            inspector.so_far.worst = worse(inspector.so_far.worst, Judgement::HI);
             warnings.push(word);
         }
-        let judgement = inspector.judge.map(|_| inspector.worst);
+        let judgement = inspector.judge.map(|_| inspector.so_far.worst);
         Ok(Self { statistics, turn, conditions: Some(inspector.conditions), warnings, judgement })
     }
 }

@@ -232,7 +232,7 @@ impl Stream {
             return Err("there is none".to_owned());
         };
         let columns = pin.part_columns(view.columns())?;
-        inspector.pin = Some(pin.read(view)?);
+        inspector.change.pin = Some(pin.read(view)?);
         if let Some(place) = pin.part_place(columns[0]) {
             // the lens of the part's columns, once the size of the frames is known
             inspector.calibration = place;
@@ -337,7 +337,7 @@ impl Stream {
     /// calibration there is none.
     pub fn set_zero_drift(&mut self, u_mm: f64, since: String) {
         if let Some(inspector) = &mut self.inspector {
-            inspector.drift = Some((u_mm, since));
+            inspector.change.drift = Some((u_mm, since));
         }
     }
 

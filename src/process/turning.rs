@@ -114,6 +114,19 @@ pub struct BaseForm {
     pub(crate) worn: Option<Contour>,
 }
 
+/// What a lathe keeps from blank to blank: its edge, its warmth, its errors.
+#[derive(Clone, Debug, Default)]
+struct LatheState {
+    /// Passes cut.
+    cuts: u32,
+    /// Passes since the machine was cold.
+    since_cold: u32,
+    /// Recession of the edge when the next pass starts, mm (radial).
+    wear_mm: f64,
+    /// What displaces the tool's path; none where it stands as commanded.
+    errors: Option<Arc<dyn PathDisplacement>>,
+}
+
 /// A workpiece in the machine, pass after pass.
 #[derive(Clone, Debug)]
 pub struct TurningProcess {
@@ -124,18 +137,12 @@ pub struct TurningProcess {
     grid: Grid,
     diameter_mm: Vec<f64>,
     force_factor: f64,
-    cuts: u32,
     /// Whether this blank has been cut.
     turned: bool,
     /// What the worn nose adds to the diameter at every node, mm.
     left_mm: Vec<f64>,
-    /// Passes since the machine was cold.
-    since_cold: u32,
-    /// Recession of the edge when the next pass starts, mm (radial).
-    wear_mm: f64,
     last_cut: Option<CutSummary>,
-    /// What displaces the tool's path; none where it stands as commanded.
-    machine: Option<Arc<dyn PathDisplacement>>,
+    lathe: LatheState,
 }
 
 impl TurningProcess {
@@ -178,12 +185,9 @@ impl TurningProcess {
             left_mm: left_by_nose_mm(&grid, form),
             grid,
             force_factor: settings.disturbance.force_factor(seed),
-            cuts: 0,
             turned: false,
-            since_cold: 0,
-            wear_mm: 0.0,
             last_cut: None,
-            machine: None,
+            lathe: LatheState::default(),
         })
     }
 
@@ -259,12 +263,12 @@ impl TurningProcess {
 
     /// Puts a fresh edge into the holder.
     pub(crate) fn change_insert(&mut self) {
-        self.wear_mm = 0.0;
+        self.lathe.wear_mm = 0.0;
     }
 
     /// Lets the machine cool down: drift and warming start again.
     pub(crate) fn cool_down(&mut self) {
-        self.since_cold = 0;
+        self.lathe.since_cold = 0;
     }
 
     /// Clamps the next blank of a batch: edge and machine stay as they are, the blank's form and
@@ -274,8 +278,7 @@ impl TurningProcess {
     /// As [`Self::new`].
     pub(crate) fn next_blank(&self, stock: Stock, seed: u64) -> Result<Self, ProcessError> {
         let fresh = Self::new(&self.settings, stock, &self.form, seed)?;
-        let Self { cuts, since_cold, wear_mm, .. } = *self;
-        Ok(Self { cuts, since_cold, wear_mm, machine: self.machine.clone(), ..fresh })
+        Ok(Self { lathe: self.lathe.clone(), ..fresh })
     }
 
     /// Cuts a pass and returns the shaft that remains. On an error the workpiece is unchanged.
@@ -284,7 +287,7 @@ impl TurningProcess {
     /// # Errors
     /// A plan that contradicts itself, a depth of cut below the minimum chip, a shaft that buckles.
     pub(crate) fn cut(&mut self, plan: &PassPlan) -> Result<Shaft, ProcessError> {
-        let first = self.cuts == 0;
+        let first = self.lathe.cuts == 0;
         let summary = self.cut_profile(plan)?;
         if first {
             summary.notes.iter().for_each(|note| tracing::warn!(pass = plan.pass, "{note}"));
@@ -299,10 +302,10 @@ impl TurningProcess {
     pub fn cut_profile(&mut self, plan: &PassPlan) -> Result<&CutSummary, ProcessError> {
         let Passed { nodes, summary } = self.passed(plan)?.0;
         self.diameter_mm = nodes.iter().map(|n| n.after).collect();
-        self.wear_mm += 1e-3 * self.settings.disturbance.wear_um_per_pass;
-        self.cuts += 1;
+        self.lathe.wear_mm += 1e-3 * self.settings.disturbance.wear_um_per_pass;
+        self.lathe.cuts += 1;
         self.turned = true;
-        self.since_cold += 1;
+        self.lathe.since_cold += 1;
         Ok(self.last_cut.insert(summary))
     }
 
@@ -391,11 +394,11 @@ impl TurningProcess {
     /// guideway, drift and scatter.
     fn tool_path(&self, plan: &PassPlan) -> Vec<f64> {
         let d = &self.settings.disturbance;
-        let common = d.common_mm(self.seed, plan.pass, self.since_cold);
+        let common = d.common_mm(self.seed, plan.pass, self.lathe.since_cold);
         let compensated = self.compensated(plan);
         let path = self.displaced_by_machine(self.commanded(compensated.as_ref().unwrap_or(plan)));
         let displaced = |(z, at): (f64, f64)| {
-            let wear = self.wear_mm + 1e-3 * d.wear_um_per_pass * self.share_cut(z);
+            let wear = self.lathe.wear_mm + 1e-3 * d.wear_um_per_pass * self.share_cut(z);
             let away = wear + d.guideway_mm(z);
             at + common + 2.0 * away
         };

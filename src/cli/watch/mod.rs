@@ -7,10 +7,13 @@
 //! (`shown`); an alarm with its command (`on_alarm`, run by `shell`); counts at the end; the frames
 //! themselves (`recorded`), results and bad frames (`saved`); the newest frame for a page
 //! (`picture`); a page to set the gauge up by (`setup_page`). `session` takes the events of the
-//! source and measures; what is computed beside the measurement is in
+//! source and measures (`frame_value`: what a frame shows, `course`: how readings run in time,
+//! `session_settings`: what it is given); what is computed beside the measurement is in
 //! [`measurement::watch`](crate::measurement), where one more figure goes.
 
 mod condition_args;
+mod course;
+mod frame_value;
 mod live_conditions;
 mod on_alarm;
 mod picture;
@@ -18,6 +21,7 @@ mod picture;
 mod recorded;
 mod saved;
 mod session;
+mod session_settings;
 mod setup_page;
 mod shell;
 mod shown;
@@ -33,7 +37,8 @@ use self::picture::Picture;
 #[cfg(feature = "mcap")]
 use self::recorded::Recording;
 use self::saved::Saved;
-use self::session::{Beside, Ended, Session, SessionSettings};
+use self::session::{Ended, Session};
+use self::session_settings::{Beside, SessionSettings};
 use self::setup_page::{SetupOf, SetupPage};
 use self::shown::{Shown, ShownAs};
 use crate::cli::failure::{CommandResult, Failure, Outcome};

@@ -1,68 +1,27 @@
 //! The events of a source, measured one after another.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use super::live_conditions::{LiveConditions, TakenConditions};
-use super::on_alarm::OnAlarm;
-use super::picture::{Picture, Pictured};
-use super::setup_page::{PageOf, SetupPage};
+use super::course::Course;
+use super::frame_value::{alarm_of, diameters_along, is_empty, is_settled, seen};
+use super::live_conditions::TakenConditions;
+use super::picture::Pictured;
+use super::session_settings::{Beside, SessionSettings};
+use super::setup_page::PageOf;
 use super::shown::{Missed, Now, Shown, ShownFrame};
 use crate::cli::failure::Failure;
 use crate::cli::measure::frames::{FrameChecks, StatedOf};
 use crate::cli::terminal::output;
 use crate::frame::Frame;
-use crate::gauge::stated::stated;
-use crate::measurement::watch::{
-    Alarm, FrameValue, Invalid, Pace, PartValue, Presence, Profile, Seen, Trend, Turn, TurnCover, Validity,
-    profile,
-};
-use crate::measurement::{Measurement, Settled, Stream};
-use crate::profile::Reason;
+use crate::measurement::Stream;
+use crate::measurement::watch::{Alarm, Invalid, PartValue, Turn};
 use crate::source::host_t_ns;
 use crate::source::live::{Counters, Event, Gap, Lease, LiveFrame, LiveMeta, LiveSource, Remarks};
 
 /// Longest wait for a frame before age and Ctrl-C are looked at: ten looks a second are what a
 /// person takes for at once.
 const LOOK: Duration = Duration::from_millis(100);
-/// Coverage factor of values in pixels, whose freedom is not stated.
-const K: f64 = 2.0;
-/// Cells of the profile: as many as are read at a glance beside the other figures.
-const CELLS: usize = 32;
-/// Standard uncertainties of a cell's mean that a profile must differ by to fill its height: of 32
-/// cells the range by noise is four of them in the mean.
-const NOISE: f64 = 4.0;
-
-/// What a session is given.
-#[derive(Debug)]
-pub(super) struct SessionSettings {
-    /// Time without a frame that ends it.
-    pub(super) idle: Option<Duration>,
-    /// Age from which a reading is none of now.
-    pub(super) stale: Duration,
-    /// Name of the source in messages.
-    pub(super) name: String,
-    /// Whether what must agree are means of whole turns, by the frames' angles.
-    pub(super) turning: bool,
-    /// Whether the shaft stands upright in the images.
-    pub(super) vertical: bool,
-    /// Scale of the profile: mm per pixel, or 1 in pixels.
-    pub(super) scale: f64,
-    /// Whether frames are corrected by a flat field: what is saved is the frame before.
-    pub(super) corrects: bool,
-}
-
-/// What stands beside the measurement.
-pub(super) struct Beside {
-    /// The command of the alarm.
-    pub(super) on_alarm: OnAlarm,
-    /// Temperatures and zeros.
-    pub(super) conditions: LiveConditions,
-    /// The page of `--setup`.
-    pub(super) setup: Option<SetupPage>,
-    /// The picture of `--picture`.
-    pub(super) picture: Option<Picture>,
-}
 
 /// How a session ended.
 #[derive(Debug, PartialEq, Eq)]
@@ -84,20 +43,10 @@ pub(super) struct Session<'a> {
     beside: Beside,
     /// Conditions of the last frame.
     taken: TakenConditions,
-    begun: Instant,
-    pace: Pace,
-    trend: Trend,
-    turns: TurnCover,
-    presence: Presence,
-    validity: Validity,
+    course: Course,
     alarm: Alarm,
+    /// Frames that are lacking before the next one.
     missed: Missed,
-    /// The last value with its U and the word of its judgement.
-    last: Option<(f64, f64, &'static str)>,
-    was_invalid: Option<&'static str>,
-    measured: u64,
-    /// Why the first frame was refused.
-    first_refusal: Option<String>,
 }
 
 impl<'a> Session<'a> {
@@ -109,7 +58,7 @@ impl<'a> Session<'a> {
         settings: SessionSettings,
         beside: Beside,
     ) -> Self {
-        let validity = Validity::new(settings.stale.as_secs_f64());
+        let course = Course::new(settings.stale);
         Self {
             stream,
             checks,
@@ -117,30 +66,17 @@ impl<'a> Session<'a> {
             settings,
             beside,
             taken: TakenConditions::default(),
-            begun: Instant::now(),
-            pace: Pace::default(),
-            trend: Trend::default(),
-            turns: TurnCover::default(),
-            presence: Presence::default(),
-            validity,
+            course,
             alarm: Alarm::default(),
             missed: Missed::default(),
-            last: None,
-            was_invalid: None,
-            measured: 0,
-            first_refusal: None,
         }
-    }
-
-    fn now_s(&self) -> f64 {
-        self.begun.elapsed().as_secs_f64()
     }
 
     /// Watches a source to its end, to Ctrl-C, or until nothing comes any more.
     pub(super) fn watch(&mut self, live: &mut dyn LiveSource, stop: &AtomicBool) -> Ended {
         let is_wanted = || !stop.load(Ordering::Relaxed) && !output::has_failed();
         let mut failure = None;
-        while is_wanted() && !self.is_idle() {
+        while is_wanted() && !self.course.is_idle(self.settings.idle) {
             match live.next_event(LOOK) {
                 Event::Frame(frame) => self.frame(*frame),
                 Event::Gap(gap) => self.gap(&gap),
@@ -154,26 +90,26 @@ impl<'a> Session<'a> {
             self.look(&live.counters());
         }
         // Who sets a gauge up may have no frame that can be measured yet.
-        match (failure, is_wanted() && self.measured == 0 && self.beside.setup.is_none()) {
+        let why_none = || self.course.why_none_is_measured(&self.settings.name);
+        let none = if is_wanted() && self.beside.setup.is_none() { why_none() } else { None };
+        match (failure, none) {
             (Some(why), _) => Ended::Failed(why),
-            (None, true) => {
-                let none = || format!("{}: no frame came", self.settings.name);
-                Ended::Unmeasured(self.first_refusal.clone().unwrap_or_else(none))
-            }
-            (None, false) => Ended::Done,
+            (None, Some(why)) => Ended::Unmeasured(why),
+            (None, None) => Ended::Done,
         }
     }
 
     /// The part that is there still, and the counts; whether the alarm was raised.
     pub(super) fn finish(&mut self, counters: &Counters) -> bool {
-        if let Some(part) = self.presence.end() {
+        if let Some(part) = self.course.presence.end() {
             self.part(part);
         }
         self.beside.on_alarm.finish();
         if let Some(page) = &self.beside.setup {
             page.finish();
         }
-        self.shown.end(counters, [self.measured, self.presence.parts()], &self.pace);
+        let Course { measured, presence, pace, .. } = &self.course;
+        self.shown.end(counters, [*measured, presence.parts()], pace);
         self.alarm.cause().is_some()
     }
 
@@ -185,24 +121,19 @@ impl<'a> Session<'a> {
         self.shown.end_saving()
     }
 
-    fn is_idle(&self) -> bool {
-        let age_s = self.validity.age_s(self.now_s()).unwrap_or_else(|| self.now_s());
-        self.settings.idle.is_some_and(|idle| age_s > idle.as_secs_f64())
-    }
-
     // ---- events
 
     fn frame(&mut self, frame: LiveFrame) {
         let LiveFrame { lease: Lease { frame, slot }, meta, remarks } = frame;
         let sweep_deg = frame.meta.sweep_deg;
         remarks.notices.iter().for_each(|notice| tracing::warn!("{notice}"));
-        if !self.presence.is_there() {
+        if !self.course.presence.is_there() {
             // Until a part is there it may be another one.
             self.stream.restart_settling();
         }
         let raw = (self.settings.corrects && self.shown.saves_frames()).then(|| frame.clone());
         let measured = self.measure(frame, &meta, &remarks);
-        let t_s = self.now_s();
+        let t_s = self.course.now_s();
         self.set_up(t_s, measured.as_ref(), &meta);
         self.picture(t_s, measured.as_ref(), meta.sequence);
         let saved = self.save(meta.sequence, || raw.or_else(|| measured.clone()));
@@ -210,13 +141,18 @@ impl<'a> Session<'a> {
             slot.give_back(frame);
         }
         let latency_ms = meta.host_t.map(|t| host_t_ns().saturating_sub(t.t_ns) as f64 * 1e-6);
-        self.pace.push(t_s, latency_ms);
-        let (value, seen) = seen(self.stream.measurement(), meta.sequence);
-        self.take_value(t_s, value);
-        let is_measured = self.stream.measurement().refusal.is_none();
-        let turn = meta.angle_deg.and_then(|angle| self.turns.push(angle.value, sweep_deg, is_measured));
+        self.course.pace.push(t_s, latency_ms);
+        let measurement = self.stream.measurement();
+        let (value, seen) = seen(measurement, meta.sequence);
+        self.course.take_value(t_s, measurement, value);
+        let is_measured = measurement.refusal.is_none();
+        if let Some(cause) = value.and_then(|value| alarm_of(&measurement.frame, value)) {
+            self.raise(&cause);
+        }
+        let turns = &mut self.course.turns;
+        let turn = meta.angle_deg.and_then(|angle| turns.push(angle.value, sweep_deg, is_measured));
         self.print(&meta, latency_ms, saved, turn);
-        if let Some(part) = self.presence.push(seen) {
+        if let Some(part) = self.course.presence.push(seen) {
             self.part(part);
         }
     }
@@ -305,35 +241,9 @@ impl<'a> Session<'a> {
         self.shown.save(number, frame)
     }
 
-    /// The value of the frame that was measured last, or that it has none.
-    fn take_value(&mut self, t_s: f64, value: Option<FrameValue>) {
-        let measurement = self.stream.measurement();
-        let refusal = measurement.refusal.as_ref().map(|refusal| refusal.why.clone());
-        let unsettled = measurement.settled.as_ref().and_then(Settled::why);
-        let cause = value.filter(|v| v.severity > 1).map(|v| {
-            let [d, u] = stated(v.value, v.expanded_u);
-            format!("frame {}: {} at {d} mm, U {u} mm", measurement.frame, v.word)
-        });
-        if let (Some(why), None) = (&refusal, &self.first_refusal) {
-            self.first_refusal = Some(why.clone());
-        }
-        self.validity.frame(t_s, refusal.map(Invalid::Refused).or(unsettled.map(Invalid::NotSettled)));
-        self.last = value.map(|v| (v.value, v.expanded_u, v.word));
-        if let Some(value) = value {
-            self.measured += 1;
-            if !self.presence.is_there() {
-                self.trend.clear();
-            }
-            self.trend.push(t_s, value.value);
-        }
-        if let Some(cause) = cause {
-            self.raise(&cause);
-        }
-    }
-
     fn print(&mut self, meta: &LiveMeta, latency_ms: Option<f64>, saved: Option<String>, turn: Option<Turn>) {
         let missed = std::mem::take(&mut self.missed);
-        let (slope, is_alarmed) = (self.trend.slope(), self.alarm.cause().is_some());
+        let (slope, is_alarmed) = (self.course.trend.slope(), self.alarm.cause().is_some());
         let measurement = self.stream.measurement();
         let (conditions, is_settled) = (self.taken, is_settled(measurement));
         self.shown.frame(&ShownFrame {
@@ -354,15 +264,13 @@ impl<'a> Session<'a> {
         self.missed.lost += gap.lost;
         self.missed.incomplete += gap.incomplete;
         self.missed.dropped += gap.dropped;
-        if let (Some(why), None) = (&gap.why, &self.first_refusal) {
-            self.first_refusal = Some(why.clone());
-        }
+        gap.why.iter().for_each(|why| self.course.note_refusal(why));
         self.shown.gap(gap);
     }
 
     fn lost(&mut self, why: String) {
         self.raise(&format!("{} is gone: {why}", self.settings.name));
-        self.validity.lost(why);
+        self.course.validity.lost(why);
     }
 
     fn part(&mut self, part: PartValue) {
@@ -382,70 +290,27 @@ impl<'a> Session<'a> {
 
     /// Shows what is now; a reading that has become invalid once.
     fn look(&mut self, counters: &Counters) {
-        let invalid = self.validity.invalid(self.now_s());
-        let word = invalid.as_ref().map(Invalid::word);
-        if let Some(invalid) = invalid.as_ref().filter(|_| word != self.was_invalid) {
+        let invalid = self.course.validity.invalid(self.course.now_s());
+        if let Some(invalid) = self.course.newly_invalid(invalid.as_ref()) {
             // A refused frame has a line of its own, with the reason.
             if !matches!(invalid, Invalid::Refused(_) | Invalid::NoFrame) {
                 self.shown.invalid(invalid);
             }
         }
-        self.was_invalid = word;
-        let reading = match (&invalid, self.last) {
-            (None, Some(last)) => Ok(last),
-            (Some(invalid), _) => Err(invalid),
-            (None, None) => Err(&Invalid::NoFrame),
-        };
         if self.beside.setup.is_some() {
             return;
         }
-        let profile = reading.is_ok().then(|| self.profile()).flatten();
+        let reading = self.course.reading(invalid.as_ref());
+        let edges = self.stream.edges().filter(|_| reading.is_ok() && self.shown.is_live());
+        let profile = edges.and_then(|edges| diameters_along(edges, self.settings.scale));
         self.shown.now(&Now {
             reading,
             profile,
-            slope: self.trend.slope(),
-            pace: &self.pace,
+            slope: self.course.trend.slope(),
+            pace: &self.course.pace,
             counters,
-            parts: self.presence.parts(),
+            parts: self.course.presence.parts(),
             alarm: self.alarm.cause(),
         });
     }
-
-    /// Diameters along the last frame, as far as a terminal shows them.
-    fn profile(&self) -> Option<Profile> {
-        let edges = self.stream.edges().filter(|_| self.shown.is_live())?;
-        let scale = self.settings.scale;
-        let in_cell = (edges.columns() / CELLS).max(1) as f64;
-        let (top, bottom) =
-            edges.top.iter().zip(&edges.bottom).find(|(t, b)| t.is_usable() && b.is_usable())?;
-        let u_px =
-            |own: f32, shared: f32| (f64::from(own).powi(2) / in_cell + f64::from(shared).powi(2)).sqrt();
-        let u = u_px(top.u_own_px, top.u_shared_px).hypot(u_px(bottom.u_own_px, bottom.u_shared_px));
-        let widths = (0..edges.columns()).map(|column| edges.width_px(column).map(|width| scale * width));
-        profile(widths, CELLS, NOISE * scale * u)
-    }
-}
-
-fn is_empty(reason: Reason) -> bool {
-    matches!(reason, Reason::NoEdge | Reason::LowContrast)
-}
-
-/// Whether the diameter is good by its course in time; true where that is not asked for.
-fn is_settled(measurement: &Measurement) -> bool {
-    measurement.settled.is_none_or(|settled| settled.u_trend_mm().is_some())
-}
-
-/// The value of a measured frame, and whether a part is in it.
-fn seen(measurement: &Measurement, sequence: u64) -> (Option<FrameValue>, Seen) {
-    let millimetres = measurement.diameter.as_ref().map(|d| (d.diameter.d_mm, d.expanded_u_mm));
-    let pixels = measurement.largest.as_ref().map(|l| (l.diameter_px, K * l.u_px));
-    if let Some(refusal) = &measurement.refusal {
-        return (None, if is_empty(refusal.reason) { Seen::Empty } else { Seen::Unclear });
-    }
-    let value = millimetres.or(pixels).filter(|(value, _)| value.is_finite());
-    let Some((value, expanded_u)) = value else { return (None, Seen::Unclear) };
-    let (severity, word) = (measurement.judgement.severity(), measurement.judgement.word());
-    let is_settled = is_settled(measurement);
-    let value = FrameValue { sequence, value, expanded_u, severity, word, is_settled };
-    (Some(value), Seen::Part(value))
 }

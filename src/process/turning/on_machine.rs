@@ -4,20 +4,20 @@
 use std::sync::Arc;
 
 use super::super::path_displacement::{PathDisplacement, PathPlace};
-use super::TurningProcess;
+use super::{LatheState, TurningProcess};
 use crate::plan::PassPlan;
 
 impl TurningProcess {
     /// The workpiece on a machine; without one the tool stands where it is commanded.
     #[must_use]
     pub(crate) fn on(self, machine: Option<Arc<dyn PathDisplacement>>) -> Self {
-        Self { machine, ..self }
+        Self { lathe: LatheState { errors: machine, ..self.lathe }, ..self }
     }
 
     /// The plan as the control's own compensation commands it: its table has a value a station,
     /// which is subtracted like an offset. None without a machine.
     pub(super) fn compensated(&self, plan: &PassPlan) -> Option<PassPlan> {
-        let machine = self.machine.as_ref()?;
+        let machine = self.lathe.errors.as_ref()?;
         let mut own = plan.clone();
         let places = plan.station_z_mm.iter().zip(plan.commanded_mm());
         for (offset, (z_mm, diameter_mm)) in own.offset.o_mm.iter_mut().zip(places) {
@@ -29,7 +29,7 @@ impl TurningProcess {
     /// A path (mm of diameter at every node) as the machine's errors displace it. A shoulder stays
     /// where it is commanded.
     pub(super) fn displaced_by_machine(&self, path_mm: Vec<f64>) -> Vec<f64> {
-        let Some(machine) = &self.machine else { return path_mm };
+        let Some(machine) = &self.lathe.errors else { return path_mm };
         let z_mm = self.grid.z_mm();
         let at = |(node, diameter_mm): (usize, &f64)| {
             let taper = taper_at(z_mm, &path_mm, node);

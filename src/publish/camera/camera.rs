@@ -38,6 +38,21 @@ pub(super) struct Spindle {
     pub(super) since_ns: u64,
 }
 
+/// What a head has counted since it was started.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Counts {
+    /// Acquisitions that were started or stopped.
+    pub(super) starts: u64,
+    /// Openings of the stream.
+    pub(super) channel: u64,
+    /// Frames of this stream: the id of the last one.
+    pub(super) block: u64,
+    /// Pins that were put in.
+    pub(super) clamped: u64,
+    /// Triggers that came.
+    pub(super) triggers: u64,
+}
+
 /// The camera without a network.
 #[derive(Clone, Debug)]
 pub(crate) struct Camera {
@@ -47,15 +62,8 @@ pub(crate) struct Camera {
     pub(super) controller: Option<Controller>,
     last: LastAnswers,
     pub(super) acquisition: Option<Acquisition>,
-    /// Number of the acquisition, and of the opening of the stream.
-    pub(super) starts: u64,
-    pub(super) channel: u64,
-    /// Id of the last frame of this stream.
-    pub(super) block: u64,
+    pub(super) counts: Counts,
     pub(super) spindle: Spindle,
-    /// How often a pin was put in, and triggers that came.
-    pub(super) clamped: u64,
-    pub(super) triggers: u64,
     pub(super) cut: Option<PassOrder>,
     pub(super) silent_until_ns: u64,
 }
@@ -71,12 +79,8 @@ impl Camera {
             controller: None,
             last: LastAnswers::default(),
             acquisition: None,
-            starts: 0,
-            channel: 0,
-            block: 0,
+            counts: Counts::default(),
             spindle: Spindle::default(),
-            clamped: 0,
-            triggers: 0,
             cut: None,
             silent_until_ns: 0,
         }
@@ -230,7 +234,8 @@ impl Camera {
     pub(super) fn release(&mut self) {
         self.controller = None;
         self.acquisition = None;
-        (self.channel, self.starts) = (self.channel + 1, self.starts + 1);
+        self.counts.channel += 1;
+        self.counts.starts += 1;
         // a client that is gone holds the number of no frame
         let held = [at::CONTROLLER_PORT, at::CONTROLLER_ADDRESS, at::STREAM_PORT, at::HEAD_FRAME];
         for address in [at::PRIVILEGE].into_iter().chain(held) {
@@ -268,7 +273,7 @@ impl Camera {
         if is_last {
             self.acquisition = None;
         }
-        let (acquisition, channel) = (self.starts, self.channel);
+        let Counts { starts: acquisition, channel, .. } = self.counts;
         Some(Task::Frame(Box::new(FrameTask { order, stream, due_ns, acquisition, channel })))
     }
 
@@ -300,7 +305,7 @@ impl Camera {
         SceneOrder {
             object: match memory.get(at::HEAD_OBJECT) {
                 1 => Object::Part,
-                2 => Object::Master { index: memory.get(at::MASTER_INDEX), clamped: self.clamped },
+                2 => Object::Master { index: memory.get(at::MASTER_INDEX), clamped: self.counts.clamped },
                 3 => Object::Flat,
                 4 => Object::Dark,
                 _ => Object::Drawn,
@@ -316,19 +321,19 @@ impl Camera {
     /// Whether a frame still waits to be sent: its acquisition was neither stopped nor started
     /// anew.
     pub(crate) fn is_wanted(&self, task: &FrameTask) -> bool {
-        task.acquisition == self.starts && task.channel == self.channel
+        task.acquisition == self.counts.starts && task.channel == self.counts.channel
     }
 
     /// Number of the opening of the stream; a frame of an earlier one is not sent to its end.
     pub(crate) fn channel(&self) -> u64 {
-        self.channel
+        self.counts.channel
     }
 
     /// Id of the frame that is sent next.
     pub(crate) fn next_block(&mut self) -> u64 {
-        self.block += 1;
+        self.counts.block += 1;
         self.memory.count(at::FRAMES_SENT);
-        self.block
+        self.counts.block
     }
 
     /// Counts packets that were sent again.

@@ -129,7 +129,7 @@ impl Camera {
         }
         self.memory.write(write.address, write.bytes);
         match write.address {
-            at::MASTER_INDEX | at::HEAD_OBJECT => self.clamped += 1,
+            at::MASTER_INDEX | at::HEAD_OBJECT => self.counts.clamped += 1,
             at::PASS_NUMBER => {
                 let index = (write.value() as usize).checked_sub(1);
                 let nominal_mm = index.and_then(|index| self.sheet.pass_nominal_mm.get(index).copied());
@@ -179,7 +179,8 @@ impl Camera {
     /// Ids of frames begin anew with every opening of the stream.
     fn open_or_close(&mut self, port: u32) {
         self.memory.set(at::STREAM_PORT, port & 0xffff);
-        (self.block, self.channel) = (0, self.channel + 1);
+        self.counts.block = 0;
+        self.counts.channel += 1;
         if port & 0xffff == 0 {
             self.stop();
         }
@@ -194,7 +195,7 @@ impl Camera {
             1 => Some(1),
             _ => Some(self.memory.get(at::ACQUISITION_FRAMES).into()),
         };
-        self.starts += 1;
+        self.counts.starts += 1;
         self.spindle.since_ns = now_ns;
         let triggered = self.memory.get(at::TRIGGER_MODE) != 0;
         self.acquisition = Some(Acquisition::new(now_ns, remaining, triggered));
@@ -204,16 +205,16 @@ impl Camera {
 
     fn stop(&mut self) {
         if self.acquisition.take().is_some() {
-            self.starts += 1;
+            self.counts.starts += 1;
         }
     }
 
     /// A trigger, by the faults that are asked for taken once, twice or not at all.
     fn trigger(&mut self, now_ns: u64) {
-        self.triggers += 1;
+        self.counts.triggers += 1;
         let every = |address| {
             let nth = u64::from(self.memory.get(address));
-            nth > 0 && self.triggers.is_multiple_of(nth)
+            nth > 0 && self.counts.triggers.is_multiple_of(nth)
         };
         let (ignored, doubled) = (every(at::FAULT_TRIGGER_IGNORED), every(at::FAULT_TRIGGER_DOUBLED));
         let times = if ignored { 0 } else { 1 + u32::from(doubled) };

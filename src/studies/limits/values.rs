@@ -121,7 +121,7 @@ mod tests {
     #[test]
     #[ignore = "a list, not a check"]
     fn every_variant() {
-        for variant in crate::gauge::thresholds::every().iter().flat_map(variants) {
+        for variant in crate::gauge::instrument::thresholds::every().iter().flat_map(variants) {
             let Variant { name, default, way, value } = &variant;
             println!("variant {name} {} {value} of {default}", way.name());
         }

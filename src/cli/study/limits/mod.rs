@@ -15,7 +15,8 @@ use self::table::{CsvRow, Row, Study, print};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{csv_text, say_study};
 use crate::cli::terminal::progress;
-use crate::gauge::{Limit, replace_limit, thresholds};
+use crate::gauge::instrument::thresholds;
+use crate::gauge::{Limit, replace_limit};
 use crate::render::{BackendChoice, Renderer};
 use crate::studies::limits::{self, Variant, variants};
 

@@ -2,12 +2,12 @@
 
 use std::num::NonZeroUsize;
 
-use super::edge::edge_stream::EdgeStream;
-use super::edge::model::systematic_residual::SystematicResidual;
-use super::edge::parallel::Lanes;
-use super::edges::{FrameEdges, FrameRefused};
-use super::settings::{EsfModel, GaugeSettings};
 use crate::frame::FrameView;
+use crate::gauge::edge::edge_stream::EdgeStream;
+use crate::gauge::edge::model::systematic_residual::SystematicResidual;
+use crate::gauge::edge::parallel::Lanes;
+use crate::gauge::edges::{FrameEdges, FrameRefused};
+use crate::gauge::settings::{EsfModel, GaugeSettings};
 use crate::setting::SettingError;
 
 /// The gauge: settings, checked once.
@@ -47,9 +47,9 @@ impl Gauge {
     }
 
     /// Expects of every edge the residual that a calibration's masters left
-    /// (`super::Calibration::systematic_residual`): what they share with it the calibration has
-    /// absorbed, and only what departs from it widens u or is flagged. The same model must be
-    /// fitted as when they were measured; another one shows as a systematic residual.
+    /// (`Calibration::systematic_residual`): what they share with it the calibration has absorbed,
+    /// and only what departs from it widens u or is flagged. The same model must be fitted as when
+    /// they were measured; another one shows as a systematic residual.
     #[must_use]
     pub fn with_systematic_residual(self, systematic_residual: Option<&SystematicResidual>) -> Self {
         Self { systematic_residual: systematic_residual.cloned(), ..self }
