@@ -247,3 +247,45 @@ impl SetupCalibration {
         self.parts.iter().map(|p| p.matrix[5][5]).sum::<f64>().max(0.0).sqrt()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::SystemTime;
+
+    use super::*;
+
+    fn setup(sigma_px: f64, defocus_px_per_mm: f64) -> SetupCalibration {
+        SetupCalibration {
+            rows: 200,
+            columns: 400,
+            validity: Validity { date: Date::of(SystemTime::UNIX_EPOCH), valid_days: 365 },
+            lens: LensModel::perfect(200, 400),
+            parts: Vec::new(),
+            sigma_px,
+            defocus_px_per_mm,
+            birge_ratio: 1.0,
+            residuals: Vec::new(),
+            conditions: Conditions::default(),
+            sensor: None,
+            flat_field: None,
+            check: None,
+        }
+    }
+
+    /// A fifth more or a seventh less than the masters' blur is the same focus, a third more or
+    /// less is another. A part that may stand off the masters' plane by y may be blurred by σ² =
+    /// σ₀² + (c·y)².
+    #[test]
+    fn a_part_is_in_focus_within_a_quarter_of_the_masters_blur() {
+        let conditions = Conditions::default();
+        let of = |ratio: f64| setup(1.2, 0.0).check_focus([1.2, 1.2 * ratio], &conditions);
+        for ratio in [0.85, 1.0, 1.2] {
+            assert_eq!(of(ratio), Ok(()), "{ratio}");
+        }
+        for ratio in [0.67, 1.33] {
+            assert!(matches!(of(ratio), Err(BenchError::OutOfFocus { .. })), "{ratio}");
+        }
+        let apart = Conditions { limit_axis_y_mm: 2.0, ..conditions };
+        assert!(setup(1.2, 0.5).check_focus([1.2, 1.2 * 1.33], &apart).is_ok());
+    }
+}

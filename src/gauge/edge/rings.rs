@@ -163,3 +163,42 @@ fn mean_profile<T: Sample>(plane: &Plane<'_, T>, windows: &Windows) -> Vec<f64> 
     sums.iter_mut().for_each(|sum| *sum /= f64::max(count, 1.0));
     sums
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+    use rand_pcg::Pcg64;
+
+    use super::*;
+
+    const COLUMNS: usize = 64;
+    const WIDTH: usize = 48;
+
+    /// Windows over the first crest and its valleys, 13 px apart, of 10 bits, in light of so many
+    /// counts by column: 1.37 of it at the crest and 0.78 in the valleys.
+    fn crests(light: impl Fn(usize) -> f64) -> Windows {
+        let mut random = Pcg64::seed_from_u64(7);
+        let noise = Normal::new(0.0, 3.0).unwrap();
+        let mut windows = Windows::new(Side::Bottom);
+        windows.width = WIDTH;
+        windows.centre = vec![Ok(100); COLUMNS];
+        for column in 0..COLUMNS {
+            for row in 0..WIDTH {
+                let phase = std::f64::consts::PI * (row as f64 - 24.0) / 13.0;
+                let value = light(column) * (1.075 + 0.295 * phase.cos()) + noise.sample(&mut random);
+                windows.pixels.push(value.round().min(1023.0) as f32);
+            }
+        }
+        windows
+    }
+
+    /// A film over a fifth of the columns keeps their crests below the end of the scale: the
+    /// others are clipped all the same.
+    #[test]
+    fn crests_cut_in_four_columns_of_five_are_clipped() {
+        let filmed = |column: usize| if column < 13 { 640.0 } else { 800.0 };
+        assert_eq!(clipped_crest(&crests(filmed)), Some(1023.0));
+        assert_eq!(clipped_crest(&crests(|_| 700.0)), None);
+    }
+}

@@ -89,3 +89,45 @@ pub(super) fn radius(path: &Path, sectors: &[NoseSector], um_per_px: f64) -> Fou
         _ => found,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::line::EdgeLine;
+    use super::*;
+
+    /// A nose of 405 px of which some sectors, in its middle, lie 5 px inside.
+    fn found(worn: usize) -> FoundRadius {
+        let edge = |deg: f64| {
+            let normal = DVec2::from_angle(f64::to_radians(deg));
+            EdgeLine {
+                normal,
+                at: 405.0 * normal,
+                u_offset_px: 0.01,
+                u_angle_rad: 1e-4,
+                shared_offset: Default::default(),
+                shared_angle: Default::default(),
+            }
+        };
+        let path = Path::nominal([edge(40.0), edge(140.0)], 405.0);
+        let is_worn = |k: usize| k.abs_diff(50) <= worn / 2;
+        let sector = |k: usize| NoseSector {
+            direction_deg: path.direction_rad(k).to_degrees(),
+            radius_px: if is_worn(k) { 400.0 } else { 405.0 },
+            u_px: 0.05,
+            fitted: true,
+        };
+        let sectors: Vec<NoseSector> = (0..path.radii.len()).map(sector).collect();
+        radius(&path, &sectors, 2.0)
+    }
+
+    /// At 2 µm a px the nose has 0.81 mm. With a chip of 7 % of its arc it is new, and has the
+    /// radius found; with a land of 15 % it is worn, and was ground to 0.8 mm.
+    #[test]
+    fn a_nose_off_its_circle_by_a_tenth_of_the_arc_is_worn() {
+        let new = found(7);
+        assert_eq!(new.reference, Reference::Fitted);
+        assert!((new.radius_px - 405.0).abs() < 0.01, "{new:?}");
+        let worn = found(15);
+        assert_eq!((worn.reference, worn.radius_px), (Reference::Iso1832, 400.0));
+    }
+}

@@ -16,8 +16,9 @@ limits! {
     cells_across: usize = 400;
     /// Largest side of a cell, px: an insert's edge of `least_edge_px` is ten cells.
     most_side: usize = 4;
-    /// Least area within a contour over that of the cells found: less is a hole's contour, or one
-    /// of two parts that touch in cells alone.
+    /// Least area within a contour over that of the cells found: less is a hole's contour, or that
+    /// of one of two parts that touch in cells alone, the other of which has a tenth of its area
+    /// (`second_part`), 1/1.1 = 0.91.
     enclosed: f64 = 0.9;
     /// Distance from a line of the coarse contour, px, within which a place lies on it: the contour
     /// of whole pixels, smoothed, scatters by a third of a pixel.
@@ -57,7 +58,7 @@ limits! {
     /// Depth of a sector below the hull, px, that is a chip, and height above the nominal circle
     /// that is adhering material: ten times a sector's u at a contrast of 70 over the noise.
     bump_px: f64 = 0.5;
-    /// The same in standard uncertainties of the sector.
+    /// The same in standard uncertainties of the sector: 10⁻¹⁵ of normal deviates have more.
     bump_u: f64 = 8.0;
     /// Sectors at an end of the nose that show whether wear reaches it: a blur of 1.2 px rounds a
     /// step over three of 1.5 px, the smallest noses'.

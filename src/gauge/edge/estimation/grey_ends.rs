@@ -26,7 +26,8 @@ limits! {
     /// limits.
     at_one: f64 = 0.015;
     /// Times as many pixels at an end as in the step before it: a tail that is not clipped has
-    /// fewer in each further step, and half as many more leave room for chance.
+    /// fewer in each further step, and half as many more leave room for chance. Tuned: see study
+    /// limits.
     piled: f64 = 1.5;
     /// Pixels expected beyond an end, none seen, that are evidence of it: chance leaves none of ten
     /// once in 20 000.

@@ -17,7 +17,8 @@ limits! {
     /// seen: where three quarters of an edge are hidden, the flank hardly determines its height.
     /// Tuned: see study limits.
     brightest: f64 = 4.0;
-    /// Reduced χ² that is still explained by noise: its variance is known to a few per cent.
+    /// Reduced χ² that is still explained by noise: its variance is known to a few per cent. Tuned:
+    /// see study limits.
     explained: f64 = 1.1;
     /// Least expected sum of squares over the shadow's pixels between the ends from which their
     /// noise is estimated: its relative standard uncertainty is then √(2/50)/2, a tenth.
