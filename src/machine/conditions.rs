@@ -1,4 +1,4 @@
-//! The state in which a machine is asked for its errors.
+//! The state of a machine at which its errors are evaluated.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! What a cut, a probe and a head make of a pose: the change of a diameter, mm.
 //!
 //! A tool at u cuts D + 2·u_x + 2h·u_y/R − D′·u_z (h: its tip above the axis, D′ = dD/dz), a probe
-//! at u reads the negative of that, the same with its side turned over. A two-sided head looks
-//! along −y from its entrance pupil at the distance ℓ of the axis (infinite: telecentric) and sees
+//! at u reads the negative of that, the same with its side turned over. A two-sided head faces
+//! −y from its entrance pupil at the distance ℓ of the axis (infinite: telecentric) and images
 //! the angle between the tangents; scaled at its nominal distance, it reads to first order
 //!
 //! ```text
@@ -15,7 +15,7 @@
 
 use super::chain::Pose;
 
-/// The part at the place that is worked on or measured.
+/// The part where it is machined or measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Part {
     /// Diameter, mm.
@@ -33,7 +33,7 @@ pub(crate) enum Side {
     Opposite,
 }
 
-/// A head that sees both edges.
+/// A head that images both edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TwoSided {
     /// From the axis to the entrance pupil along y, mm; infinite for a telecentric lens.

@@ -159,8 +159,8 @@ impl MachineSettings {
     /// The errors as functions.
     ///
     /// # Errors
-    /// The first value that cannot be right: travels that are none, levers and errors in another
-    /// unit, tables that are not in order or leave the travel.
+    /// The first value that cannot be right: travels of no length, levers and errors in another
+    /// unit, tables out of order or beyond the travel.
     pub(crate) fn motion(&self) -> Result<Motion, SettingError> {
         travel("machine.x_travel_mm", self.x_travel_mm)?;
         travel("machine.z_travel_mm", self.z_travel_mm)?;

@@ -31,7 +31,7 @@ pub(crate) fn donaldson(first: &[f64], reversed: &[f64]) -> Option<Separation> {
     Some(Separation { form, motion })
 }
 
-/// The midline of a head that sees both edges, read again with the part chucked 180° round: the
+/// The midline of a head that images both edges, read again with the part chucked 180° round: the
 /// midline holds the motion and the odd lobes alone (even ones move both edges apart), and the
 /// second time the odd lobes come with the other sign. The form that returns is its odd part. With
 /// the random error σ of an edge the midline has σ/√2 and either result σ/2. None for turns of

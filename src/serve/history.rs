@@ -1,4 +1,4 @@
-//! What a store remembers: stations of a time, documents, and whether anything was altered.
+//! What the store holds: stations by time, documents, and whether anything was altered.
 
 use axum::Json;
 use axum::extract::{Query, State as Extract};

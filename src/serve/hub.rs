@@ -57,7 +57,8 @@ impl Hub {
         now.ended.is_some() || now.frame.as_ref().is_none_or(|(_, at)| at.elapsed() > stale)
     }
 
-    /// What a reader sees first, and what comes then. A frame that is older than `stale` is none.
+    /// The first line of a new reader, and the lines that follow. A frame older than `stale` is
+    /// replaced by the event that states its age.
     pub(super) fn join(&self, stale: Duration) -> (Option<Arc<str>>, broadcast::Receiver<Arc<str>>) {
         let coming = self.lines.subscribe();
         let now = self.now.lock().unwrap_or_else(PoisonError::into_inner);

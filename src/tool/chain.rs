@@ -42,7 +42,7 @@ const NO_LENGTH_MM: f64 = 1e-7;
 /// The outline moved by what touches it, as one chain.
 ///
 /// # Errors
-/// A place where the moved pieces do not meet: what touches does not fit in.
+/// A place where the moved pieces do not meet: the nose does not fit in.
 pub(super) fn moved(outline: &[Element], contact: &Contact<'_>) -> Result<Vec<Element>, ToolError> {
     let mut path: Vec<Element> = Vec::new();
     let mut lost = None;

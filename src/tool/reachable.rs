@@ -11,7 +11,7 @@ use glam::DVec2;
 use crate::nose::ToolGeometry;
 use crate::outline::{Arc, Outline, Piece, Side, meetings};
 
-/// What stays of a part that a tool cannot reach.
+/// What of a part a tool cannot reach, and leaves.
 #[derive(Clone, Debug)]
 pub(crate) struct Reachable {
     /// The outline that it can cut.

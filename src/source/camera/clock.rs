@@ -119,11 +119,11 @@ mod tests {
 
     use super::*;
 
-    /// A device whose clock has 8 ns a tick and reads the host's, 5 s late.
+    /// A device whose clock ticks every 8 ns and runs 5 s behind the host's.
     struct Ticks {
         latched: Cell<u64>,
         has_latch: bool,
-        /// Ticks that it gained since.
+        /// Ticks gained since.
         gained: Cell<u64>,
     }
 

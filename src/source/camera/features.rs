@@ -14,7 +14,7 @@ pub(super) trait Features {
     /// Sets a feature.
     ///
     /// # Errors
-    /// What the camera or its description refuses, in words.
+    /// The refusal of the camera or of its description, as text.
     fn set(&mut self, name: &str, value: &str) -> Result<(), String>;
 
     /// Entries of an enumeration that can be set now.

@@ -137,8 +137,8 @@ impl Restore {
         Ok(true)
     }
 
-    /// Gives the features their values back, the last one first; what could not be restored, in
-    /// words.
+    /// Restores the values of the features, the last one first; returns what could not be restored,
+    /// as text.
     pub(super) fn restore(&mut self, camera: &mut impl Features) -> Vec<String> {
         let restored = std::mem::take(&mut self.had).into_iter().rev().map(|had| {
             let Had { selected, name, value } = had;

@@ -60,7 +60,7 @@ impl ImageLayout {
     /// The frame of a block, in the block's own memory where its bytes are the pixels.
     ///
     /// # Errors
-    /// A block that is not whole, or of another size or format: why, in words.
+    /// Why a block is refused: it is incomplete, or of another size or format.
     pub(super) fn frame(&self, block: Block, meta: FrameMeta, spare: &Spare) -> Result<Frame, String> {
         match block.status {
             FrameStatus::Complete => {}

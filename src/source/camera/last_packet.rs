@@ -1,4 +1,4 @@
-//! The last packet of a frame, asked for again where the frame is overdue.
+//! The last packet of a frame, requested again where the frame is overdue.
 //!
 //! The receiver of `viva-genicam` asks for packets that lie before the newest one of a block; the
 //! trailer, which no packet follows, is not among them, and the block is closed after 100 ms
@@ -16,15 +16,15 @@ use std::time::{Duration, Instant};
 
 use viva_genicam::gige::{GVSP_EXTENDED_HEADER_SIZE, GVSP_HEADER_SIZE, StreamParams, encode_packet_resend};
 
-/// Time beyond a period after which a frame is overdue: a frame that the camera or the network held
-/// up has come mostly, and of the 100 ms after which its block is closed most are left.
+/// Time beyond a period after which a frame is overdue: most frames that the camera or the network
+/// delays have arrived by then, and most of the 100 ms after which a block is closed is left.
 const MARGIN: Duration = Duration::from_millis(20);
-/// Time from look to look: what the receiver itself waits before it asks again.
+/// Time from check to check: what the receiver itself waits before it repeats a request.
 const LOOK: Duration = Duration::from_millis(20);
 /// Requests for a frame at most: they span 140 ms, and its block is closed before.
 const MOST: u32 = 8;
-/// Share of a block's packets that may be missing, one in so many, half of what the receiver asks
-/// for at most: of a block that lacks more, packets are under way, or it cannot be made whole.
+/// Share of a block's packets that may be missing, one in so many, half of what the receiver
+/// requests at most: a block that lacks more is still arriving, or cannot be completed.
 const MISSING: u64 = 8;
 /// Bytes of the IP and UDP headers, which the size of a packet counts.
 const IP_UDP_BYTES: u32 = 28;

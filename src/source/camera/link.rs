@@ -1,4 +1,4 @@
-//! What a live camera asks of the link to it.
+//! What a live camera requires of its link.
 
 use std::time::Duration;
 

@@ -18,8 +18,8 @@ use crate::source::host_clock::host_t_ns;
 use crate::source::live::{Clock, Known, LiveMeta, NewFrame, Produced, Producer, Remarks, Timestamp};
 use crate::source::spare::Spare;
 
-/// Pause between two looks for a camera that is away: half of the time within which it is to be
-/// measured with again, less the time to open it.
+/// Pause between two searches for a camera that is away: half of the time within which it must
+/// measure again, less the time to open it.
 const PAUSE: Duration = Duration::from_millis(250);
 /// Memory of frames that is kept: one that is made and one that comes back.
 const SPARE: usize = 2;

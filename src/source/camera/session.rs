@@ -77,7 +77,7 @@ impl Session {
         self.camera.acquisition_start().map_err(|why| CameraError::failed("AcquisitionStart", why))
     }
 
-    /// Ceases to acquire; the stream stays open.
+    /// Stops the acquisition; the stream stays open.
     ///
     /// # Errors
     /// As [`Self::start`].
@@ -98,7 +98,7 @@ impl Session {
     /// Executes a command.
     ///
     /// # Errors
-    /// What the camera or its description refuses, in words.
+    /// The refusal of the camera or of its description, as text.
     pub(super) fn execute(&mut self, command: &str) -> Result<(), String> {
         self.camera.execute_command(command).map_err(|error| error.to_string())
     }
@@ -164,7 +164,7 @@ impl Session {
         Some(Known { value, provenance: Provenance::Register })
     }
 
-    /// Whether the camera, which answers, still obeys this program.
+    /// Whether the camera, which answers, is still under this program's control.
     pub(super) fn has_control(&self) -> bool {
         matches!(self.camera.transport().refresh_control_state(), Ok(ControlState::Held))
     }

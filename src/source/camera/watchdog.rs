@@ -1,20 +1,20 @@
-//! When a camera that sends no frame is asked whether it is there.
+//! When a camera that sends no frame is polled, and when it counts as gone.
 //!
 //! A client without a watchdog waits for ever: the control channel of a camera that is gone fails
 //! only after retries of some seconds.
 
 use std::time::{Duration, Instant};
 
-/// Least silence before the camera is asked: with an answer that is awaited [`ANSWER`] twice, a
-/// camera that is gone is reported within 1 s.
+/// Least silence before the camera is polled: with [`ANSWER`] waited for twice, a camera that is
+/// gone is reported within 1 s.
 const SILENCE: Duration = Duration::from_millis(400);
-/// Periods of the camera without a frame that are no accident: one lost frame is two.
+/// Periods without a frame after which the camera is polled: a single lost frame leaves two.
 const PERIODS: u32 = 3;
 /// Longest wait for an answer to a discovery: hundreds of times what it takes on a free link. With
 /// 250 ms a camera that was silent on a loaded machine was reported after 1.00 s.
 pub(super) const ANSWER: Duration = Duration::from_millis(200);
-/// Silence of the stream, while the camera answers, that has a cause: twenty times [`SILENCE`], so
-/// that a head that is slow to take its first frame is not meant.
+/// Silence of the stream, while the camera answers, that is reported: twenty times [`SILENCE`], so
+/// that a head that is slow to take its first frame is not.
 const BLOCKED: Duration = Duration::from_secs(8);
 
 /// What is to be done.
@@ -22,13 +22,13 @@ const BLOCKED: Duration = Duration::from_secs(8);
 pub(super) enum Watch {
     /// Nothing: frames come, or it is too early.
     Quiet,
-    /// The camera is to be asked whether it is there.
+    /// The camera is to be polled.
     Ask,
-    /// It answered and sends nothing: stated once a silence.
+    /// It answers and sends nothing: reported once per silence.
     Blocked,
 }
 
-/// The times at which a camera was heard of.
+/// When a camera last sent a frame or an answer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watchdog {
     silence: Duration,
