@@ -21,8 +21,9 @@ use crate::render::settings::{Esf, GaussianEsf};
 pub(crate) const ASKED_UM: [f64; 2] = [0.1, 0.5];
 /// The kinds of wear, of [`posed`]: worn round, flat, dented, chipped, with a built-up edge.
 const WEAR: [&str; 5] = ["round", "flat", "dent", "chip", "built_up_edge"];
-/// Flags that describe the wear of a nose that is well measured; the others limit its use.
-const DESCRIBE: [&str; 4] = ["worn", "edge_worn", "chipped", "beyond_nominal"];
+/// Flags that describe the wear of a nose that is well measured, or a profile whose displacement of
+/// all edges is taken off here; the others limit its use.
+const DESCRIBE: [&str; 5] = ["worn", "edge_worn", "chipped", "beyond_nominal", "edge_profile"];
 
 /// What is drawn.
 #[derive(Clone, Debug)]

@@ -80,8 +80,10 @@ struct Document {
 
 /// A scale of the command line, µm per px.
 pub(super) fn scale(text: &str) -> Result<f64, String> {
-    let value = text.parse::<f64>().ok().filter(|s| *s > 0.0 && s.is_finite());
-    value.ok_or_else(|| "a scale above 0 is needed, µm per px, for instance 2.415".to_owned())
+    // a nose of 2.4 mm at 1000 µm per px has the radius of two pixels; light resolves no 0.01 µm
+    let value = text.parse::<f64>().ok().filter(|s| (0.01..=1000.0).contains(s));
+    let wanted = "a scale above 0 is needed, µm per px from 0.01 to 1000, for instance 2.415";
+    value.ok_or_else(|| wanted.to_owned())
 }
 
 /// Images with their names.

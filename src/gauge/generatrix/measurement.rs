@@ -80,9 +80,10 @@ pub(crate) fn measure_generatrix(
     }
     let mut work = Work { view, shapes, half_px: limits.first_half_px, light: None, last: None };
     let mut found = Vec::new();
-    for _ in 0..limits.rounds {
+    for round in 0..limits.rounds {
         let moved = work.round(&mut found)?;
-        if moved < limits.settled_px {
+        // the first fit only comes near
+        if round > 0 && moved < limits.settled_px {
             break;
         }
     }

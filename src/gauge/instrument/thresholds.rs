@@ -85,6 +85,7 @@ use crate::gauge::ring::edge_pixels::BandLimits;
 use crate::gauge::ring::fit::RingFitLimits;
 use crate::gauge::ring::measurement::RingLightLimits;
 use crate::gauge::ring::millimetres::RingMillimetreLimits;
+use crate::gauge::ring::straight_edge::StraightEdgeLimits;
 use crate::gauge::sensor::flat_field::FlatFieldLimits;
 use crate::gauge::sensor::photon_transfer::PhotonTransferLimits;
 use crate::gauge::sensor::response::ResponseLimits;
@@ -274,6 +275,7 @@ fn of_ring() -> Vec<Vec<Limit>> {
         CoarseRingLimits::list(),
         BandLimits::list(),
         RingFitLimits::list(),
+        StraightEdgeLimits::list(),
         RingLightLimits::list(),
         RingMillimetreLimits::list(),
     ]

@@ -1,7 +1,7 @@
 //! A large frame in square cells, for the coarse search, and single pixels of it without hot ones.
 
 use super::limits::NoseLimits;
-use crate::frame::FrameView;
+use crate::frame::{FrameView, Pixels};
 use crate::gauge::ring::coarse::Grey;
 
 /// Means of square cells, stuck lines and hot pixels taken off; what is left of a whole number of
@@ -22,22 +22,14 @@ impl Cells {
             return None;
         }
         let (rows, columns) = (view.rows() / side, view.columns() / side);
-        let mut values = Vec::with_capacity(rows * columns);
-        let share = 1.0 / (side * side) as f32;
-        let mut sums = vec![0.0_f32; columns];
-        for row in 0..rows {
-            sums.fill(0.0);
-            for line in row * side..(row + 1) * side {
-                for (cell, sum) in sums.iter_mut().enumerate() {
-                    for column in cell * side..(cell + 1) * side {
-                        *sum += view.get(line, column).unwrap_or(f32::NAN);
-                    }
-                }
-            }
-            if sums.iter().any(|sum| !sum.is_finite()) {
-                return None;
-            }
-            values.extend(sums.iter().map(|sum| sum * share));
+        let steps = (view.row_stride(), view.column_stride());
+        let values = match view.pixels() {
+            Pixels::U8(p) => means(p, steps, (rows, columns, side)),
+            Pixels::U16(p) => means(p, steps, (rows, columns, side)),
+            Pixels::F32(p) => means(p, steps, (rows, columns, side)),
+        };
+        if values.iter().any(|value| !value.is_finite()) {
+            return None;
         }
         Some(Self { grey: Grey { values, rows, columns }.without_stuck_lines(), side })
     }
@@ -61,6 +53,40 @@ impl Cells {
             row -= 1;
         }
         Some((row, column))
+    }
+}
+
+/// Means of `rows` × `columns` cells of `side` × `side` pixels.
+fn means<T: Copy + Into<f32>>(
+    pixels: &[T],
+    (down, across): (usize, usize),
+    (rows, columns, side): (usize, usize, usize),
+) -> Vec<f32> {
+    let share = 1.0 / (side * side) as f32;
+    let mut values = vec![0.0_f32; rows * columns];
+    for (row, sums) in values.chunks_exact_mut(columns).enumerate() {
+        for line in row * side..(row + 1) * side {
+            let line = &pixels[line * down..];
+            match (across, side) {
+                // the side of the largest frames, known where this is compiled
+                (1, 4) => add_cells(sums, line, 4),
+                (1, _) => add_cells(sums, line, side),
+                _ => sums.iter_mut().enumerate().for_each(|(k, sum)| {
+                    let own = (k * side..(k + 1) * side).map(|column| line[column * across].into());
+                    *sum += own.sum::<f32>();
+                }),
+            }
+        }
+        sums.iter_mut().for_each(|sum| *sum *= share);
+    }
+    values
+}
+
+/// Adds the pixels of a line to the sums of its cells.
+#[inline(always)]
+fn add_cells<T: Copy + Into<f32>>(sums: &mut [f32], line: &[T], side: usize) {
+    for (sum, cell) in sums.iter_mut().zip(line.chunks_exact(side)) {
+        *sum += cell.iter().map(|v| (*v).into()).sum::<f32>();
     }
 }
 

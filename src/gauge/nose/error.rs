@@ -20,6 +20,17 @@ pub(crate) enum NoseImageError {
         /// What was seen instead.
         why: String,
     },
+    /// A bright insert on a dark ground.
+    #[error(
+        "light and shadow are swapped: the insert about row {row:.0}, column {column:.0} is bright and its ground dark; put \
+         the light behind the insert, or give the image as the camera took it, not inverted"
+    )]
+    Swapped {
+        /// Middle of its nose.
+        row: f64,
+        /// Middle of its nose.
+        column: f64,
+    },
     /// Two parts.
     #[error(
         "two inserts: shadows of {first} and {second} px, about row {row}, column {column} the second; leave one in \
@@ -142,6 +153,21 @@ pub(crate) enum NoseImageError {
         tool_deg: f64,
         /// Most that they may differ, degrees.
         most_deg: f64,
+    },
+    /// A nose that is not as large as it should be.
+    #[error(
+        "the nose has a radius of about {found_px:.0} px ({:.3} mm at {um_per_px} um per px), and {nominal_px:.1} px ({:.3} \
+         mm) are nominal: give the file of this tool by --tool, the baseline of this insert, or the scale of this picture",
+        1e-3 * found_px * um_per_px,
+        1e-3 * nominal_px * um_per_px
+    )]
+    Radius {
+        /// Of the coarse contour, px.
+        found_px: f64,
+        /// The tool's or the baseline's, px.
+        nominal_px: f64,
+        /// Scale, um per px.
+        um_per_px: f64,
     },
     /// A picture that lies otherwise than the tool.
     #[error(

@@ -27,6 +27,53 @@ pub(super) struct Hidden {
     pub(super) u_px: f64,
 }
 
+/// Second differences of a contour's radii, px: a corner beside each sector, and curvature.
+struct Bends<'a> {
+    departures: &'a DVector<f64>,
+    /// +1 for convex corners, −1 for concave ones.
+    sign: f64,
+}
+
+impl Bends<'_> {
+    /// > 0 where the contour bends that way; 0 at the ends, where the edges go on.
+    fn at(&self, k: isize) -> f64 {
+        let d = self.departures;
+        if k < 1 || k + 1 >= d.len() as isize {
+            return 0.0;
+        }
+        let k = k as usize;
+        self.sign * (2.0 * d[k] - d[k - 1] - d[k + 1])
+    }
+
+    /// Change of the slope at a corner in sector k or beside it, px per sector, and the rest of what
+    /// bends there; `u_px` is a sector's own.
+    fn corner(&self, k: usize, u_px: f64) -> (f64, f64) {
+        let at = k as isize;
+        let all = self.at(at - 1) + self.at(at) + self.at(at + 1);
+        let beside = self.at(at - 2).max(self.at(at + 2)).max(0.0);
+        let corner = (all - 3.0 * beside).max(0.0);
+        // the sum of three has the variance of four radii
+        let least = NoseLimits::get().corner_u * 2.0 * u_px;
+        let corner = corner * (1.0 - (least / corner.max(f64::MIN_POSITIVE)).powi(2)).max(0.0);
+        (corner, (all.max(0.0) - corner - least).max(0.0))
+    }
+}
+
+/// Scatter of what is hidden, over the change of the slope per sector; `blur` is σ' over a sector's
+/// width.
+fn scatter(blur: f64) -> f64 {
+    let limits = NoseLimits::get();
+    limits.corner_u_sharp + limits.corner_u_blur * blur
+}
+
+/// Standard uncertainty of each sector's radius by a corner in it or beside it, px: the contour in
+/// the middle of a sector stands off the sector's mean by what depends on the corner's place, as
+/// the hull does.
+pub(super) fn u_of_corners(departures: &DVector<f64>, u_px: &[f64], blur: f64) -> Vec<f64> {
+    let size = |k: usize, sign: f64| Bends { departures, sign }.corner(k, u_px[k]).0;
+    (0..departures.len()).map(|k| scatter(blur) * size(k, 1.0).max(size(k, -1.0))).collect()
+}
+
 /// The corners of a contour.
 pub(super) struct Corners(Vec<Hidden>);
 
@@ -35,29 +82,13 @@ impl Corners {
     /// sector's width.
     pub(super) fn new(departures: &DVector<f64>, u_px: &[f64], blur: f64) -> Self {
         let limits = NoseLimits::get();
-        let n = departures.len();
-        // > 0 where the contour is convex; 0 at the ends, where the edges go on
-        let bent = |k: isize| match k {
-            k if k < 1 || k + 1 >= n as isize => 0.0,
-            k => {
-                let k = k as usize;
-                2.0 * departures[k] - departures[k - 1] - departures[k + 1]
-            }
-        };
+        let bends = Bends { departures, sign: 1.0 };
         let hidden = |k: usize| {
-            let at = k as isize;
-            let all = bent(at - 1) + bent(at) + bent(at + 1);
-            let beside = bent(at - 2).max(bent(at + 2)).max(0.0);
-            let corner = (all - 3.0 * beside).max(0.0);
-            // the sum of three has the variance of four radii
-            let least = limits.corner_u * 2.0 * u_px[k];
-            let corner = corner * (1.0 - (least / corner.max(f64::MIN_POSITIVE)).powi(2)).max(0.0);
-            let curved = (all.max(0.0) - corner - least).max(0.0) / 24.0;
-            let u_corner = (limits.corner_u_sharp + limits.corner_u_blur * blur) * corner;
+            let (corner, rest) = bends.corner(k, u_px[k]);
             let by_px = (limits.corner_sharp + limits.corner_blur * blur) * corner;
-            Hidden { by_px, u_px: u_corner.hypot(curved) }
+            Hidden { by_px, u_px: (scatter(blur) * corner).hypot(rest / 24.0) }
         };
-        Self((0..n).map(hidden).collect())
+        Self((0..departures.len()).map(hidden).collect())
     }
 
     /// What is hidden where the hull touches sector k: a corner in it or beside it.
@@ -86,6 +117,17 @@ mod tests {
         for corner in [14.5, 14.8, 15.0, 15.3] {
             let found = Corners::new(&sectors(corner), &[1e-4; 31], 0.0).at(15);
             assert!((found.by_px - 0.115).abs() < 0.005, "{corner}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn the_radius_of_a_sector_is_uncertain_at_corners_of_either_way_alone() {
+        let convex = sectors(15.2);
+        for contour in [&convex, &(-&convex)] {
+            let u = u_of_corners(contour, &[1e-4; 31], 0.0);
+            // the middle of the sector stands off its mean by up to an eighth of the change of slope
+            assert!((u[15] - 0.08).abs() < 0.005, "{u:?}");
+            assert!((3..12).chain(19..28).all(|k| u[k] < 1e-6), "{u:?}");
         }
     }
 

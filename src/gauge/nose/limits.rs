@@ -35,6 +35,9 @@ limits! {
     /// Share of the radius beyond the nose's end at which the calipers of an edge begin: a nose's
     /// end that wear has displaced by a tenth of the radius departs from the edge there by no more.
     beyond_nose: f64 = 0.3;
+    /// Least length of a sector along the nose, px: within the least band it then holds a dozen
+    /// pixels, twice what a caliper needs. Noses below 72 px have sectors of more than a degree.
+    least_sector_px: f64 = 1.25;
     /// Distance from the frame's border, px, at which they end: a band and its surroundings.
     border_px: f64 = 4.0;
     /// Half width of the band along the contour over its blur: 4.2 standard deviations leave 1e-5
@@ -68,6 +71,10 @@ limits! {
     u_crossing_px: f64 = 0.5;
     /// The same where nothing crosses, px.
     u_bridged_px: f64 = 1.0;
+    /// Root mean square of what the edge model leaves at mid-edge beyond noise, over the contrast,
+    /// from which the edges are of another profile: of ten thousand pixels with a noise of 1.4 %
+    /// chance leaves a fifth of it, and such an edge is displaced by a fiftieth of its blur.
+    most_misfit: f64 = 0.01;
     /// Mean departure of the sectors from the nominal circle, px, from which a nose is flagged
     /// worn; a new nose stays within the form of its grinding.
     worn_px: f64 = 0.5;
@@ -77,6 +84,13 @@ limits! {
     /// Departure of the direction of an edge from the tool's, degrees: a holder set by hand to 1°,
     /// and a camera.
     direction_deg: f64 = 5.0;
+    /// Departure of the coarse contour's edges from the measured ones, degrees: an edge of
+    /// `least_edge_px` is found to 2°.
+    coarse_deg: f64 = 2.0;
+    /// Distance of the coarse nose from where the nominal circle ends, over its radius, from which a
+    /// contour that cannot be followed is another nose's: wear takes a tenth of a radius, and the
+    /// next radius of ISO 1832 differs by a quarter or more.
+    another_radius: f64 = 0.25;
     /// Departure of the included angle and of the edges from those of a baseline, standard
     /// uncertainties: the same insert repeats it to 5 u but once in a million.
     baseline_u: f64 = 5.0;

@@ -1,18 +1,20 @@
 //! The measurement: coarse corner, pooled fits along the contour, lines, centre, sectors, support.
 
 use glam::DVec2;
-use nalgebra::Matrix2;
+use nalgebra::{DVector, Matrix2};
 
 use super::bands::{BandPlan, Calipers, collect};
 use super::centre::{self, FoundRadius};
 use super::contour;
 use super::corner::{self, Corner};
 use super::error::NoseImageError;
+use super::expected::{self, round_px, turned};
+use super::hidden_corner::u_of_corners;
 use super::limits::NoseLimits;
 use super::line::{self, EdgeLine, EdgePoint, LineFit, product};
 use super::path::{Path, at_radius};
 use super::result::{NoseMeasurement, NoseSector, Reference};
-use super::settings::{ExpectedNose, NoseSettings};
+use super::settings::NoseSettings;
 use super::support::{SectorNoise, below_hull, support};
 use crate::frame::{FrameView, PixelFormat};
 use crate::gauge::edge::estimation::light_field::LightField;
@@ -30,30 +32,40 @@ pub(crate) fn measure_nose(
     view: &FrameView<'_>,
     settings: &NoseSettings,
 ) -> Result<NoseMeasurement, NoseImageError> {
-    let runs = contour::runs(view)?;
-    let corner = corner::find(&runs, (view.rows(), view.columns()), settings)?;
-    let mut work = Work::new(view, settings, &corner)?;
+    let size = (view.rows(), view.columns());
+    let seen = contour::runs(view).and_then(|runs| corner::find(&runs, size, settings));
+    let corner = seen.map_err(|error| expected::swapped(view, settings).unwrap_or(error))?;
+    let measured = along(view, settings, &corner).map_err(|e| expected::cause(e, &corner, settings))?;
+    let found = (measured.angle_deg, measured.normals_deg);
+    settings.expected.iter().try_for_each(|expected| expected::check(found, 0.0, expected))?;
+    Ok(measured)
+}
+
+/// The nose along the contour from the coarse corner on.
+fn along(
+    view: &FrameView<'_>,
+    settings: &NoseSettings,
+    corner: &Corner,
+) -> Result<NoseMeasurement, NoseImageError> {
+    let mut work = Work::new(view, settings, corner)?;
     let mut moved = f64::INFINITY;
-    for _ in 0..NoseLimits::get().rounds {
+    for round in 0..NoseLimits::get().rounds {
         moved = work.round()?;
-        if moved < NoseLimits::get().settled_px {
+        // the first fit only comes near
+        if round > 0 && moved < NoseLimits::get().settled_px {
             break;
         }
     }
     if moved > 0.5 {
         return Err(NoseImageError::Fit(format!("its centre still moves by {moved:.2} px")));
     }
-    let measured = work.finish()?;
-    settings.expected.iter().try_for_each(|expected| check(&measured, expected))?;
-    Ok(measured)
+    work.finish()
 }
 
 /// The edges and where they end, and the nose, of the coarse contour; for the peers.
 pub(super) fn coarse_path(corner: &Corner, settings: &NoseSettings) -> Result<Path, NoseImageError> {
     let lines = corner.edges.each_ref().map(|e| EdgeLine::coarse(e.normal, e.at));
-    let gap = corner.nose.iter().map(|p| p.distance(corner.apex)).fold(f64::INFINITY, f64::min);
-    let round = gap / ((0.5 * corner.epsilon_rad).sin().recip() - 1.0);
-    let nominal = settings.nominal_radius_px.unwrap_or(round);
+    let nominal = settings.nominal_radius_px.unwrap_or_else(|| round_px(corner));
     let least = NoseLimits::get().least_radius_px;
     if !(nominal >= least) {
         let why = format!("its nose has a radius of {nominal:.1} px, {least} px or more can be measured");
@@ -93,6 +105,16 @@ impl Round {
     }
 }
 
+impl Round {
+    /// Uncertainty of the sectors' radii by corners, px; `noise` is that of the sectors.
+    fn u_corners(&self, path: &Path, noise: &[SectorNoise], blur_px: f64) -> Vec<f64> {
+        let departures = self.sectors.iter().map(|s| s.radius_px - path.nominal_px);
+        let departures = DVector::from_iterator(self.sectors.len(), departures);
+        let own: Vec<f64> = noise.iter().map(|n| n.own).collect();
+        u_of_corners(&departures, &own, blur_px / (path.nominal_px * path.step_rad()))
+    }
+}
+
 impl<'a> Work<'a> {
     fn new(
         view: &'a FrameView<'a>,
@@ -124,9 +146,11 @@ impl<'a> Work<'a> {
             let count = ((to - from) / limits.caliper_px).floor();
             if count < 5.0 {
                 let (at, length) = (corner.edges[k].at, (to - from).max(0.0));
+                let round =
+                    if to > from { "" } else { " (a round insert has no edges to measure a nose by)" };
                 return Err(NoseImageError::Fit(format!(
                     "{length:.0} px of the edge about row {:.0}, column {:.0} stand beyond the nose, {:.0} or more are \
-                     needed: show more of it",
+                     needed: show more of it{round}",
                     -at.y,
                     at.x,
                     5.0 * limits.caliper_px
@@ -285,6 +309,7 @@ impl<'a> Work<'a> {
         };
         let m = last.sectors.len() as f64;
         let noise = last.noise();
+        let u_corners = last.u_corners(path, &noise, blur_px);
         let own = noise.iter().map(|n| n.own * n.own).sum::<f64>() / (m * m);
         let shared = std::array::from_fn(|k| noise.iter().map(|n| n.shared[k]).sum::<f64>() / m);
         let [a, b] = &path.lines;
@@ -307,7 +332,7 @@ impl<'a> Work<'a> {
             mean_radius_px: last.sectors.iter().map(|s| s.radius_px).sum::<f64>() / m,
             u_mean_radius_px: (own + product(&shared, &shared) + centre::variance_of_mean(path, &covariance))
                 .sqrt(),
-            sectors: last.sectors.iter().map(|s| with_centre(s, &covariance)).collect(),
+            sectors: last.sectors.iter().zip(u_corners).map(|(s, u)| with_rest(s, u, &covariance)).collect(),
             support: support.values,
             support_covariance: support.covariance,
             sigma_px: last.fit.sigma,
@@ -317,16 +342,11 @@ impl<'a> Work<'a> {
     }
 }
 
-/// A direction of 0 to 360 degrees.
-fn turned(deg: f64) -> f64 {
-    deg.rem_euclid(360.0)
-}
-
-/// A sector whose u has that of the centre.
-fn with_centre(s: &NoseSector, covariance: &Matrix2<f64>) -> NoseSector {
+/// A sector whose u has that of the centre and of corners.
+fn with_rest(s: &NoseSector, u_corner_px: f64, covariance: &Matrix2<f64>) -> NoseSector {
     let n = DVec2::from_angle(s.direction_deg.to_radians());
     let n = nalgebra::Vector2::new(n.x, n.y);
-    let variance = n.dot(&(covariance * n)).max(0.0);
+    let variance = n.dot(&(covariance * n)).max(0.0) + u_corner_px * u_corner_px;
     NoseSector { direction_deg: turned(s.direction_deg), u_px: (s.u_px * s.u_px + variance).sqrt(), ..*s }
 }
 
@@ -382,7 +402,7 @@ fn flags(path: &Path, last: &Round, found: &FoundRadius) -> Vec<&'static str> {
         n if 2 * n < departures.len() => flags.push("built_up_edge"),
         _ => flags.push("beyond_nominal"),
     }
-    let radii = nalgebra::DVector::from_iterator(departures.len(), departures.iter().copied());
+    let radii = DVector::from_iterator(departures.len(), departures.iter().copied());
     let hollow = below_hull(path, &radii);
     if (0..hollow.len()).any(|k| hollow[k] > limits.bump_px.max(limits.bump_u * last.sectors[k].u_px)) {
         flags.push("chipped");
@@ -407,56 +427,11 @@ fn flags(path: &Path, last: &Round, found: &FoundRadius) -> Vec<&'static str> {
     if (fitted as f64) < 0.9 * (last.sectors.len() + last.calipers[0] + last.calipers[1]) as f64 {
         flags.push("calipers_refused");
     }
+    if last.fit.misfit > limits.most_misfit {
+        flags.push("edge_profile");
+    }
     if found.reference == Reference::Iso1832 {
         flags.push("radius_of_iso_1832");
     }
     flags
-}
-
-/// Compares the nose with the tool that it should be of.
-fn check(found: &NoseMeasurement, expected: &ExpectedNose) -> Result<(), NoseImageError> {
-    let limits = NoseLimits::get();
-    if (found.angle_deg - expected.epsilon_deg).abs() > limits.angle_deg {
-        return Err(NoseImageError::Angle {
-            found_deg: found.angle_deg,
-            tool_deg: expected.epsilon_deg,
-            most_deg: limits.angle_deg,
-        });
-    }
-    check_direction(found.normals_deg, expected)
-}
-
-/// Compares the directions of both edges' normals with those expected; names the turn or the mirror
-/// image that would explain a difference.
-pub(super) fn check_direction(found_deg: [f64; 2], expected: &ExpectedNose) -> Result<(), NoseImageError> {
-    let limits = NoseLimits::get();
-    let off = |a: f64, b: f64| (a - b + 180.0).rem_euclid(360.0) - 180.0;
-    let fits = |normals: [f64; 2]| {
-        (0..2).all(|k| off(normals[k], expected.normals_deg[k]).abs() <= limits.direction_deg)
-    };
-    if fits(found_deg) {
-        return Ok(());
-    }
-    let middle = |n: [f64; 2]| n[0] + 0.5 * (n[1] - n[0]).rem_euclid(360.0);
-    let (found, right) = (middle(found_deg), middle(expected.normals_deg));
-    let across = [180.0 - found_deg[1], 180.0 - found_deg[0]];
-    let down = [-found_deg[1], -found_deg[0]];
-    let how = if fits(across) {
-        "mirrored left to right".to_owned()
-    } else if fits(down) {
-        "mirrored top to bottom".to_owned()
-    } else {
-        format!("rotated by {:.1} degrees", off(found, right))
-    };
-    Err(NoseImageError::Orientation {
-        how,
-        found_deg: turned(found),
-        by: expected.by,
-        expected_deg: turned(right),
-        remedy: if expected.by == "baseline" {
-            "take it as the baseline was taken"
-        } else {
-            "turn the camera or the image, or state how it lies by [image] plus_x_deg and plus_z_deg"
-        },
-    })
 }

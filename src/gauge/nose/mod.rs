@@ -5,8 +5,8 @@
 //! part in the ring's maximum-likelihood fit (`bands`, along the `path` found so far): levels, blur
 //! and noise pooled, the contour free in every sector. The edges' calipers give two lines with
 //! their covariance (`line`), these the centre at the nominal radius from both (`centre`), the
-//! nose's sectors its radii, and a penalised smooth of them the support of the convex hull with its
-//! covariance (`support`). `wear` compares with the same insert new, `axes` finds the machine's
+//! nose's sectors its radii, and a penalised smooth of them (`smoother`) the support of the convex
+//! hull (`hull`) with its covariance (`support`). `expected` names a picture that is not the tool's; `wear` compares with the same insert new, `axes` finds the machine's
 //! axes from moves; `paper` measures by the way of a published paper, for comparison.
 //!
 //! Places are (column, −row), px: as seen, directions count from the right counter-clockwise.
@@ -21,7 +21,9 @@ mod centre;
 mod contour;
 mod corner;
 mod error;
+mod expected;
 mod hidden_corner;
+mod hull;
 pub(crate) mod limits;
 pub(in crate::gauge) mod line;
 mod measurement;
@@ -29,6 +31,7 @@ pub(crate) mod paper;
 mod path;
 mod result;
 mod settings;
+mod smoother;
 mod support;
 mod wear;
 

@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::limits::NoseLimits;
 use super::line::EdgeLine;
 
 /// Edge, nose, edge, counter-clockwise.
@@ -26,7 +27,8 @@ impl Path {
     pub(super) fn nominal(lines: [EdgeLine; 2], nominal_px: f64) -> Self {
         let (a, b) = (lines[0].normal, lines[1].normal);
         let sweep_rad = a.angle_to(b);
-        let sectors = sweep_rad.to_degrees().round().max(8.0) as usize;
+        let most = sweep_rad * nominal_px / NoseLimits::get().least_sector_px;
+        let sectors = sweep_rad.to_degrees().round().min(most.floor()).max(8.0) as usize;
         Self {
             centre: at_radius(&lines, nominal_px),
             nominal_px,
@@ -78,7 +80,7 @@ impl Path {
     }
 
     /// Radius at the middle of sector k; the lines beyond the ends.
-    fn value(&self, k: isize) -> f64 {
+    pub(super) fn value(&self, k: isize) -> f64 {
         let (n, beyond) = (self.radii.len() as isize, (k as f64 + 0.5) * self.step_rad());
         match k {
             k if k < 0 => self.nominal_px / beyond.cos(),

@@ -15,10 +15,12 @@ use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::hidden_corner::{Corners, Hidden};
+use super::hull::Hull;
 use super::limits::NoseLimits;
 use super::line::product;
 use super::path::Path;
 use super::result::{NoseSector, SupportValue};
+use super::smoother::smoother;
 use crate::gauge::ring::edge_fit::SHARED;
 
 /// Noise of a sector's radius, px: its own, and what all calipers share.
@@ -67,7 +69,7 @@ pub(super) fn support(
         let drawn = DVector::from_iterator(noise.len(), drawn.collect::<Vec<f64>>());
         sum += hull.values(&(&hat * (&smooth + &drawn))) - &plain;
         let off = hull.values(&(&smooth + &twiced * drawn)) - &plain;
-        products += &off * off.transpose();
+        products.ger(1.0, &off, &off, 1.0);
         twiced_sum += off;
     }
     let (bias, mean) = (sum / draws as f64, twiced_sum / draws as f64);
@@ -97,100 +99,15 @@ pub(super) fn below_hull(path: &Path, departures: &DVector<f64>) -> Vec<f64> {
     let gap = |k: usize| {
         let p = DVec2::from_angle(path.direction_rad(k)) * (path.nominal_px + departures[k]);
         let to = |i: usize| values[i] - p.dot(DVec2::from_angle(hull.direction_rad(i)));
-        (0..hull.count).map(to).fold(f64::INFINITY, f64::min)
+        (0..hull.count()).map(to).fold(f64::INFINITY, f64::min)
     };
     (0..departures.len()).map(gap).collect()
 }
 
 /// The edges' own uncertainty at the ends of the nose, where their tangents are the hull's.
-fn add_edges(path: &Path, hull: &Hull<'_>, covariance: &mut DMatrix<f64>) {
-    let last = hull.count - 1;
+fn add_edges(path: &Path, hull: &Hull, covariance: &mut DMatrix<f64>) {
+    let last = hull.count() - 1;
     for (i, line) in [(0, &path.lines[0]), (last, &path.lines[1])] {
         covariance[(i, i)] += line.u_at(path.centre + line.normal * path.nominal_px).0.powi(2);
-    }
-}
-
-/// The matrix that smooths departures, with the penalty of least generalised cross-validation.
-fn smoother(departures: &DVector<f64>, weights: &DVector<f64>) -> Option<DMatrix<f64>> {
-    let n = departures.len();
-    let usual = weights.sum() / n as f64;
-    let w = DMatrix::from_diagonal(&(weights / usual));
-    let mut rough = DMatrix::<f64>::zeros(n, n);
-    for k in 1..n - 1 {
-        for (i, a) in [(k - 1, 1.0), (k, -2.0), (k + 1, 1.0)] {
-            for (j, b) in [(k - 1, 1.0), (k, -2.0), (k + 1, 1.0)] {
-                rough[(i, j)] += a * b;
-            }
-        }
-    }
-    let by = |penalty: f64| Some((&w + &rough * penalty).cholesky()?.solve(&w));
-    let mut best: Option<(f64, f64)> = None;
-    for power in 0..NoseLimits::get().penalties {
-        let penalty = 0.01 * 4f64.powi(power as i32);
-        let hat = by(penalty)?;
-        let residual = departures - &hat * departures;
-        let left = n as f64 - hat.trace();
-        let score = residual.component_mul(&residual).dot(&w.diagonal()) / (left * left).max(1e-9);
-        if best.is_none_or(|(least, _)| score < least) {
-            best = Some((score, penalty));
-        }
-    }
-    by(best?.1 * NoseLimits::get().penalty_share)
-}
-
-/// The hull of a contour given by departures of its sectors.
-struct Hull<'a> {
-    path: &'a Path,
-    count: usize,
-}
-
-impl<'a> Hull<'a> {
-    fn new(path: &'a Path) -> Self {
-        let steps = (path.sweep_rad.to_degrees() / NoseLimits::get().support_step_deg).ceil().max(2.0);
-        Self { path, count: steps as usize + 1 }
-    }
-
-    fn direction_rad(&self, i: usize) -> f64 {
-        self.path.from_rad + self.path.sweep_rad * i as f64 / (self.count - 1) as f64
-    }
-
-    /// Places of the contour about the centre; at both ends the edges begin, at the nominal radius,
-    /// whatever wear has taken of the nose beside them.
-    fn places(&self, departures: &DVector<f64>) -> Vec<DVec2> {
-        let path = self.path;
-        let radii = departures.iter().map(|d| path.nominal_px + d).collect();
-        let shape = Path { radii, ..path.clone() };
-        let count = NoseLimits::get().fine * path.radii.len();
-        let place = |k: usize| {
-            let turn = path.sweep_rad * k as f64 / count as f64;
-            let radius = shape.radius(turn).0;
-            let radius = if k == 0 || k == count { radius.max(path.nominal_px) } else { radius };
-            DVec2::from_angle(path.from_rad + turn) * radius
-        };
-        (0..=count).map(place).collect()
-    }
-
-    /// h about the centre in every direction: the farthest of the contour's places.
-    fn values(&self, departures: &DVector<f64>) -> DVector<f64> {
-        let places = self.places(departures);
-        DVector::from_iterator(
-            self.count,
-            (0..self.count).map(|i| {
-                let n = DVec2::from_angle(self.direction_rad(i));
-                places.iter().map(|p| p.dot(n)).fold(f64::NEG_INFINITY, f64::max)
-            }),
-        )
-    }
-
-    /// The sector of the farthest place in every direction.
-    fn touching(&self, departures: &DVector<f64>) -> Vec<usize> {
-        let places = self.places(departures);
-        let (fine, last) = (NoseLimits::get().fine, departures.len() - 1);
-        let of = |i: usize| {
-            let n = DVec2::from_angle(self.direction_rad(i));
-            let farthest = (0..places.len()).max_by(|a, b| places[*a].dot(n).total_cmp(&places[*b].dot(n)));
-            (farthest.unwrap_or(0) / fine).min(last)
-        };
-        (0..self.count).map(of).collect()
     }
 }

@@ -1,8 +1,8 @@
 //! A nose beside the same insert new, registered on both unworn edges.
 
 use super::error::NoseImageError;
+use super::expected::check_direction;
 use super::limits::NoseLimits;
-use super::measurement::check_direction;
 use super::result::{NoseMeasurement, NoseSector};
 use super::settings::ExpectedNose;
 
@@ -65,7 +65,7 @@ pub(crate) fn wear(found: &NoseMeasurement, baseline: &BaselineNose) -> Result<W
             ),
         });
     }
-    check_direction(found.normals_deg, &expected)?;
+    check_direction(found.normals_deg, 0.0, &expected)?;
     let turn = |deg: f64, from: f64| (deg - from + 180.0).rem_euclid(360.0) - 180.0;
     let sectors: Vec<(f64, f64)> = found
         .sectors

@@ -147,9 +147,9 @@ pub(in crate::gauge) fn threshold(grey: &Grey, whole_counts: bool) -> Result<f64
     };
     let mut level = mean(&|_| true).0;
     for _ in 0..50 {
-        let (dark, light) = (mean(&|v| v < level), mean(&|v| v >= level));
-        let next = 0.5 * (dark.0 + light.0);
-        if (next - level).abs() < 1e-3 * (light.0 - dark.0).max(1e-9) {
+        let [dark, light] = means_beside(&values, level);
+        let next = 0.5 * (dark + light);
+        if (next - level).abs() < 1e-3 * (light - dark).max(1e-9) {
             break;
         }
         level = next;
@@ -163,6 +163,17 @@ pub(in crate::gauge) fn threshold(grey: &Grey, whole_counts: bool) -> Result<f64
         return Err(RingError::LowContrast { contrast, noise, least: limits.least_contrast });
     }
     Ok(level)
+}
+
+/// Means of the values below a level and of those from it on; 0 of none.
+fn means_beside(values: &[f64], level: f64) -> [f64; 2] {
+    let (mut sums, mut counts) = ([0.0; 2], [0_usize; 2]);
+    for value in values {
+        let class = usize::from(*value >= level);
+        sums[class] += value;
+        counts[class] += 1;
+    }
+    [0, 1].map(|k| sums[k] / counts[k].max(1) as f64)
 }
 
 /// The shadows of a frame.

@@ -52,6 +52,9 @@ pub(in crate::gauge) struct EdgeFit {
     pub(in crate::gauge) u_mean: f64,
     /// Standard deviation of the residuals at mid-edge, counts.
     pub(in crate::gauge) noise: f64,
+    /// Root mean square at mid-edge of what the model leaves beyond noise, as a fraction of the
+    /// contrast: noise alone is linear between shadow and light (photons), or less (gain).
+    pub(in crate::gauge) misfit: f64,
     /// Where a further fit of the same edge may begin; `None` where light or shadow is clipped.
     pub(in crate::gauge) begun: Option<Begun>,
 }
@@ -73,6 +76,12 @@ impl Variance {
         let t = 2.0 * light.clamp(0.0, 1.0);
         let k = usize::from(t >= 1.0);
         self.0[k] + (self.0[k + 1] - self.0[k]) * (t - k as f64)
+    }
+
+    /// Standard deviation at mid-edge beyond what lies between shadow and light.
+    pub(super) fn beyond_noise(&self) -> f64 {
+        let [dark, middle, light] = self.0;
+        (middle - 0.5 * (dark + light)).max(0.0).sqrt()
     }
 
     /// Whether its values are those of another within 1 %: weights that differ by so little move an

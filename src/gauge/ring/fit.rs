@@ -12,6 +12,7 @@ use nalgebra::{SMatrix, SVector};
 use super::edge_fit::{Begun, Caliper, EdgeFit, POOLED, Variance};
 use super::edge_pixels::{Band, EdgePixel};
 use super::model::{Sample, square_edge};
+use super::straight_edge;
 use crate::gauge::edge::estimation::censored::{Censored, Ends};
 use crate::gauge::edge::estimation::grey_ends::robust_mean;
 use crate::gauge::edge::estimation::rounding::{noise_behind, repeated_variance};
@@ -42,6 +43,10 @@ limits! {
     /// light are tested: a tenth of the u that noise of 1 % of the contrast gives a caliper of
     /// thirty pixels.
     settled: f64 = 1e-3;
+    /// Change of a step, px and fractions of the contrast, below which a fit that another one will
+    /// follow has come near: the next one's pixels are chosen by it, of a band that reaches four
+    /// blurs to either side.
+    near: f64 = 5e-3;
     /// Upper bound of the contrast in the fit, as a multiple of the part of it that is seen: the
     /// flank of light clipped at a quarter shows little of its shape. Tuned: see study limits.
     most_contrast: f64 = 4.0;
@@ -107,6 +112,8 @@ struct State<const P: usize> {
     /// The edge in every pixel of every caliper at the present blur and shifts; empty where they
     /// have changed since. Noise, judgement and the step after them need the same ones.
     edges: Vec<Vec<Sample>>,
+    /// The calipers' sums at the present parameters and noise; empty where these have changed since.
+    sums: Vec<Sums<P>>,
 }
 
 /// Where the edge of one caliper stands in its sector.
@@ -185,6 +192,7 @@ impl<const P: usize> State<P> {
             clipped: ends.map(|ends| Clipped { ends, seen: light - dark, separated: ShapeTerms::default() }),
             noise_known_to: 0.0,
             edges: Vec::new(),
+            sums: Vec::new(),
         })
     }
 
@@ -202,6 +210,7 @@ impl<const P: usize> State<P> {
         });
         let separated = ShapeTerms::separate(samples);
         self.clipped.iter_mut().for_each(|clipped| clipped.separated = separated);
+        self.sums.clear();
     }
 
     /// Adds the prior of the shape terms.
@@ -218,21 +227,22 @@ impl<const P: usize> State<P> {
         if !self.edges.is_empty() {
             return;
         }
-        let sigma = self.pooled[SIGMA];
+        let (sigma, mut line) = (self.pooled[SIGMA], None);
         let of = |(pixels, at): (&Vec<EdgePixel>, &SectorFit)| {
-            let edge = |p: &EdgePixel| square_edge(p.distance - at.shift, p.cos, p.sin, sigma);
-            pixels.iter().map(edge).collect()
+            straight_edge::edges(pixels, at.shift, sigma, &mut line)
         };
         self.edges = band.sectors.iter().zip(&self.sectors).map(of).collect();
     }
 
-    /// Sums of every caliper, at the present parameters.
-    fn all_sums(&mut self, band: &Band) -> Vec<Sums<P>> {
+    /// Computes the sums of every caliper where parameters or noise have changed.
+    fn sum_up(&mut self, band: &Band) {
         self.evaluate(band);
-        (0..band.sectors.len()).map(|k| self.sums(&band.sectors[k], k)).collect()
+        if self.sums.is_empty() {
+            self.sums = (0..band.sectors.len()).map(|k| self.sums_of(&band.sectors[k], k)).collect();
+        }
     }
 
-    fn sums(&self, pixels: &[EdgePixel], caliper: usize) -> Sums<P> {
+    fn sums_of(&self, pixels: &[EdgePixel], caliper: usize) -> Sums<P> {
         let shift = self.sectors[caliper].shift;
         let limits = RingFitLimits::get();
         let mut s = Sums {
@@ -280,7 +290,9 @@ impl<const P: usize> State<P> {
     /// `None` if the equations are singular.
     fn step(&mut self, band: &Band) -> Option<f64> {
         let limits = RingFitLimits::get();
-        let sums = self.all_sums(band);
+        self.sum_up(band);
+        // they are those of the step before as soon as this one is made
+        let sums = std::mem::take(&mut self.sums);
         let (mut normal, mut right) = (Matrix::<P>::zeros(), Vector::<P>::zeros());
         for (s, _) in sums.iter().zip(&self.sectors).filter(|(s, at)| at.good && s.own > 0.0) {
             normal += s.normal - s.cross * s.cross.transpose() / s.own;
@@ -358,6 +370,7 @@ impl<const P: usize> State<P> {
         // of that of its root.
         self.noise_known_to = (2.0 / counts[1].max(2) as f64).sqrt() * middle / light.max(0.5 * middle);
         self.variance = Variance([dark, middle, light.max(0.5 * middle)]);
+        self.sums.clear();
     }
 
     /// Standard uncertainty of the mean shift by rounding that the whole of the light and of the
@@ -386,8 +399,9 @@ impl<const P: usize> State<P> {
     /// neighbours'.
     fn judge(&mut self, band: &Band, outlier_sigmas: f64) {
         let limits = RingFitLimits::get();
+        self.sum_up(band);
         let judged: Vec<(f64, f64)> = self
-            .all_sums(band)
+            .sums
             .iter()
             .map(|s| {
                 if s.pixels < 5.0 || s.own <= 0.0 || s.stray > limits.most_stray {
@@ -439,6 +453,26 @@ fn departures(sectors: &[SectorFit]) -> Vec<f64> {
     (0..n).map(|k| shift(k) - median((0..=2 * half).map(|j| shift(k + n + j - half)).collect())).collect()
 }
 
+/// How far a fit goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Until {
+    /// Parameters and shifts settle, in the rounds that noise and calipers need.
+    Settled,
+    /// The same, of a fit that begins where one ended: a round more would change nothing.
+    Alike,
+    /// Near enough for another fit to begin there.
+    Near,
+}
+
+/// [`fit_edge`] of an edge without clipped light, near enough for [`fit_edge_from`] to begin there.
+pub(in crate::gauge) fn fit_edge_nearly(
+    band: &Band,
+    least_variance: f64,
+    outlier_sigmas: f64,
+) -> Result<EdgeFit, String> {
+    settle(State::<POOLED>::start(band, least_variance, None), band, outlier_sigmas, Until::Near)
+}
+
 /// [`fit_edge`] of an edge without clipped light, from where a fit of the same pixels ended, along
 /// a contour that follows it: it settles in a third of the steps, at the same place.
 pub(in crate::gauge) fn fit_edge_from(
@@ -452,7 +486,7 @@ pub(in crate::gauge) fn fit_edge_from(
         state.pooled = Vector::from(begun.pooled);
         state.variance = begun.variance;
     }
-    settle(start, band, outlier_sigmas, true)
+    settle(start, band, outlier_sigmas, Until::Alike)
 }
 
 /// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0; `ends`
@@ -463,9 +497,10 @@ pub(in crate::gauge) fn fit_edge(
     outlier_sigmas: f64,
     ends: Option<Ends>,
 ) -> Result<EdgeFit, String> {
+    let until = Until::Settled;
     match ends {
-        None => settle(State::<POOLED>::start(band, least_variance, None), band, outlier_sigmas, false),
-        Some(_) => settle(State::<SHAPED>::start(band, least_variance, ends), band, outlier_sigmas, false),
+        None => settle(State::<POOLED>::start(band, least_variance, None), band, outlier_sigmas, until),
+        Some(_) => settle(State::<SHAPED>::start(band, least_variance, ends), band, outlier_sigmas, until),
     }
 }
 
@@ -473,7 +508,7 @@ fn settle<const P: usize>(
     start: Option<State<P>>,
     band: &Band,
     outlier_sigmas: f64,
-    begun: bool,
+    until: Until,
 ) -> Result<EdgeFit, String> {
     let limits = RingFitLimits::get();
     let mut state = start.ok_or("no light on its outer side, or no shadow on its inner")?;
@@ -481,14 +516,19 @@ fn settle<const P: usize>(
     let reach = band.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
     let mut settled = f64::INFINITY;
     // A clipped level follows from the edge's shape alone: it converges more slowly.
-    let (rounds, steps) = if P == SHAPED { (6, 40) } else { (4, 12) };
+    let (rounds, steps) = match until {
+        Until::Near => (2, 12),
+        _ if P == SHAPED => (6, 40),
+        _ => (4, 12),
+    };
+    let enough = if until == Until::Near { limits.near } else { 1e-5 };
     for round in 0..rounds {
         if P == SHAPED {
             state.separate(reach);
         }
         for _ in 0..steps {
             settled = state.step(band).ok_or(singular)?;
-            if settled < 1e-5 {
+            if settled < enough {
                 break;
             }
         }
@@ -501,9 +541,13 @@ fn settle<const P: usize>(
             state.judge(band, outlier_sigmas);
         }
         // a further round would solve the same equations: the same calipers, weighted alike
-        if begun && settled < 1e-5 && state.goods() == before.1 && state.variance.is_like(&before.0) {
+        let alike = state.goods() == before.1 && state.variance.is_like(&before.0);
+        if until == Until::Alike && settled < enough && alike {
             break;
         }
+    }
+    if until == Until::Near {
+        return finish(&mut state, band).ok_or_else(|| singular.to_owned());
     }
     if P == SHAPED
         && let Some(clipped) = &state.clipped
@@ -533,7 +577,8 @@ fn known_shape<const P: usize>(normal: &Matrix<P>, lever: &Vector<P>) -> Option<
 
 /// Uncertainties from the inverse of the normal equations, pooled parameters and shifts together.
 fn finish<const P: usize>(state: &mut State<P>, band: &Band) -> Option<EdgeFit> {
-    let sums = state.all_sums(band);
+    state.sum_up(band);
+    let sums = &state.sums;
     let (mut normal, mut lever, mut own, mut count) = (Matrix::<P>::zeros(), Vector::<P>::zeros(), 0.0, 0.0);
     let mut by_noise = (Vector::<P>::zeros(), 0.0);
     for (s, _) in sums.iter().zip(&state.sectors).filter(|(_, at)| at.good) {
@@ -579,7 +624,8 @@ fn finish<const P: usize>(state: &mut State<P>, band: &Band) -> Option<EdgeFit> 
         ((own + all + shape + noise * noise).sqrt() / count).hypot(state.u_rounding(&(lever / count)));
     let levels = (state.pooled[0], state.pooled[0] + state.pooled[3]);
     let noise = state.variance.0[1].sqrt();
+    let misfit = state.variance.beyond_noise() / state.pooled[3];
     let pooled = std::array::from_fn(|k| state.pooled[k]);
     let begun = state.clipped.is_none().then_some(Begun { pooled, variance: state.variance });
-    Some(EdgeFit { calipers, sigma: state.pooled[SIGMA], levels, u_mean, noise, begun })
+    Some(EdgeFit { calipers, sigma: state.pooled[SIGMA], levels, u_mean, noise, misfit, begun })
 }

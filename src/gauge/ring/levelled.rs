@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::edge_fit::{Begun, EdgeFit};
 use super::edge_pixels::Band;
-use super::fit::{fit_edge, fit_edge_from};
+use super::fit::{fit_edge, fit_edge_from, fit_edge_nearly};
 use crate::gauge::edge::estimation::light_field::{LightField, Lit};
 use crate::numerics::robust::median_of;
 
@@ -22,7 +22,8 @@ pub(in crate::gauge) fn light_of(band: &Band, half_px: f64) -> Option<(LightFiel
 }
 
 /// The fit of a band, levelled by its light; `whole` is whether grey values are whole counts,
-/// `begun` where a fit of the same edge ended.
+/// `begun` where a fit of the same edge ended. Without that it is near only: another one along the
+/// contour that it finds must follow.
 ///
 /// # Errors
 /// The reason for which no edge fits.
@@ -39,7 +40,7 @@ pub(in crate::gauge) fn fit_levelled(
     }
     let fitted = match begun {
         Some(begun) => fit_edge_from(&band, least_variance, f64::MAX.sqrt(), begun),
-        None => fit_edge(&band, least_variance, f64::MAX.sqrt(), None),
+        None => fit_edge_nearly(&band, least_variance, f64::MAX.sqrt()),
     };
     let flank = fitted.as_ref().map_or(f64::INFINITY, |fit| fit.noise);
     match raw.ends(flank, whole) {

@@ -2,9 +2,9 @@
 //!
 //! A coarse search finds the part and its centre (`coarse`); then every pixel of a band along each
 //! edge takes part in a maximum-likelihood fit of the pixel-integrated Gaussian edge (`model`,
-//! `fit`, its result in `edge_fit`, in uneven or clipped light `levelled`): levels, blur and noise
-//! pooled over the whole edge, the radius free in each of many sectors. Clipped pixels only bound
-//! the light. No pixel is resampled. The sectors' radii, without those that contamination covers,
+//! along lines `straight_edge`; `fit`, its result in `edge_fit`, in uneven or clipped light
+//! `levelled`): levels, blur and noise pooled over the whole edge, the radius free in each of many
+//! sectors. Clipped pixels only bound the light. No pixel is resampled. The sectors' radii, without those that contamination covers,
 //! give the least-squares circle (LSCI), the roundness and the concentricity (`measurement`).
 //!
 //! Positions are in pixels, x the column and y the row. A curved edge is located towards the centre
@@ -27,6 +27,7 @@ mod model;
 mod outline;
 mod result;
 mod settings;
+pub(crate) mod straight_edge;
 
 pub use self::{
     error::RingError,

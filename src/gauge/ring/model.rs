@@ -11,6 +11,7 @@
 //!
 //! Where one width vanishes the narrow box is put into the blur, σ² + b²/12, exact to b⁴/σ⁴/2880.
 
+use crate::numerics::distributions::{phi_cdf, phi_pdf};
 use crate::numerics::normal_table::NormalTable;
 
 /// Value and derivatives of the unit edge in one pixel.
@@ -29,6 +30,11 @@ pub(super) struct Sample {
 pub(super) fn square_edge(d: f64, cos: f64, sin: f64, sigma: f64) -> Sample {
     let table = NormalTable::get();
     edge(&|t| table.at(t), d, (cos, sin), sigma)
+}
+
+/// The same without a table, at normal (cos θ, sin θ).
+pub(super) fn exact_edge(d: f64, normal: (f64, f64), sigma: f64) -> Sample {
+    edge(&|t| [phi_cdf(t), phi_pdf(t)], d, normal, sigma)
 }
 
 /// The edge by a function that gives Φ and φ.
@@ -69,10 +75,9 @@ fn box_edge(normal: &impl Fn(f64) -> [f64; 2], d: f64, a: f64, [s, sigma]: [f64;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::distributions::{phi_cdf, phi_pdf};
 
     fn by_functions(d: f64, cos: f64, sin: f64, sigma: f64) -> Sample {
-        edge(&|t| [phi_cdf(t), phi_pdf(t)], d, (cos, sin), sigma)
+        exact_edge(d, (cos, sin), sigma)
     }
 
     #[test]

@@ -189,3 +189,24 @@ fn the_blur_is_found_and_moves_nothing() {
         );
     }
 }
+
+#[test]
+fn corners_of_35_to_120_degrees_and_noses_of_a_twentieth_of_a_millimetre_are_measured() {
+    for (epsilon_deg, radius_mm) in
+        [(35.0, 0.2), (55.0, 0.2), (80.0, 0.2), (90.0, 0.2), (120.0, 0.2), (60.0, 0.1), (60.0, 0.05)]
+    {
+        let mut s = insert(0);
+        (s.nose.epsilon_deg, s.nose.radius_mm) = (epsilon_deg, radius_mm);
+        let (found, truth) = measured(&s, 7, true);
+        let m = found.unwrap_or_else(|e| panic!("{epsilon_deg}°, {radius_mm} mm: {e}"));
+        assert_eq!(m.flags, Vec::<&str>::new(), "{epsilon_deg}°, {radius_mm} mm");
+        let off = (m.centre.x - truth.centre_px[0]).hypot(m.centre.y + truth.centre_px[1]);
+        assert!(off < 4.0 * m.u_centre_px, "{epsilon_deg}°: {off} {}", m.u_centre_px);
+        let off = (m.mean_radius_px - truth.mean_radius_px).abs();
+        assert!(off < 4.0 * m.u_mean_radius_px, "{radius_mm} mm: {off} {}", m.u_mean_radius_px);
+        // sectors hold pixels enough: of small noses they are wider than a degree
+        let sectors =
+            (180.0 - epsilon_deg).min((180.0 - epsilon_deg).to_radians() * 800.0 * radius_mm / 2.415);
+        assert!((m.sectors.len() as f64 - sectors).abs() < 1.5, "{}", m.sectors.len());
+    }
+}

@@ -98,6 +98,73 @@ fn rotated_and_mirrored_pictures() {
     }
 }
 
+#[test]
+fn a_bright_insert_on_a_dark_ground() {
+    for pose in 0..4 {
+        let (frame, truth) = render_insert(&insert(pose), (1, 0), true).unwrap();
+        let view = frame.view();
+        let Pixels::U16(pixels) = view.pixels() else { panic!("a 12-bit frame") };
+        let buffer = Buffer::U16(pixels.iter().map(|v| 4095 - v).collect());
+        let turned = Frame::new(buffer, PixelFormat::Mono12, 420, 520, FrameMeta::default()).unwrap();
+        for settings in [NoseSettings::default(), tool()] {
+            let error = measure_nose(&turned.view(), &settings).unwrap_err();
+            let NoseImageError::Swapped { row, column } = error else { panic!("pose {pose}: {error}") };
+            let off = (column - truth.centre_px[0]).hypot(row - truth.centre_px[1]);
+            assert!(off < 1.2 * truth.nominal_radius_px, "pose {pose}: row {row}, column {column}");
+            let said = error.to_string();
+            assert!(said.contains("swapped") && said.contains("not inverted"), "{said}");
+        }
+    }
+}
+
+#[test]
+fn a_nose_of_another_radius_or_tool_than_stated() {
+    let (frame, _) = render_insert(&insert(0), (1, 0), true).unwrap();
+    let twice = NoseSettings { nominal_radius_px: Some(165.6), ..tool() };
+    let said = measure_nose(&frame.view(), &twice).unwrap_err().to_string();
+    assert!(said.contains("radius of about 83 px (0.2") && said.contains("0.400"), "{said}");
+    // what else is wrong goes before it: the corner is another one, or lies otherwise
+    let other = ExpectedNose { normals_deg: [117.0, 237.0], ..tool().expected.unwrap() };
+    let said = measure_nose(&frame.view(), &NoseSettings { expected: Some(other), ..twice });
+    assert!(said.unwrap_err().to_string().contains("rotated by 60"));
+    let other = ExpectedNose { epsilon_deg: 80.0, ..tool().expected.unwrap() };
+    let said = measure_nose(&frame.view(), &NoseSettings { expected: Some(other), ..twice });
+    assert!(said.unwrap_err().to_string().contains("epsilon_r_deg is 80"));
+}
+
+#[test]
+fn a_round_insert() {
+    let lit = |k: usize| {
+        let r = ((k % 520) as f64 - 260.0).hypot((k / 520) as f64 - 210.0);
+        (300.0 + 2700.0 / (1.0 + (-2.0 * (r - 150.0)).exp())) as u16
+    };
+    let buffer = Buffer::U16((0..420 * 520).map(lit).collect());
+    let round = Frame::new(buffer, PixelFormat::Mono12, 420, 520, FrameMeta::default()).unwrap();
+    let said = measure_nose(&round.view(), &NoseSettings::default()).unwrap_err().to_string();
+    assert!(said.contains("a round insert has no edges"), "{said}");
+}
+
+#[test]
+fn black_that_is_clipped_and_a_tool_that_moved_are_flagged() {
+    let (frame, _) = render_insert(&insert(0), (1, 0), true).unwrap();
+    let view = frame.view();
+    let Pixels::U16(pixels) = view.pixels() else { panic!("a 12-bit frame") };
+    let of = |change: &dyn Fn(usize) -> u16| {
+        let buffer = Buffer::U16((0..420 * 520).map(change).collect());
+        let frame = Frame::new(buffer, PixelFormat::Mono12, 420, 520, FrameMeta::default()).unwrap();
+        measure_nose(&frame.view(), &NoseSettings::default()).unwrap().flags
+    };
+    assert_eq!(of(&|k| pixels[k]), Vec::<&str>::new());
+    // the foot of the edge is cut off
+    assert!(of(&|k| pixels[k].saturating_sub(600)).contains(&"edge_profile"));
+    // seven pixels along the rows: one edge is blurred by 2.3 px, the other by 1.5
+    let moved = |k: usize| {
+        let (row, column) = (k / 520, (k % 520).clamp(3, 516));
+        ((column - 3..=column + 3).map(|c| u32::from(pixels[row * 520 + c])).sum::<u32>() / 7) as u16
+    };
+    assert!(of(&moved).contains(&"edge_profile"));
+}
+
 /// Every second pixel of an insert twice as large, and its truth in the small picture's pixels.
 fn made_smaller(sigma_px: f64) -> (Frame, [f64; 2], f64) {
     let mut s = insert(0);

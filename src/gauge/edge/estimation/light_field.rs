@@ -10,10 +10,9 @@
 //! by their size only (Huber). A wire's or a disc's own pixels are divided by it: their edges are
 //! then those of even light.
 
-use nalgebra::Vector6;
+use nalgebra::{Matrix6, Vector6};
 
 use crate::gauge::limit::limits;
-use crate::numerics::normal_equations::NormalEquations;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 
 limits! {
@@ -52,6 +51,64 @@ pub(crate) struct Lit {
     pub(crate) contrast: f64,
 }
 
+/// A pixel beside the field, counts.
+struct Departure {
+    /// The field's contrast there.
+    expected: f64,
+    /// The pixel's less that.
+    residual: f64,
+}
+
+/// Powers of x and y.
+const POWERS: [(usize, usize); 15] = [
+    (0, 0),
+    (1, 0),
+    (0, 1),
+    (2, 0),
+    (1, 1),
+    (0, 2),
+    (3, 0),
+    (2, 1),
+    (1, 2),
+    (0, 3),
+    (4, 0),
+    (3, 1),
+    (2, 2),
+    (1, 3),
+    (0, 4),
+];
+
+/// Sums of the normal equations of a quadratic: Σ w·xⁱyʲ, by the powers (i, j) of [`POWERS`], and
+/// Σ w·v·xⁱyʲ of a value v, of which the first six are the field's terms.
+#[derive(Default)]
+struct Moments {
+    of: [f64; POWERS.len()],
+    value: [f64; 6],
+}
+
+impl Moments {
+    #[inline]
+    fn add(&mut self, x: f64, y: f64, value: f64, weight: f64) {
+        let (xx, xy, yy) = (x * x, x * y, y * y);
+        let second = [1.0, x, y, xx, xy, yy];
+        let higher = [xx * x, xx * y, x * yy, yy * y, xx * xx, xx * xy, xx * yy, xy * yy, yy * yy];
+        let terms = second.iter().chain(&higher);
+        self.of.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * term);
+        let weighted = weight * value;
+        self.value.iter_mut().zip(second).for_each(|(sum, term)| *sum += weighted * term);
+    }
+
+    /// The coefficients; `None` where the points do not determine them.
+    fn solved(&self) -> Option<Vector6<f64>> {
+        let product = |i: usize, k: usize| {
+            let (a, b) = (POWERS[i], POWERS[k]);
+            let powers = (a.0 + b.0, a.1 + b.1);
+            POWERS.iter().zip(self.of).find(|(p, _)| **p == powers).map_or(0.0, |(_, sum)| sum)
+        };
+        Some(Matrix6::from_fn(product).cholesky()?.solve(&Vector6::from(self.value)))
+    }
+}
+
 /// A light that is not even.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightField {
@@ -79,32 +136,44 @@ impl LightField {
         let scale = mean(&|p| (p.x - centre.0).powi(2) + (p.y - centre.1).powi(2)).sqrt().max(1.0);
         let mut field = Self { centre, scale, by: Vector6::zeros() };
         field.by[0] = usual.ln();
+        let logs: Vec<f64> = points.iter().map(|p| p.contrast.ln()).collect();
         let mut noise = f64::INFINITY;
+        let mut departures: Vec<Departure> = field.departures(&points, &logs).collect();
         for _ in 0..limits.rounds {
-            let mut fit = NormalEquations::new();
-            for p in &points {
-                let (terms, residual) = (field.terms(p.x, p.y), field.residual(p));
+            let mut fit = Moments::default();
+            for ((p, log), at) in points.iter().zip(&logs).zip(&departures) {
                 // A residual of the logarithm weighs by the contrast's square, near the field's
                 // own.
-                let expected = field.terms(p.x, p.y).dot(&field.by).exp();
-                let weight = expected.powi(2) * (limits.huber * noise / residual.abs().max(1e-12)).min(1.0);
-                fit.add(terms, p.contrast.ln(), weight);
+                let damped = (limits.huber * noise / at.residual.abs().max(1e-12)).min(1.0);
+                let (x, y) = field.place(p.x, p.y);
+                fit.add(x, y, *log, at.expected.powi(2) * damped);
             }
-            field.by = fit.by_cholesky()?;
-            noise = MEDIAN_TO_SD * median_of(points.iter().map(|p| field.residual(p).abs()).collect());
+            field.by = fit.solved()?;
+            departures.clear();
+            departures.extend(field.departures(&points, &logs));
+            noise = MEDIAN_TO_SD * median_of(departures.iter().map(|at| at.residual.abs()).collect());
         }
         (field.is_uneven(&points, noise) && is_smooth(&points, noise, usual)).then_some(field)
     }
 
+    /// A place from the field's centre, in its scale.
+    fn place(&self, x: f64, y: f64) -> (f64, f64) {
+        ((x - self.centre.0) / self.scale, (y - self.centre.1) / self.scale)
+    }
+
     fn terms(&self, x: f64, y: f64) -> Vector6<f64> {
-        let (x, y) = ((x - self.centre.0) / self.scale, (y - self.centre.1) / self.scale);
+        let (x, y) = self.place(x, y);
         Vector6::new(1.0, x, y, x * x, x * y, y * y)
     }
 
-    /// Departure of a pixel from the field, counts.
-    fn residual(&self, p: &Lit) -> f64 {
-        let log = self.terms(p.x, p.y).dot(&self.by);
-        (p.contrast.ln() - log) * log.exp()
+    /// What the field has at each pixel, and how far the pixel is from it; `logs` are those of the
+    /// pixels' contrasts.
+    fn departures(&self, points: &[Lit], logs: &[f64]) -> impl Iterator<Item = Departure> {
+        points.iter().zip(logs).map(|(p, own)| {
+            let log = self.terms(p.x, p.y).dot(&self.by);
+            let expected = log.exp();
+            Departure { expected, residual: (own - log) * expected }
+        })
     }
 
     fn is_uneven(&self, points: &[Lit], noise: f64) -> bool {

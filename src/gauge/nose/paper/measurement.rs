@@ -11,8 +11,8 @@ use super::segments::segments;
 use crate::frame::FrameView;
 use crate::gauge::nose::contour;
 use crate::gauge::nose::error::NoseImageError;
+use crate::gauge::nose::expected::check_direction;
 use crate::gauge::nose::limits::NoseLimits;
-use crate::gauge::nose::measurement::check_direction;
 use crate::gauge::nose::settings::ExpectedNose;
 
 /// What the paper takes from the insert's data sheet.
@@ -93,7 +93,7 @@ pub(crate) fn measure_paper_nose(
         return Err(NoseImageError::Fit(why));
     }
     let normals_deg = normals.map(|n| n.to_angle().to_degrees().rem_euclid(360.0));
-    settings.expected.iter().try_for_each(|expected| check_direction(normals_deg, expected))?;
+    settings.expected.iter().try_for_each(|expected| check_direction(normals_deg, 0.0, expected))?;
     let radii = nose.iter().map(|p| p.distance(centre));
     Ok(PaperNose {
         angle_deg: included_deg(&lines),
