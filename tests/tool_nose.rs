@@ -129,6 +129,15 @@ fn what_cannot_be_measured_names_the_image_and_writes_nothing() {
     assert!(said.contains("--um-per-px"), "{said}");
     let said = refused(&["tool", "nose", &worn, "--um-per-px", "0"], 2);
     assert!(said.contains("a scale above 0"), "{said}");
+    let said = refused(&["tool", "nose", &worn, "--um-per-px", "1e9"], 2);
+    assert!(said.contains("from 0.01 to 1000"), "{said}");
+    let inverted = save("inverted.png", {
+        let mut grey = picture.to_luma16();
+        grey.pixels_mut().for_each(|p| p[0] = 4095 - p[0].min(4095));
+        image::DynamicImage::ImageLuma16(grey)
+    });
+    let said = refused(&["tool", "nose", &inverted, "--um-per-px", "2.415", "--out", given], 3);
+    assert!(said.contains("inverted: light and shadow are swapped"), "{said}");
     let said = refused(&["tool", "nose", &worn, "--um-per-px", "2.415", "--baseline", &worn], 3);
     assert!(said.contains("worn"), "{said}");
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use glam::DVec2;
 use serde::Serialize;
 
-use super::nose::{frames, scale};
+use super::nose::{frames, insert_scale};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, json_text};
 use crate::files::OutputFile;
@@ -28,7 +28,7 @@ pub(crate) struct AxesArgs {
     #[arg(long, value_name = "MM,…", value_delimiter = ',', required = true, allow_hyphen_values = true)]
     z_mm: Vec<f64>,
     /// Nominal scale, µm per px; the moves give the true one.
-    #[arg(long, value_name = "S", value_parser = scale)]
+    #[arg(long, value_name = "S", value_parser = insert_scale)]
     um_per_px: f64,
     /// A TOML file with the tool (`schema tool`): its nominal radius, and what --out changes.
     #[arg(long, value_name = "FILE")]

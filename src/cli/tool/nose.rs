@@ -27,7 +27,7 @@ pub(crate) struct NoseArgs {
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
     /// Scale, µm per px in the plane of the insert.
-    #[arg(long, value_name = "S", value_parser = scale, required_unless_present = "calibration", conflicts_with = "calibration")]
+    #[arg(long, value_name = "S", value_parser = insert_scale, required_unless_present = "calibration", conflicts_with = "calibration")]
     um_per_px: Option<f64>,
     /// Calibration file (`calibrate`): its scale and edge offset with their uncertainty. Its lens'
     /// distortion is not applied.
@@ -80,10 +80,18 @@ struct Document {
 
 /// A scale of the command line, µm per px.
 pub(super) fn scale(text: &str) -> Result<f64, String> {
-    // a nose of 2.4 mm at 1000 µm per px has the radius of two pixels; light resolves no 0.01 µm
-    let value = text.parse::<f64>().ok().filter(|s| (0.01..=1000.0).contains(s));
-    let wanted = "a scale above 0 is needed, µm per px from 0.01 to 1000, for instance 2.415";
-    value.ok_or_else(|| wanted.to_owned())
+    let value = text.parse::<f64>().ok().filter(|s| *s > 0.0 && s.is_finite());
+    value.ok_or_else(|| "a scale above 0 is needed, µm per px, for instance 2.415".to_owned())
+}
+
+/// The scale of a picture of an insert: at 1000 µm per px the largest nose has a radius of two
+/// pixels, and no light resolves 0.01 µm.
+pub(super) fn insert_scale(text: &str) -> Result<f64, String> {
+    let found = scale(text)?;
+    if (0.01..=1000.0).contains(&found) {
+        return Ok(found);
+    }
+    Err("a scale from 0.01 to 1000 is needed, µm per px, for instance 2.415".to_owned())
 }
 
 /// Images with their names.
