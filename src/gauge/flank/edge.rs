@@ -2,7 +2,7 @@
 //!
 //! The edge is the border between air, which keeps its level, and whatever departs from it; the
 //! path of least cost through a strip about the straight line. Wear and chips displace it into the
-//! flank only: the reference is a cubic that follows the upper side of the path (deviations into
+//! flank only: the reference is a parabola that follows the upper side of the path (deviations into
 //! the flank lose weight as 1/r², those into the air as 1/r).
 
 use nalgebra::{DMatrix, DVector};
@@ -68,7 +68,22 @@ pub(crate) struct ReferenceCurve {
 /// which offset and slope are fitted then.
 pub(crate) fn reference(traced: &TracedEdge, frame: &Frame, shape: Option<&[f64]>) -> Option<ReferenceCurve> {
     let limits = FlankLimits::get();
-    let powers = if shape.is_some() { 2 } else { limits.edge_powers };
+    if shape.is_some() {
+        return fitted(traced, frame, shape, 2);
+    }
+    let found = fitted(traced, frame, None, limits.edge_powers)?;
+    // the sagitta of c·t² over 0 to 1 is c/4
+    let sagitta_um = found.curve.get(2).map_or(0.0, |c| 0.25 * c.abs() * frame.um_per_px);
+    if sagitta_um > limits.most_sagitta_um { fitted(traced, frame, None, 2) } else { Some(found) }
+}
+
+fn fitted(
+    traced: &TracedEdge,
+    frame: &Frame,
+    shape: Option<&[f64]>,
+    powers: usize,
+) -> Option<ReferenceCurve> {
+    let limits = FlankLimits::get();
     let n = traced.depth_um.len();
     if n < 4 * powers {
         return None;

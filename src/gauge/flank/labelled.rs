@@ -5,13 +5,15 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
+use super::context::CONTEXT;
 use super::features::{FEATURES, features};
 use super::forest::Forest;
 use super::forest::training::{Growth, Samples, grow};
-use super::land::land;
+use super::forest::tree::Tree;
+use super::land::{below, first_context, land};
 use super::limits::FlankTrainingLimits;
 use super::located::Located;
-use super::raster::Raster;
+use super::raster::{Raster, quantile};
 use super::strip::normalised;
 
 /// A located flank with the land of its mask.
@@ -21,6 +23,17 @@ pub(crate) struct Labelled {
     pub flank: Located,
     /// 1 on land, 0 elsewhere, over the strip.
     pub land: Raster,
+}
+
+/// Pixels of a flank at one of its scales, and what the second trees are trained by.
+#[derive(Clone, Debug)]
+pub(crate) struct Drawn {
+    /// The pixels with their features.
+    samples: Samples,
+    /// Their places below the reference, row after row.
+    places: Vec<usize>,
+    /// The flank, whose features are computed anew: all of them would fill the memory.
+    flank: Located,
 }
 
 impl Labelled {
@@ -37,13 +50,48 @@ impl Labelled {
         (0..self.land.columns).map(|c| sum(c) * frame.row_um()).collect()
     }
 
-    /// Pixels drawn on both sides of the border.
-    fn draw(&self, seed: u64) -> Samples {
+    /// Median distance of the mask's upper border from the reference, µm; none without a mask.
+    pub(crate) fn off_edge_um(&self) -> Option<f64> {
+        let first = |c: usize| (0..self.land.rows).find(|r| self.land.at(*r, c) > 0.5);
+        let tops: Vec<f32> =
+            (0..self.land.columns).filter_map(first).map(|r| self.flank.frame.depth_um(r) as f32).collect();
+        (!tops.is_empty()).then(|| f64::from(quantile(tops, 0.5)))
+    }
+
+    /// The same flank as if its structures were `1/by` as large: lands are alike at any width.
+    fn scaled(&self, by: f64) -> Self {
+        let frame = &self.flank.frame;
+        let (rows, columns) = (self.land.rows, ((self.land.columns - 1) as f64 / by) as usize + 1);
+        let of = |from: &Raster| {
+            let mut out = Raster::new(rows, columns);
+            for row in 0..rows {
+                let source = frame.above as f64 + (row as f64 - frame.above as f64) * by;
+                let source = source.clamp(0.0, (rows - 1) as f64);
+                for column in 0..columns {
+                    let along = (column as f64 * by).min((from.columns - 1) as f64);
+                    out.values[row * columns + column] = from.between(source, along).unwrap_or_default();
+                }
+            }
+            out
+        };
+        let inside = |c: usize| {
+            let limit = self.flank.inside[((c as f64 * by) as usize).min(self.flank.inside.len() - 1)];
+            let below = (limit.saturating_sub(frame.above) as f64 / by) as usize;
+            (frame.above + below).min(rows)
+        };
+        let mut flank = self.flank.clone();
+        flank.strip = of(&self.flank.strip);
+        flank.inside = (0..columns).map(inside).collect();
+        Self { flank, land: of(&self.land).map(|v| f32::from(u8::from(v >= 0.5))) }
+    }
+
+    /// Pixels drawn on both sides of the border, so many for each that the limits state.
+    fn draw(&self, seed: u64, share: f64) -> Drawn {
         let mut samples = Samples { features: FEATURES, ..Samples::default() };
         let random = &mut Pcg64::seed_from_u64(seed);
         let limits = FlankTrainingLimits::get();
         let frame = &self.flank.frame;
-        let all = features(&normalised(&self.flank.strip, frame), frame);
+        let all = pixel_features(&self.flank);
         let (columns, top) = (self.land.columns, frame.above);
         let (mut near, mut far) = (Vec::new(), Vec::new());
         for column in 0..columns {
@@ -52,42 +100,93 @@ impl Labelled {
             let reach = last + (last - top).max(limits.near_rows);
             for row in top..(last + limits.below_rows).min(self.flank.inside[column]) {
                 // between edge and border everything is land, chips and gaps of the mask too
-                let pixel = (row * columns + column, row < last);
+                let pixel = ((row - top) * columns + column, row < last);
                 if row < reach { near.push(pixel) } else { far.push(pixel) }
             }
         }
+        let mut places = Vec::new();
         for (pixels, count) in [(near, limits.pixels), (far, limits.far_pixels)] {
             if pixels.is_empty() {
                 continue;
             }
-            for _ in 0..count {
+            for _ in 0..(count as f64 * share) as usize {
                 let (at, land) = pixels[random.random_range(0..pixels.len())];
                 samples.values.extend(all.iter().map(|f| f.values[at]));
                 samples.land.push(land);
+                places.push(at);
             }
         }
-        samples
+        Drawn { samples, places, flank: self.flank.clone() }
     }
 }
 
-/// Pixels of every flank, each drawn by the seed and its own number.
-pub(crate) fn drawn(labelled: &[Labelled], seed: u64) -> Vec<Samples> {
-    let one = |(k, one): (usize, &Labelled)| one.draw(seed.wrapping_mul(1_000_003).wrapping_add(k as u64));
+/// Features of every pixel below the reference.
+fn pixel_features(flank: &Located) -> Vec<Raster> {
+    below(&features(&normalised(&flank.strip, &flank.frame), &flank.frame), &flank.frame)
+}
+
+impl Drawn {
+    /// The samples with what trees that have not seen this flank find about them.
+    fn with_context(&self, trees: &[Tree]) -> Samples {
+        let flank = &self.flank;
+        let context = first_context(&pixel_features(flank), &flank.frame, &flank.inside, trees);
+        let mut out = Samples { features: FEATURES + CONTEXT, ..Samples::default() };
+        for (k, at) in self.places.iter().enumerate() {
+            out.values.extend_from_slice(&self.samples.values[k * FEATURES..(k + 1) * FEATURES]);
+            out.values.extend(context.iter().map(|f| f.values[*at]));
+        }
+        out.land.clone_from(&self.samples.land);
+        out
+    }
+}
+
+/// Pixels of every flank at several scales, each drawn by the seed and its own number.
+pub(crate) fn drawn(labelled: &[Labelled], seed: u64) -> Vec<Vec<Drawn>> {
+    let scales = FlankTrainingLimits::scales();
+    let one = |(k, one): (usize, &Labelled)| {
+        let seed = seed.wrapping_mul(1_000_003).wrapping_add(k as u64);
+        let at = |(i, by): (usize, &f64)| {
+            let seed = seed.wrapping_add((i as u64) << 32);
+            let share = 1.0 / scales.len() as f64;
+            if *by == 1.0 { one.draw(seed, share) } else { one.scaled(*by).draw(seed, share) }
+        };
+        scales.iter().enumerate().map(at).collect()
+    };
     labelled.par_iter().enumerate().map(one).collect()
 }
 
-/// A forest from the pixels of flanks.
-pub(crate) fn train<'a>(drawn: impl IntoIterator<Item = &'a Samples>, growth: &Growth) -> Forest {
-    let mut samples = Samples { features: FEATURES, ..Samples::default() };
-    let mut images = 0;
-    for one in drawn {
+/// A forest from the pixels of flanks: first trees, and second ones which see what first trees
+/// found that were grown on other flanks.
+pub(crate) fn train<'a>(drawn: impl IntoIterator<Item = &'a Vec<Drawn>>, growth: &Growth) -> Forest {
+    let drawn: Vec<&Vec<Drawn>> = drawn.into_iter().collect();
+    let first = |skip: Option<usize>| {
+        let kept = drawn.iter().enumerate().filter(|(k, _)| skip.is_none_or(|s| k % FOLDS != s));
+        let samples = kept.flat_map(|(_, d)| d.iter().map(|d| d.samples.clone()));
+        grow(&joined(samples, FEATURES), growth)
+    };
+    let folds: Vec<Forest> = (0..FOLDS).map(|fold| first(Some(fold))).collect();
+    let with = |(k, scales): (usize, &&Vec<Drawn>)| {
+        let trees = &folds[k % FOLDS].trees;
+        scales.iter().map(|d| d.with_context(trees)).collect::<Vec<_>>()
+    };
+    let context: Vec<Vec<Samples>> = drawn.par_iter().enumerate().map(with).collect();
+    let mut forest = first(None);
+    forest.second = grow(&joined(context.into_iter().flatten(), FEATURES + CONTEXT), growth).trees;
+    forest.facts.images = drawn.len();
+    forest
+}
+
+/// Parts of which one each is left out when the first trees are grown for the second: of fewer
+/// flanks one each.
+const FOLDS: usize = 3;
+
+fn joined(parts: impl Iterator<Item = Samples>, features: usize) -> Samples {
+    let mut samples = Samples { features, ..Samples::default() };
+    for one in parts {
         samples.values.extend_from_slice(&one.values);
         samples.land.extend_from_slice(&one.land);
-        images += 1;
     }
-    let mut forest = grow(&samples, growth);
-    forest.facts.images = images;
-    forest
+    samples
 }
 
 /// Errors of VB and VBmax of a forest on a labelled flank, µm, over the worn length of its mask.

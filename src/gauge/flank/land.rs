@@ -1,12 +1,15 @@
 //! The worn land: from probabilities of pixels to its border in every column.
 //!
 //! A border at a row makes all pixels above it land and all below it not: its cost is the sum of
-//! the log-odds against that, and the path of least cost through the strip is the border.
+//! the log-odds against that, and the path of least cost through the strip is the border. The
+//! second trees see what the first ones found about a pixel (`context`).
 
 use rayon::prelude::*;
 
+use super::context::context;
 use super::features::features;
-use super::forest::Forest;
+use super::forest::tree::Tree;
+use super::forest::{Forest, share};
 use super::limits::FlankLimits;
 use super::path::Costs;
 use super::raster::Raster;
@@ -25,16 +28,20 @@ pub(crate) struct Land {
 
 /// Finds the border in a strip; `inside` are the rows of each column within the image.
 pub(crate) fn land(strip: &Raster, frame: &Frame, inside: &[usize], forest: &Forest) -> Land {
-    let all = features(&normalised(strip, frame), frame);
+    let limits = FlankLimits::get();
+    let mut all = below(&features(&normalised(strip, frame), frame), frame);
+    if !forest.second.is_empty() {
+        all.extend(first_context(&all, frame, inside, &forest.trees));
+    }
+    let trees = if forest.second.is_empty() { &forest.trees } else { &forest.second };
     let row_um = frame.row_um();
     let depth_um = |path: &[usize]| path.iter().map(|v| *v as f64 * row_um).collect::<Vec<f64>>();
-    let by_group =
-        |group: Forest| depth_um(&costs(&probability(&all, strip, frame, &group), frame, inside).cheapest());
-    let by_group_um = forest.groups(FlankLimits::get().tree_groups).into_par_iter().map(by_group).collect();
-    let probability = probability(&all, strip, frame, forest);
-    let costs = costs(&probability, frame, inside);
+    let groups = by_group(&all, trees, limits.tree_groups);
+    let by_group_um =
+        groups.par_iter().map(|p| depth_um(&costs(p, frame, inside).cheapest())).collect::<Vec<_>>();
+    let costs = costs(&mean(&groups), frame, inside);
     let path = costs.cheapest();
-    let spread = costs.spread(&path, FlankLimits::get().temperature as f32);
+    let spread = costs.spread(&path, limits.temperature as f32);
     Land {
         depth_um: depth_um(&path),
         u_um: spread.iter().map(|s| (s * row_um).hypot(row_um / 12f64.sqrt())).collect(),
@@ -42,15 +49,45 @@ pub(crate) fn land(strip: &Raster, frame: &Frame, inside: &[usize], forest: &For
     }
 }
 
-fn probability(all: &[Raster], strip: &Raster, frame: &Frame, forest: &Forest) -> Raster {
-    let mut out = Raster::new(frame.below, strip.columns);
-    out.values.par_chunks_mut(strip.columns).enumerate().for_each(|(row, line)| {
-        for (column, value) in line.iter_mut().enumerate() {
-            let at = (row + frame.above) * strip.columns + column;
-            *value = forest.probability(|k| all[k].values[at]);
-        }
-    });
-    out
+/// The part of every raster below the reference.
+pub(super) fn below(all: &[Raster], frame: &Frame) -> Vec<Raster> {
+    let cut = |r: &Raster| Raster {
+        rows: frame.below,
+        columns: r.columns,
+        values: r.values[frame.above * r.columns..].to_vec(),
+    };
+    all.iter().map(cut).collect()
+}
+
+/// What the first trees find, as features of the second.
+pub(super) fn first_context(all: &[Raster], frame: &Frame, inside: &[usize], trees: &[Tree]) -> Vec<Raster> {
+    let probability = mean(&by_group(all, trees, 1));
+    let border = costs(&probability, frame, inside).cheapest();
+    context(&probability, &border)
+}
+
+/// Probabilities by the trees dealt out to so many groups; of fewer trees a tree a group.
+fn by_group(all: &[Raster], trees: &[Tree], count: usize) -> Vec<Raster> {
+    let columns = all[0].columns;
+    let group = |k: usize| {
+        let own: Vec<&Tree> = trees.iter().skip(k).step_by(count).collect();
+        let mut out = Raster::new(all[0].rows, columns);
+        out.values.par_chunks_mut(columns).enumerate().for_each(|(row, line)| {
+            for (column, value) in line.iter_mut().enumerate() {
+                *value = share(own.iter().copied(), |k| all[k].values[row * columns + column]);
+            }
+        });
+        out
+    };
+    (0..count.min(trees.len())).map(group).collect()
+}
+
+fn mean(of: &[Raster]) -> Raster {
+    let mut out = of[0].clone();
+    for other in &of[1..] {
+        out.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
+    }
+    out.map(|v| v / of.len() as f32)
 }
 
 fn costs(probability: &Raster, frame: &Frame, inside: &[usize]) -> Costs {

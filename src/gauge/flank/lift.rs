@@ -36,8 +36,9 @@ pub(super) fn lifted(image: &Raster, line: EdgeLine, um_per_px: f64) -> EdgeLine
 /// above the noise.
 fn first_steps(strip: &Raster, above: usize) -> Vec<(usize, usize)> {
     let limits = FlankLimits::get();
-    let smooth = strip.blurred(1.0, 4.0);
-    let step = |r: usize, c: usize| (smooth.at(r + 1, c) - smooth.at(r - 1, c)).abs();
+    // less its wide mean: what is out of focus rises slowly, however bright it is
+    let (narrow, wide) = (strip.blurred(1.0, 6.0), strip.blurred(10.0, 6.0));
+    let step = |r: usize, c: usize| (narrow.at(r, c) - wide.at(r, c)).abs();
     let all = |rows: std::ops::Range<usize>| {
         rows.flat_map(|r| (0..strip.columns).map(move |c| (r, c)))
             .map(|(r, c)| step(r, c))
@@ -47,8 +48,11 @@ fn first_steps(strip: &Raster, above: usize) -> Vec<(usize, usize)> {
     let about = (2 * above).saturating_sub(strip.rows).max(1)..last;
     let sharp = quantile(all(about), 0.9) * limits.sharp_share as f32;
     // rows outside of the image repeat its border and have no steps at all
-    let noisy = all(1..above.max(2)).into_iter().filter(|step| *step > 0.0).collect();
-    let noise = quantile(noisy, 0.5) * limits.sharp_noise as f32;
+    let noisy =
+        |rows: std::ops::Range<usize>| all(rows).into_iter().filter(|s| *s > 1e-3).collect::<Vec<f32>>();
+    let first =
+        (1..above.max(2)).step_by(10).map(|r| noisy(r..r + 10)).find(|v| 20 * v.len() > strip.columns * 90);
+    let noise = quantile(first.unwrap_or_default(), 0.95) * limits.sharp_noise as f32;
     let least = sharp.max(noise);
     (0..strip.columns).filter_map(|c| (1..last).find(|r| step(*r, c) > least).map(|r| (c, r))).collect()
 }

@@ -13,15 +13,40 @@ limits! {
     /// Standard deviation of the Gaussian that takes texture from shade, px: what is out of focus
     /// has no detail below it.
     detail_px: f64 = 2.0;
-    /// Detail of the flank's cells over the detail of the median cell, which is background: noise
-    /// alone has 1.3 at the quantile below.
-    least_detail: f64 = 2.0;
+    /// Quantile of the cells' detail that stands for noise alone: a tenth of the field shows air,
+    /// or what lies out of focus.
+    noise_detail: f64 = 0.1;
+    /// Detail of the flank's cells over that of noise: noise alone has 1.7 between its quantiles of
+    /// 0.1 and 0.98.
+    least_detail: f64 = 3.0;
     /// Quantile of the cells' detail that counts as the flank's full texture: a flank of a fiftieth
     /// of the field reaches it.
     full_detail: f64 = 0.98;
-    /// Depth of the strips on both sides of a line, cells: more than half of a flank that is ten
-    /// cells deep (`cells`), and all of it on the flank.
-    side_cells: usize = 6;
+    /// Detail over that of noise from which a cell has texture: shot noise is twice as strong where
+    /// the background is four times as bright.
+    noise_share: f64 = 2.0;
+    /// Share of the full texture from which a cell has texture: what is out of focus has less.
+    least_share: f64 = 0.05;
+    /// Share of the full texture that counts in full: facets behind the flank are dimmer by three
+    /// times and are in focus all the same.
+    enough_share: f64 = 0.25;
+    /// Depth of the strip on the flank's side of a line, cells: more than a smooth land is deep, so
+    /// that texture below it counts for the edge.
+    side_cells: usize = 24;
+    /// Depth of the strip beyond a line, cells.
+    beyond_cells: usize = 10;
+    /// Depth below a line in which texture shows where an edge has its flank, cells: more than a
+    /// smooth land is deep.
+    extent_cells: usize = 60;
+    /// Depth in which an edge alone shows, cells: where the flank is in the dark.
+    near_cells: usize = 6;
+    /// Share of that depth which has texture there, less what lies beyond.
+    extent_share: f64 = 0.08;
+    /// Width of the sectors of direction of which the best line each is compared by its length,
+    /// degrees: sides of a body are at least 20 degrees apart.
+    sector_deg: usize = 10;
+    /// Score over the best one that a line has at least.
+    likely_score: f64 = 0.6;
     /// Weight of detail beyond a line over that of detail on its flank: the air beside a cutting
     /// edge is out of focus, the neighbour of a facet is not.
     beyond_weight: f64 = 3.0;
@@ -64,8 +89,15 @@ limits! {
     /// Distance of two columns of the strip over that of two rows: what counts is the width of the
     /// land, and it changes slowly along the edge.
     column_pitches: f64 = 2.0;
-    /// Powers of the reference curve: ground edges of inserts are straight or slightly cambered.
-    edge_powers: usize = 4;
+    /// Powers of the reference curve: ground edges of inserts are straight or slightly cambered. A
+    /// cubic bends towards the lower border of a land whose upper one is dim.
+    edge_powers: usize = 3;
+    /// Largest standard uncertainty of the reference curve's level, µm: edges that are found have 1 to
+    /// 3, lines that are none of rendered flanks 15 and more.
+    most_reference_u_um: f64 = 8.0;
+    /// Largest sagitta of the reference curve, µm: ground edges are cambered by a few micrometres; a
+    /// curve that bends more follows the border of a land, and a straight line is laid instead.
+    most_sagitta_um: f64 = 30.0;
     /// Rounds of reweighting of the reference curve. Tuned: see tests of flanks.
     edge_rounds: usize = 12;
     /// Log-odds of one pixel are worth no more: neighbours share what they are classified by.
@@ -81,9 +113,9 @@ limits! {
     step_um: f64 = 60.0;
     /// Share of the sharp steps about that line which the edge has at least: it may be dimly lit,
     /// what is out of focus has less than a tenth.
-    sharp_share: f64 = 0.3;
-    /// Steps over the median step above the line: noise reaches 5 times its median once in 1000.
-    sharp_noise: f64 = 8.0;
+    sharp_share: f64 = 0.12;
+    /// Steps over the 95th percentile of those in the air farthest above.
+    sharp_noise: f64 = 3.0;
     /// Places through which the line of the edge is laid: 1800 pairs have 1 % of scatter.
     line_places: usize = 60;
     /// Groups of trees whose disagreement is the model's: of 16 trees four each, which classify
@@ -96,13 +128,21 @@ limits! {
     FlankTrainingLimits = "flank_training";
     /// Pixels that are drawn from an image near its border: as many of a class as there are, since
     /// the border's place follows from the odds of both.
-    pixels: usize = 9000;
+    pixels: usize = 6000;
     /// Pixels that are drawn from what is farther below: a third of those near (`pixels`), since
     /// the border's place does not follow from them.
-    far_pixels: usize = 3000;
+    far_pixels: usize = 2000;
     /// Least depth below the land that is near its border, rows: as deep as a land of 24 µm, since
     /// as many rows as a narrower one has would show little of what lies below.
     near_rows: usize = 12;
     /// Depth below the land from which pixels are drawn, rows: what is far below is never near it.
     below_rows: usize = 160;
+}
+
+impl FlankTrainingLimits {
+    /// Scales at which a flank is shown: lands twice as wide and half as wide look alike, and a
+    /// dozen flanks hold few widths.
+    pub(crate) fn scales() -> [f64; 4] {
+        [1.0, 0.4, 0.65, 1.5]
+    }
 }

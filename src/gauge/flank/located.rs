@@ -60,6 +60,13 @@ pub(crate) fn locate(image: &Raster, um_per_px: f64, shape: Option<&[f64]>) -> R
             frame.below = frame.above;
         }
     }
+    if u_reference_um > limits.most_reference_u_um {
+        return Err(FlankError::Reference(format!(
+            "the border that is found scatters about a smooth curve so much that its level has a standard uncertainty of \
+             {u_reference_um:.0} µm, at most {:.0} are allowed: it is no cutting edge, or hardly visible",
+            limits.most_reference_u_um
+        )));
+    }
     frame.above = (limits.above_um / frame.row_um()) as usize;
     frame.below = (limits.depth_um / frame.row_um()) as usize;
     let (strip, inside) = frame.cut(sampled);

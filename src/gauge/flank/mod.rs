@@ -12,6 +12,7 @@
 //! Out: [`FlankMeasurement`] (`result`) in µm, or a [`FlankError`]. One more feature of a pixel is
 //! a line of `features`, and the shipped forest is trained anew.
 
+mod context;
 mod edge;
 mod error;
 mod features;
@@ -31,10 +32,11 @@ mod settings;
 mod strip;
 mod zones;
 
+pub(crate) use context::CONTEXT;
 pub(crate) use error::FlankError;
 pub(crate) use features::FEATURES;
 pub(crate) use forest::Forest;
-pub(crate) use labelled::{Labelled, drawn, errors_um, train};
+pub(crate) use labelled::{Drawn, Labelled, drawn, errors_um, train};
 pub(crate) use located::locate;
 pub(crate) use measurement::measure_flank;
 pub(crate) use raster::Raster;

@@ -6,10 +6,11 @@
 //! detail however bright it is.
 
 use glam::DVec2;
+use rayon::prelude::*;
 
 use super::error::FlankError;
 use super::limits::FlankLimits;
-use super::raster::Raster;
+use super::raster::{Raster, quantile};
 
 /// A directed line: the flank lies on the side of `normal`. Places are (column, row), px.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,12 +37,21 @@ struct Cells {
 pub(crate) fn edge_line(image: &Raster) -> Result<EdgeLine, FlankError> {
     let limits = FlankLimits::get();
     let cells = Cells::of(image)?;
-    let coarse = (0..360).map(|k| cells.best_of(f64::from(k)));
-    let best = coarse.max_by(|a, b| a.score.total_cmp(&b.score));
-    let best = best.ok_or_else(|| FlankError::NoFlank { why: "no line".to_owned() })?;
-    let fine = (-6..=6).map(|k| cells.best_of(best.deg + 0.25 * f64::from(k)));
-    let best = fine.max_by(|a, b| a.score.total_cmp(&b.score)).unwrap_or(best);
-    let (from, to) = cells.extent(&best);
+    let coarse: Vec<Candidate> = (0..360).into_par_iter().map(|k| cells.best_of(f64::from(k))).collect();
+    let best = |of: &[Candidate]| of.iter().copied().max_by(|a, b| a.score.total_cmp(&b.score));
+    let top = best(&coarse).map_or(0.0, |c| c.score);
+    // the border of a large flank at its side may have more texture beside it than an edge above a
+    // smooth land: the longest wins
+    let sectors = coarse.chunks(limits.sector_deg.max(1)).filter_map(best);
+    let likely: Vec<Candidate> = sectors.filter(|c| c.score > limits.likely_score * top).collect();
+    let refined = likely.into_par_iter().filter_map(|c| {
+        let fine: Vec<Candidate> = (-6..=6).map(|k| cells.best_of(c.deg + 0.25 * f64::from(k))).collect();
+        let c = best(&fine)?;
+        Some((c, cells.extent(&c)))
+    });
+    let refined: Vec<(Candidate, (f64, f64))> = refined.collect();
+    let longest = refined.into_iter().max_by(|(a, _), (b, _)| a.score.total_cmp(&b.score));
+    let (best, (from, to)) = longest.ok_or_else(|| FlankError::NoFlank { why: "no line".to_owned() })?;
     if to - from < limits.least_cells {
         let why = format!(
             "the longest border of what is in focus is {:.0} px long, {:.0} are needed",
@@ -81,16 +91,21 @@ impl Cells {
         }
         // single pixels that are 1 px cells scatter: the median stands for noise only when smoothed
         let detail = detail.blurred(1.0, 1.0);
-        let (middle, full) = (detail.quantile(0.5, 1), detail.quantile(limits.full_detail, 1));
-        if !(f64::from(full) > limits.least_detail * f64::from(middle)) {
+        // cells without any detail are saturated, or behind the black level: they show no noise
+        let seen: Vec<f32> = detail.values.iter().copied().filter(|v| *v > 0.0).collect();
+        let floor = quantile(seen, limits.noise_detail);
+        let full = detail.quantile(limits.full_detail, 1);
+        if !(f64::from(full) > limits.least_detail * f64::from(floor)) {
             let why = format!(
-                "detail of the sharpest places is {:.2} times that of the middle ones, {:.1} are needed",
-                full / middle,
+                "detail of the sharpest places is {:.2} times that of the smoothest, {:.1} are needed",
+                full / floor,
                 limits.least_detail
             );
             return Err(FlankError::NoFlank { why });
         }
-        let share = |v: f32| ((v - 1.3 * middle) / (full - middle)).clamp(0.0, 1.0);
+        let least = (limits.noise_share as f32 * floor).max(limits.least_share as f32 * full);
+        let most = (1.5 * least).max(limits.enough_share as f32 * full);
+        let share = |v: f32| ((v - least) / (most - least)).clamp(0.0, 1.0);
         Ok(Self { side, detail: detail.map(share) })
     }
 
@@ -99,23 +114,25 @@ impl Cells {
         let limits = FlankLimits::get();
         let normal = DVec2::from_angle(deg.to_radians());
         let reach = self.detail.rows.hypot_of(self.detail.columns);
-        let mut sums = vec![0.0_f64; 2 * reach + 1];
+        let (mut sums, mut counts) = (vec![0.0_f64; 2 * reach + 1], vec![0.0_f64; 2 * reach + 1]);
         for (row, line) in self.detail.values.chunks(self.detail.columns).enumerate() {
             let base = normal.y * row as f64 + reach as f64;
-            for (column, value) in line.iter().enumerate().filter(|(_, v)| **v > 0.0) {
-                sums[(base + normal.x * column as f64).round() as usize] += f64::from(*value);
+            for (column, value) in line.iter().enumerate() {
+                let at = (base + normal.x * column as f64).round() as usize;
+                sums[at] += f64::from(*value);
+                counts[at] += 1.0;
             }
         }
-        let total: Vec<f64> = std::iter::once(0.0)
-            .chain(sums.iter().scan(0.0, |sum, v| {
-                *sum += v;
-                Some(*sum)
-            }))
-            .collect();
-        let w = limits.side_cells;
-        let score =
-            |k: usize| (total[k + w] - total[k]) - limits.beyond_weight * (total[k - 1] - total[k - 1 - w]);
-        let best = (w + 1..sums.len() - w).map(|k| (k, score(k))).max_by(|a, b| a.1.total_cmp(&b.1));
+        let (sums, counts) = (totals(&sums), totals(&counts));
+        let (w, v) = (limits.side_cells, limits.beyond_cells);
+        let mean = |of: &[f64], from: usize, to: usize| (of[to] - of[from]) / (to - from) as f64;
+        let score = |k: usize| {
+            // what the image does not show beyond a line is not known to be air
+            let unseen = mean(&counts, k, k + w) - mean(&counts, k - 1 - v, k - 1);
+            let beyond = mean(&sums, k - 1 - v, k - 1) + unseen.max(0.0);
+            mean(&sums, k, k + w) - limits.beyond_weight * beyond
+        };
+        let best = (v + 1..sums.len() - 1 - w).map(|k| (k, score(k))).max_by(|a, b| a.1.total_cmp(&b.1));
         let (k, score) = best.unwrap_or((0, 0.0));
         Candidate { deg, offset: k as f64 - reach as f64 - 0.5, score }
     }
@@ -127,15 +144,28 @@ impl Cells {
         let normal = DVec2::from_angle(line.deg.to_radians());
         let along = -normal.perp();
         let reach = self.detail.rows.hypot_of(self.detail.columns) as i64;
-        let beside = |s: i64| {
-            let inside = |k: usize| normal * (line.offset + 0.5 + k as f64) + along * s as f64;
-            let values = (0..limits.side_cells).map(inside).filter_map(|p| self.detail.between(p.y, p.x));
-            f64::from(values.sum::<f32>()) / limits.side_cells as f64
+        let mean = |s: i64, from: i64, to: i64| {
+            let place = |k: i64| normal * (line.offset + 0.5 + k as f64) + along * s as f64;
+            let values = (from..to).map(place).filter_map(|p| self.detail.between(p.y, p.x));
+            f64::from(values.sum::<f32>()) / (to - from) as f64
         };
+        // where texture stands beyond, another border of the body goes on
+        let beyond = |s: i64| mean(s, -(limits.beyond_cells as i64), -2);
+        let near = |s: i64| mean(s, 0, limits.near_cells as i64);
+        let beside = |s: i64| near(s).max(mean(s, 0, limits.extent_cells as i64) - beyond(s));
         let profile: Vec<f64> = (-reach..=reach).map(beside).collect();
-        longest_run(&profile, 0.08, 24)
+        longest_run(&profile, limits.extent_share, 24)
             .map_or((0.0, 0.0), |(a, b)| (a as f64 - reach as f64, b as f64 - reach as f64))
     }
+}
+
+/// Sums of all values before each place.
+fn totals(values: &[f64]) -> Vec<f64> {
+    let add = |sum: &mut f64, v: &f64| {
+        *sum += v;
+        Some(*sum)
+    };
+    std::iter::once(0.0).chain(values.iter().scan(0.0, add)).collect()
 }
 
 /// The longest run of values above a level that bridges gaps of so many places: first and last.

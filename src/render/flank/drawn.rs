@@ -19,7 +19,7 @@ impl FlankScene {
         let width_um = f64::from(columns) * um_per_px;
         let mut scene = Self { columns, rows, um_per_px, ..Self::default() };
         scene.blur_px = random.random_range(0.6..1.6);
-        scene.noise_counts = random.random_range(0.5..3.0);
+        scene.noise_counts = random.random_range(0.5..2.0);
         let tilt = (0.4 * f64::from(columns) * turn.to_radians().tan()).abs();
         let row = 0.14 * f64::from(rows) + if turn > 0.0 { 0.0 } else { 2.0 * tilt };
         scene.edge = FlankEdge {
@@ -35,7 +35,7 @@ impl FlankScene {
         scene.wear = FlankWear {
             vb_um,
             scatter: random.random_range(0.03..0.3),
-            taper: if random.random_bool(0.6) { random.random_range(-0.9..0.9) } else { 0.0 },
+            taper: if random.random_bool(0.6) { random.random_range(-0.6..0.6) } else { 0.0 },
             length_um: random.random_range(0.45..0.72) * width_um,
             notch_um: if random.random_bool(0.4) { vb_um * random.random_range(0.2..1.2) } else { 0.0 },
             corner_um: if random.random_bool(0.4) { vb_um * random.random_range(0.0..0.4) } else { 0.0 },
@@ -51,14 +51,14 @@ impl FlankScene {
 }
 
 fn surface(random: &mut Pcg64, width_um: f64) -> FlankSurface {
-    let flank = spread(random, 0.08, 0.6);
+    let flank = spread(random, 0.15, 0.6);
     FlankSurface {
         air: random.random_range(0.05..0.25),
         flank,
         texture: random.random_range(0.25..0.9),
         grinding_deg: random.random_range(30.0..150.0),
         grinding_um: spread(random, 6.0, 40.0),
-        land: spread(random, 0.05, 0.8),
+        land: spread(random, 0.06, 0.8),
         streaks: random.random_range(0.05..0.5),
         streak_deg: if random.random_bool(0.5) {
             random.random_range(-6.0..6.0)

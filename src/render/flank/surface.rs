@@ -23,9 +23,13 @@ impl Surface<'_> {
         let light = if v < land { self.land(s, v, v / land) } else { self.flank(s, v) };
         let rim =
             if land > 0.0 { surface.rim * self.broken(s, 25.0, 21) * bell((v - land) / 3.0) } else { 0.0 };
-        // the new edge is rounded by some micrometres and shines
-        let new = if land > 0.0 { 0.0 } else { 0.5 * surface.line * bell(v / 4.0) };
-        light + rim + new
+        // an edge is rounded by some micrometres and shines: a new one throughout, a worn one here and there
+        let edge = if land > 0.0 {
+            0.5 * self.broken(s, 40.0, 22) * bell((v - chipped) / 2.5)
+        } else {
+            bell(v / 4.0)
+        };
+        light + rim + 0.5 * surface.line.max(0.5) * edge
     }
 
     /// What stands behind the edge, out of focus.
@@ -52,7 +56,7 @@ impl Surface<'_> {
         // `rough` spreads by 0.35
         let shade = (surface.shade / 0.35 * rough(s / 700.0, v / 700.0, self.seed ^ 44)).exp();
         let glare = surface.glare * (-0.5 * ((s - surface.glare_at_um) / 220.0).powi(2)).exp();
-        let facet = if v > self.scene.edge.depth_um { 0.35 } else { 1.0 };
+        let facet = if v > self.scene.edge.depth_um { 0.5 } else { 1.0 };
         let texture = 1.0 + surface.texture * (0.9 * lines + 0.8 * grain + sparkle);
         (surface.flank * shade + glare) * facet * texture.max(0.1)
     }

@@ -32,21 +32,21 @@ fn a_forest_repeats_by_seed_and_survives_its_file() {
     let bytes = |seed: u64| file::write(&grow(&samples(1000), &Growth { seed, ..growth })).unwrap();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| bytes(1));
     assert!(one == bytes(1) && one != bytes(2));
-    assert_eq!(file::write(&file::read(&one, 2).unwrap()).unwrap(), one);
+    assert_eq!(file::write(&file::read(&one, (2, 0)).unwrap()).unwrap(), one);
 }
 
 #[test]
 fn a_damaged_model_is_refused() {
     let good = file::write(&grow(&samples(300), &Growth::default())).unwrap();
-    assert!(file::read(&good, 3).unwrap_err().contains("2 features"));
-    assert!(file::read(&good[..good.len() - 1], 2).is_err());
-    assert!(file::read(b"SGFLANK1", 2).is_err() && file::read(b"", 2).is_err());
+    assert!(file::read(&good, (3, 0)).unwrap_err().contains("2 features"));
+    assert!(file::read(&good[..good.len() - 1], (2, 0)).is_err());
+    assert!(file::read(b"SGFLANK2", (2, 0)).is_err() && file::read(b"", (2, 0)).is_err());
     let header = good.iter().position(|b| *b == b'\n').unwrap();
     for at in (header + 1..good.len()).step_by(7) {
         let mut bad = good.clone();
         bad[at] ^= 0x55;
         // read, or refused: never a panic, and what is read ends
-        if let Ok(forest) = file::read(&bad, 2) {
+        if let Ok(forest) = file::read(&bad, (2, 0)) {
             assert!((0.0..=1.0).contains(&forest.probability(|_| 0.5)));
         }
     }

@@ -32,7 +32,7 @@ fn what_trees_disagree_about_is_in_the_models_row() {
     let all: Vec<Labelled> = (1..4).filter_map(labelled).collect();
     let forest = train(&drawn(&all, 1), &Growth { trees: 4, depth: 5, ..Growth::default() });
     let mut single = forest.clone();
-    single.trees.truncate(1);
+    single.second.truncate(1);
     let (frame, _, _) = render_flank(&FlankScene::default(), 11).unwrap();
     let of = |forest| measure_flank(&frame.view(), &settings(2.415), forest).unwrap();
     assert!(of(&forest).budget.model_um > 0.0);

@@ -12,7 +12,7 @@ use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::flank::forest::file;
 use crate::gauge::flank::paper::measure_paper_flank;
-use crate::gauge::flank::{CornerSide, FEATURES, FlankSettings, Forest, measure_flank, shipped};
+use crate::gauge::flank::{CONTEXT, CornerSide, FEATURES, FlankSettings, Forest, measure_flank, shipped};
 use crate::measurement::flank::{FlankDocument, FlankImage};
 use crate::source::{Channel, listing};
 use crate::tool::wear::{WearLimits, WearRow, WearVerdict, forecast, read_history, write_history};
@@ -187,7 +187,7 @@ impl Instrument {
                     ))
                 };
                 let bytes = std::fs::read(path).map_err(|e| named(&e))?;
-                Some(file::read(&bytes, FEATURES).map_err(|e| named(&e))?)
+                Some(file::read(&bytes, (FEATURES, CONTEXT)).map_err(|e| named(&e))?)
             }
         };
         let default = WearLimits::default();

@@ -1,6 +1,6 @@
 //! The file of a forest: eight bytes that name it, a line of JSON, then the nodes.
 //!
-//! After the line, little-endian: the number of trees (u16), then of each tree the number of its
+//! After the line, little-endian, the first trees and then the second: the number of trees (u16), then of each tree the number of its
 //! nodes (u16) and a node as feature (u8, 255 a leaf), value (f32: threshold or share of land) and
 //! other child (u16). At most 1 MiB.
 
@@ -8,7 +8,7 @@ use super::tree::{Node, Tree};
 use super::{Forest, ForestFacts};
 
 /// What a file begins with.
-pub(crate) const MAGIC: &[u8; 8] = b"SGFLANK1";
+pub(crate) const MAGIC: &[u8; 8] = b"SGFLANK2";
 /// Largest file, bytes.
 pub(crate) const MOST_BYTES: usize = 1 << 20;
 /// Feature of a leaf.
@@ -22,8 +22,21 @@ pub(crate) fn write(forest: &Forest) -> Result<Vec<u8>, String> {
     let mut bytes = MAGIC.to_vec();
     bytes.extend(serde_json::to_vec(&forest.facts).map_err(|e| e.to_string())?);
     bytes.push(b'\n');
-    bytes.extend((forest.trees.len() as u16).to_le_bytes());
-    for tree in &forest.trees {
+    for trees in [&forest.trees, &forest.second] {
+        write_trees(trees, &mut bytes);
+    }
+    if bytes.len() > MOST_BYTES {
+        return Err(format!(
+            "the model has {} bytes, at most {MOST_BYTES} are allowed: fewer or smaller trees",
+            bytes.len()
+        ));
+    }
+    Ok(bytes)
+}
+
+fn write_trees(trees: &[Tree], bytes: &mut Vec<u8>) {
+    bytes.extend((trees.len() as u16).to_le_bytes());
+    for tree in trees {
         bytes.extend((tree.nodes.len() as u16).to_le_bytes());
         for node in &tree.nodes {
             let (feature, value, other) = match *node {
@@ -35,13 +48,6 @@ pub(crate) fn write(forest: &Forest) -> Result<Vec<u8>, String> {
             bytes.extend(other.to_le_bytes());
         }
     }
-    if bytes.len() > MOST_BYTES {
-        return Err(format!(
-            "the model has {} bytes, at most {MOST_BYTES} are allowed: fewer or smaller trees",
-            bytes.len()
-        ));
-    }
-    Ok(bytes)
 }
 
 /// Bytes that are read one after another.
@@ -55,11 +61,11 @@ impl Reader<'_> {
     }
 }
 
-/// Reads a forest of so many features.
+/// Reads a forest of so many features, and so many more of the second trees.
 ///
 /// # Errors
 /// Bytes that are no forest, or one of other features, in words.
-pub(crate) fn read(bytes: &[u8], features: usize) -> Result<Forest, String> {
+pub(crate) fn read(bytes: &[u8], (features, context): (usize, usize)) -> Result<Forest, String> {
     if bytes.len() > MOST_BYTES {
         return Err(format!("{} bytes, at most {MOST_BYTES}", bytes.len()));
     }
@@ -70,12 +76,17 @@ pub(crate) fn read(bytes: &[u8], features: usize) -> Result<Forest, String> {
         return Err(format!("trained on {} features a pixel, this program has {features}", facts.features));
     }
     let mut reader = Reader(&body[end + 1..]);
-    let trees = u16::from_le_bytes(reader.take()?);
-    let trees: Vec<Tree> = (0..trees).map(|_| tree(&mut reader, features)).collect::<Result<_, _>>()?;
+    let trees = trees_of(&mut reader, features)?;
+    let second = trees_of(&mut reader, features + context)?;
     if trees.is_empty() || !reader.0.is_empty() {
         return Err("no trees, or more than the trees it states".to_owned());
     }
-    Ok(Forest { trees, facts })
+    Ok(Forest { trees, second, facts })
+}
+
+fn trees_of(reader: &mut Reader<'_>, features: usize) -> Result<Vec<Tree>, String> {
+    let count = u16::from_le_bytes(reader.take()?);
+    (0..count).map(|_| tree(reader, features)).collect()
 }
 
 fn tree(reader: &mut Reader<'_>, features: usize) -> Result<Tree, String> {

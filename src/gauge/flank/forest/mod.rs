@@ -31,26 +31,28 @@ pub(crate) struct ForestFacts {
 /// Trees that vote by their mean.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Forest {
-    /// The trees.
+    /// The first trees, which see a pixel's features.
     pub trees: Vec<Tree>,
+    /// The second trees, which see beside them what the first found about the pixel; none in a
+    /// forest of one stage.
+    pub second: Vec<Tree>,
     /// What it states of itself.
     pub facts: ForestFacts,
 }
 
 impl Forest {
-    /// Probability that a pixel with these features is land.
+    /// Probability of the first trees that a pixel with these features is land.
+    #[cfg(test)]
     pub(crate) fn probability(&self, feature: impl Fn(usize) -> f32 + Copy) -> f32 {
-        let sum: f32 = self.trees.iter().map(|tree| tree.share(feature)).sum();
-        sum / self.trees.len().max(1) as f32
+        share(self.trees.iter(), feature)
     }
+}
 
-    /// The trees dealt out to so many forests, whose disagreement is part of the model's
-    /// uncertainty; of fewer trees a tree a group.
-    pub(crate) fn groups(&self, count: usize) -> Vec<Self> {
-        let group =
-            |k: usize| self.trees.iter().skip(k).step_by(count.max(1)).cloned().collect::<Vec<Tree>>();
-        (0..count.min(self.trees.len()))
-            .map(|k| Self { trees: group(k), facts: self.facts.clone() })
-            .collect()
-    }
+/// Mean share of land by some trees.
+pub(crate) fn share<'a>(
+    trees: impl ExactSizeIterator<Item = &'a Tree>,
+    feature: impl Fn(usize) -> f32 + Copy,
+) -> f32 {
+    let count = trees.len().max(1) as f32;
+    trees.map(|tree| tree.share(feature)).sum::<f32>() / count
 }

@@ -63,7 +63,7 @@ pub(crate) fn grow(samples: &Samples, growth: &Growth) -> Forest {
         tree
     });
     let facts = ForestFacts { seed: growth.seed, features: samples.features, ..ForestFacts::default() };
-    Forest { trees: trees.collect(), facts }
+    Forest { trees: trees.collect(), second: Vec::new(), facts }
 }
 
 impl<'a> Binned<'a> {
