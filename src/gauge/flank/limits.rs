@@ -97,7 +97,7 @@ limits! {
     most_reference_u_um: f64 = 8.0;
     /// Largest sagitta of the reference curve, µm: ground edges are cambered by a few micrometres; a
     /// curve that bends more follows the border of a land, and a straight line is laid instead.
-    most_sagitta_um: f64 = 30.0;
+    most_sagitta_um: f64 = 80.0;
     /// Rounds of reweighting of the reference curve. Tuned: see tests of flanks.
     edge_rounds: usize = 12;
     /// Log-odds of one pixel are worth no more: neighbours share what they are classified by.
