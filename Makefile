@@ -5,6 +5,7 @@
 #          make study-limits (half and double of every threshold of the instrument on the same scenes)
 #          make pictures (the pictures of the documents -> docs)
 #          make reports-check (reports before axe-core in Chromium: contrast, names, small screens)
+#          make pages-check (the pages of serve in Chromium: flows, axe-core, widths, weight)   make store-check (kills, full disk, 10^7 stations)
 #          make gpu-check (a hardware adapter against the CPU path; needs the built program alone)   make bench   make bless CASE=all
 #          make wheel (the Python package -> out/wheel)   make wheel-test (its tests and examples in a venv; TESTS="-k arrays" for some)
 #          make peers (this crate beside other software, in venvs below out/peers; ONLY="nose" for some of run, render, nose, camera)
@@ -12,7 +13,7 @@
 CARGO ?= cargo
 BIN := target/release/shadowgauge
 
-.PHONY: demo test studies studies-short study-limits pictures reports-check gpu-check peers bench build vulkan bless wheel wheel-test wheel-smoke
+.PHONY: demo test studies studies-short study-limits pictures reports-check pages-check store-check gpu-check peers bench build vulkan bless wheel wheel-test wheel-smoke
 
 # With wgpu at work where a Vulkan driver is (software drivers are taken by name only), else on the CPU path.
 demo: vulkan build
@@ -60,6 +61,14 @@ pictures: build
 # A report of measure, of a run and of a calibration before axe-core in Debian's Chromium; SKIPPED, loudly, where that is missing.
 reports-check: build
 	BIN="$(BIN)" sh scripts/reports_check.sh
+
+# Every page and flow of `serve` in Debian's Chromium: axe-core, two widths, light and dark, pictures in out/pages_check/pictures.
+pages-check: build
+	BIN="$(BIN)" sh scripts/pages_check.sh
+
+# A hundred kills, a full disk, ten million stations: what the store promises, at length.
+store-check:
+	CARGO="$(CARGO)" sh scripts/store_check.sh
 
 # Goldens and benches on a hardware adapter, beside the CPU path: needs the built program alone (BIN=PATH), no Rust and no network.
 gpu-check:

@@ -7,13 +7,14 @@ use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::process::interrupt;
 use crate::cli::store::args::failure;
 use crate::cli::terminal::output;
-use crate::serve::{ServeError, ServeSettings, Server, Tokens};
+use crate::serve::{ServeError, ServeSettings, Server, Tls, Tokens};
 use crate::store::Store;
 
 /// Arguments of `serve`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct ServeArgs {
-    /// Address and port; port 0 takes a free one. Beyond this machine nothing is served.
+    /// Address and port; port 0 takes a free one. An address that other machines see needs
+    /// --tls-cert, --tls-key, --tokens and --name.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8020")]
     listen: SocketAddr,
     /// The store that `run --store` and `measure --store` write; runs that are started here write
@@ -30,6 +31,16 @@ pub(crate) struct ServeArgs {
     /// everybody on this machine may do everything.
     #[arg(long, value_name = "FILE.toml")]
     tokens: Option<PathBuf>,
+    /// Certificates in PEM, the server's first: what is served is encrypted (TLS 1.2 or 1.3).
+    #[arg(long, value_name = "FILE.pem", requires = "tls_key")]
+    tls_cert: Option<PathBuf>,
+    /// The certificate's private key in PEM, without a password.
+    #[arg(long, value_name = "FILE.pem", requires = "tls_cert")]
+    tls_key: Option<PathBuf>,
+    /// Name or address under which other machines reach this one; again for more. Requests under
+    /// another name are refused.
+    #[arg(long, value_name = "HOST")]
+    name: Vec<String>,
     /// Nothing is started, stopped or changed.
     #[arg(long)]
     read_only: bool,
@@ -48,7 +59,10 @@ pub(crate) fn run(args: &ServeArgs) -> CommandResult {
         Store::open(path, "serve").map_err(failure)?;
     }
     if let Some(runs) = args.runs.as_ref().filter(|runs| !runs.is_dir()) {
-        return Err(Failure::refuse(format!("--runs: {} is no folder", runs.display())));
+        let name = runs.display();
+        return Err(Failure::refuse(format!(
+            "--runs: {name} is no folder: make it (mkdir {name}), or name the folder that holds the folders of runs"
+        )));
     }
     let settings = ServeSettings {
         listen: args.listen,
@@ -56,11 +70,13 @@ pub(crate) fn run(args: &ServeArgs) -> CommandResult {
         runs: args.runs.clone(),
         source: args.source.clone().map(|source| (source, args.watch.clone())),
         tokens: args.tokens.as_ref().map(read_tokens).transpose()?,
+        tls: read_tls(args)?,
+        names: args.name.clone(),
         read_only: args.read_only,
     };
     let stop = interrupt::requested();
     let server = Server::bind(settings).map_err(of_serve)?;
-    say_line!("http://{}/", server.address());
+    say_line!("{}", server.url());
     output::flush();
     server.serve(&stop).map_err(of_serve)?;
     Ok(Outcome::Done)
@@ -72,6 +88,11 @@ fn read_tokens(path: &PathBuf) -> Result<Tokens, Failure> {
     let tokens: Tokens = toml::from_str(&text).map_err(|e| Failure::refuse(named(&e)))?;
     tokens.check().map_err(|e| Failure::refuse(named(&e)))?;
     Ok(tokens)
+}
+
+fn read_tls(args: &ServeArgs) -> Result<Option<Tls>, Failure> {
+    let (Some(certificate), Some(key)) = (&args.tls_cert, &args.tls_key) else { return Ok(None) };
+    Tls::read(certificate, key).map(Some).map_err(Failure::fail)
 }
 
 fn of_serve(error: ServeError) -> Failure {

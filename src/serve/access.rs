@@ -38,7 +38,12 @@ pub(super) async fn guard(
 ) -> Result<Response, Problem> {
     check_host(&state.settings, request.headers())?;
     let needed = needed(&state.settings, (request.method(), request.uri().path()), request.headers())?;
-    let (role, who) = role(&state.settings, request.headers())?;
+    // the page's own files hold nothing of this gauge, and ask for the token
+    let is_file = needed == Role::View && !request.uri().path().starts_with("/api/");
+    let (role, who) = match role(&state.settings, request.headers()) {
+        Err(_) if is_file => (Role::View, Who(String::new())),
+        found => found?,
+    };
     if role < needed {
         let words = match needed {
             Role::SetUp => "this token may not change what is stored: role set_up may",
@@ -65,18 +70,13 @@ fn text(headers: &HeaderMap, name: impl header::AsHeaderName) -> Option<&str> {
     headers.get(name).and_then(|value| value.to_str().ok())
 }
 
-/// The names that this server has on its own machine, with its port.
-fn own_hosts(settings: &ServeSettings) -> [String; 3] {
-    let port = settings.listen.port();
-    [settings.listen.to_string(), format!("localhost:{port}"), format!("127.0.0.1:{port}")]
-}
-
 fn check_host(settings: &ServeSettings, headers: &HeaderMap) -> Result<(), Problem> {
     let host = text(headers, header::HOST).unwrap_or_default();
-    if own_hosts(settings).iter().any(|own| own == host) {
+    if settings.hosts().iter().any(|own| own.eq_ignore_ascii_case(host)) {
         return Ok(());
     }
-    let words = format!("{host:?} is no name of this server; open http://{}/", settings.listen);
+    let (scheme, own) = (settings.scheme(), settings.hosts().pop().unwrap_or_default());
+    let words = format!("{host:?} is no name of this server; open {scheme}://{own}/");
     Err(Problem::new(StatusCode::MISDIRECTED_REQUEST, words))
 }
 
@@ -92,7 +92,10 @@ fn needed(
     if settings.read_only {
         return Err(Problem::new(StatusCode::FORBIDDEN, "this server was started with --read-only"));
     }
-    let own = |origin: &str| own_hosts(settings).iter().any(|host| origin == format!("http://{host}"));
+    let own = |origin: &str| {
+        let host = origin.strip_prefix(settings.scheme()).and_then(|rest| rest.strip_prefix("://"));
+        host.is_some_and(|host| settings.hosts().iter().any(|own| own.eq_ignore_ascii_case(host)))
+    };
     let is_ours = text(headers, header::ORIGIN).is_none_or(own);
     if text(headers, CHANGES).is_none() || !is_ours {
         return Err(Problem::new(StatusCode::FORBIDDEN, format!("a change needs the header {CHANGES}: 1")));

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use super::access::Who;
 use super::problem::Problem;
 use super::state::Shared;
-use crate::store::{Entry, EntryKind, Store, StoreError};
+use crate::store::{Entry, EntryKind, Store, StoreError, Utc};
 
 /// Documents of a kind at most: more are not looked through by a person.
 const MOST: usize = 10_000;
@@ -60,6 +60,16 @@ pub(super) fn list<D: Document>(state: &Shared, at: (usize, usize)) -> Result<(u
     Ok((total, texts.iter().map(|text| parsed(text)).collect::<Result<_, _>>()?))
 }
 
+/// Documents of a kind as texts, the newest first, with the time when each was stored.
+pub(super) fn newest(state: &Shared, kind: EntryKind, limit: usize) -> Result<Vec<(Utc, String)>, Problem> {
+    Store::read(path(state)?).map_err(failed)?.newest(kind, limit).map_err(failed)
+}
+
+/// Stores a document that has no name but its digest.
+pub(super) fn put(state: &Shared, who: &Who, entry: &Entry) -> Result<(), Problem> {
+    Store::open(path(state)?, &who.0).map_err(failed)?.put(entry).map_err(failed)
+}
+
 /// A document by its name.
 pub(super) fn get<D: Document>(state: &Shared, name: &str) -> Result<D, Problem> {
     let text = Store::read(path(state)?).map_err(failed)?.entry(D::KIND, name).map_err(failed)?;
@@ -106,7 +116,7 @@ pub(super) fn update<D: Document>(
 pub(super) fn change<D: Document>(state: &Shared, who: &Who, document: &D) -> Result<(), Problem> {
     let text = serde_json::to_string(document).map_err(Problem::failed)?;
     let entry = Entry { kind: D::KIND, key: document.name().to_owned(), document: text };
-    Store::open(path(state)?, &who.0).map_err(failed)?.put(&entry).map_err(failed)
+    put(state, who, &entry)
 }
 
 /// Takes a document out; the audit keeps it.

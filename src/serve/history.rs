@@ -1,5 +1,7 @@
 //! What the store holds: stations by time, documents, and whether anything was altered.
 
+use std::sync::Arc;
+
 use axum::Json;
 use axum::extract::{Query, State as Extract};
 use serde::{Deserialize, Serialize};
@@ -84,7 +86,10 @@ pub(super) async fn history(
 /// The store, checked.
 #[utoipa::path(get, path = "/api/store", responses((status = 200, body = StoreState), (status = 404, body = Words)))]
 pub(super) async fn checked(Extract(state): Extract<Shared>) -> Result<Json<StoreState>, Problem> {
+    let place = Arc::clone(&state.checking).acquire_owned().await.map_err(Problem::failed)?;
     off_thread(move || {
+        // held to the end of the check, also where nobody waits for the answer any more
+        let _place = place;
         let store = store(&state)?;
         let counts = store.counts().map_err(Problem::failed)?;
         let checked = store.check(None).map_err(Problem::failed)?;

@@ -1,4 +1,4 @@
-//! Simulated runs that were started here: child processes, bounded in number and output.
+//! Simulated runs that were started here: child processes, bounded in number, memory and output.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,7 +7,7 @@ use serde::Serialize;
 use tokio::sync::Notify;
 use utoipa::ToSchema;
 
-use super::child::{self, LONGEST_LINE};
+use super::child::{self, LONGEST_LINE, RUN_MIB};
 
 /// Runs at a time: one uses both cores of the smallest machine that this is for.
 const MOST_RUNNING: usize = 2;
@@ -58,7 +58,7 @@ impl Jobs {
         for name in ended.iter().take(ended.len().saturating_sub(MOST_ENDED)) {
             jobs.remove(name);
         }
-        let running = child::start(arguments)?;
+        let running = child::start(arguments, Some(RUN_MIB))?;
         let stop = Arc::new(Notify::new());
         let job = Job { running: true, stop: Arc::clone(&stop), ..Job::default() };
         jobs.insert(run.to_owned(), job);

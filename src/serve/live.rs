@@ -45,7 +45,7 @@ pub(super) async fn watch(state: Shared) {
 
 /// Watches once; why it ended.
 async fn watched(state: &Shared, arguments: &[String]) -> String {
-    let mut running = match child::start(arguments) {
+    let mut running = match child::start(arguments, None) {
         Ok(running) => running,
         Err(why) => return format!("watch does not start: {why}"),
     };

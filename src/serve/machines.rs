@@ -55,7 +55,9 @@ impl Machine {
         }
         let settings: NcSettings =
             toml::from_str(&self.data).map_err(|e| Problem::refused(format!("data: {e}")))?;
-        settings.validate().map_err(|e| Problem::refused(format!("data: {e}")))
+        settings.validate().map_err(|e| Problem::refused(format!("data: {e}")))?;
+        // now, and not when the first program is made
+        settings.check_stated(self.dialect).map_err(|e| Problem::refused(format!("data: {e}")))
     }
 
     fn shown(self) -> MachineShown {

@@ -22,7 +22,7 @@ macro_rules! file {
 }
 
 /// All of them. uPlot 1.6.32 (MIT, © Leon Sorokin) comes with its licence.
-pub(super) static FILES: [PageFile; 13] = [
+pub(super) static FILES: [PageFile; 14] = [
     file!("/", HTML, "index.html"),
     file!("/base.js", SCRIPT, "base.js"),
     file!("/picture.js", SCRIPT, "picture.js"),
@@ -30,6 +30,7 @@ pub(super) static FILES: [PageFile; 13] = [
     file!("/runs.js", SCRIPT, "runs.js"),
     file!("/history.js", SCRIPT, "history.js"),
     file!("/setup.js", SCRIPT, "setup.js"),
+    file!("/gauge.js", SCRIPT, "gauge.js"),
     file!("/programs.js", SCRIPT, "programs.js"),
     file!("/page.js", SCRIPT, "page.js"),
     file!("/page.css", STYLE, "page.css"),

@@ -306,8 +306,20 @@ fn prepared(state: &Shared, new: &NewRun) -> Result<Vec<String>, Problem> {
 /// The first key whose value is the name of a file, a source or a program. Their names end so in
 /// every table that a job has; `tests/inside/serve` holds this list to the schema of a job.
 pub(crate) fn named_file(table: &toml::Table, above: &str) -> Option<String> {
-    const ENDS: [&str; 9] =
-        ["file", "files", "source", "table", "nose", "data_sheet", "command", "path", "folder"];
+    const ENDS: [&str; 12] = [
+        "file",
+        "files",
+        "source",
+        "table",
+        "nose",
+        "data_sheet",
+        "command",
+        "path",
+        "folder",
+        "frames",
+        "dark",
+        "config",
+    ];
     table.iter().find_map(|(key, value)| {
         let here = if above.is_empty() { key.clone() } else { format!("{above}.{key}") };
         let ends = ENDS.iter().any(|end| key == end || key.ends_with(&format!("_{end}")));

@@ -1,5 +1,6 @@
 //! The server: routes, limits, its end.
 
+use std::convert::Infallible;
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -16,6 +17,7 @@ use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::TimeoutLayer;
 use utoipa::OpenApi;
 
+use super::calibrations::LARGEST_CALIBRATION;
 use super::hub::Hub;
 use super::jobs::Jobs;
 use super::making::Making;
@@ -25,9 +27,10 @@ use super::products::LARGEST_MODEL;
 use super::runs::LONGEST_CONFIG;
 use super::settings::ServeSettings;
 use super::state::{MOST_STREAMS, Shared, State};
+use super::tls::TlsListener;
 use super::tools::LARGEST_IMAGE;
 use super::workshop::Workshop;
-use super::{access, files, history, live, machines, page, products, programs, runs, tools};
+use super::{access, calibrations, files, history, live, machines, page, products, programs, runs, tools};
 
 /// Time that an answer may take; a day out of ten million stations takes less than a tenth of it.
 const ANSWERED: Duration = Duration::from_secs(30);
@@ -78,6 +81,9 @@ pub(crate) struct Server {
         runs::stop,
         history::history,
         history::checked,
+        calibrations::list,
+        calibrations::add,
+        calibrations::simulated,
         live::live,
         live::picture,
         products::list,
@@ -125,6 +131,7 @@ fn watched() -> Router<Shared> {
 /// Products, tools, machines and programs of them.
 fn made() -> Router<Shared> {
     Router::new()
+        .route("/api/calibrations", get(calibrations::list))
         .route("/api/products", get(products::list).post(products::add))
         .route("/api/products/{name}", delete(products::remove))
         .route("/api/products/{name}/contour", get(products::contour))
@@ -141,11 +148,16 @@ fn made() -> Router<Shared> {
 
 /// Uploads, each with its own limit.
 fn uploads() -> Router<Shared> {
-    let limited = |route: MethodRouter<Shared>, bytes| route.layer(DefaultBodyLimit::max(bytes));
+    // a length that is stated is refused at once, another one where it is passed
+    let limited = |route: MethodRouter<Shared>, bytes| {
+        let route: MethodRouter<Shared> = route.layer(DefaultBodyLimit::max(bytes));
+        route.layer::<_, Infallible>(RequestBodyLimitLayer::new(bytes))
+    };
     Router::new()
         .route("/api/products/{name}/model", limited(put(products::model), LARGEST_MODEL))
         .route("/api/tools/{name}/images", limited(post(tools::image), LARGEST_IMAGE))
-        .layer(RequestBodyLimitLayer::new(LARGEST_IMAGE))
+        .route("/api/calibrations", limited(post(calibrations::add), LARGEST_CALIBRATION))
+        .route("/api/calibrations/simulated", limited(post(calibrations::simulated), LONGEST_CONFIG))
         .layer(TimeoutLayer::with_status_code(StatusCode::SERVICE_UNAVAILABLE, MEASURED))
 }
 
@@ -178,7 +190,17 @@ impl Server {
         Ok(Self { listener, settings })
     }
 
-    /// Where it is found.
+    /// Where it is found: under the first name that it was given, else by its address.
+    pub(crate) fn url(&self) -> String {
+        let (scheme, listen) = (self.settings.scheme(), self.settings.listen);
+        match self.settings.names.first() {
+            Some(name) => format!("{scheme}://{name}:{}/", listen.port()),
+            None => format!("{scheme}://{listen}/"),
+        }
+    }
+
+    /// The address that it has.
+    #[cfg(test)]
     pub(crate) fn address(&self) -> SocketAddr {
         self.settings.listen
     }
@@ -201,11 +223,13 @@ impl Server {
                 jobs: Jobs::default(),
                 documents: Mutex::new(()),
                 streams: Arc::new(Semaphore::new(MOST_STREAMS)),
+                checking: Arc::new(Semaphore::new(1)),
                 ends,
             });
             files::clear_jobs(&state);
             tokio::spawn(live::watch(Arc::clone(&state)));
             let listener = TcpListener::from_std(self.listener)?;
+            let tls = state.settings.tls.clone();
             let stop = Arc::clone(stop);
             let stopped = async move {
                 while !stop.load(Ordering::Relaxed) {
@@ -215,9 +239,17 @@ impl Server {
                 let _ = end.send(true);
             };
             let mut over = state.ends.clone();
-            let served = axum::serve(listener, router(state)).with_graceful_shutdown(stopped);
+            let served = async {
+                match tls {
+                    Some(tls) => {
+                        let listener = TlsListener::new(listener, &tls)?;
+                        axum::serve(listener, router(state)).with_graceful_shutdown(stopped).await
+                    }
+                    None => axum::serve(listener, router(state)).with_graceful_shutdown(stopped).await,
+                }
+            };
             tokio::select! {
-                served = async { served.await } => served?,
+                served = served => served?,
                 () = async {
                     let _ = over.changed().await;
                     tokio::time::sleep(CLOSES).await;

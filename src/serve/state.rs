@@ -27,6 +27,8 @@ pub(super) struct State {
     /// Held from the reading of a document to its change.
     pub documents: Mutex<()>,
     pub streams: Arc<Semaphore>,
+    /// One place: a check reads all of the store, which takes seconds of a large one.
+    pub checking: Arc<Semaphore>,
     /// Becomes true at the end.
     pub ends: watch::Receiver<bool>,
 }

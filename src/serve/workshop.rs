@@ -52,6 +52,7 @@ pub(super) async fn run(folder: &Path, arguments: &[&str]) -> Result<Ended, Prob
     let ended = child::finished(&arguments, folder).await.map_err(Problem::failed)?;
     match ended.exit {
         Some(0 | 1) => Ok(ended),
+        Some(_) if ended.words.is_empty() => Err(Problem::refused(ended.warnings.join("; "))),
         Some(_) => Err(Problem::refused(ended.words)),
         None => Err(Problem::failed(format!("the job was ended: {}", ended.words))),
     }

@@ -110,6 +110,22 @@ impl Store {
         read().map_err(|e: rusqlite::Error| self.failure(&e))
     }
 
+    /// Documents of a kind with the time when each was stored, the newest first.
+    ///
+    /// # Errors
+    /// As [`Self::stations_between`].
+    pub(crate) fn newest(&self, kind: EntryKind, limit: usize) -> Result<Vec<(Utc, String)>, StoreError> {
+        let read = || {
+            let sql =
+                "SELECT utc_ms, document FROM entries WHERE kind = ?1 ORDER BY utc_ms DESC, key LIMIT ?2";
+            let mut query = self.db.prepare_cached(sql)?;
+            let rows = query
+                .query_map(params![kind.as_str(), limit as i64], |row| Ok((Utc(row.get(0)?), row.get(1)?)))?;
+            rows.collect::<rusqlite::Result<Vec<_>>>()
+        };
+        read().map_err(|e: rusqlite::Error| self.failure(&e))
+    }
+
     /// How much it holds.
     ///
     /// # Errors

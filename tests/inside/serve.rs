@@ -1,6 +1,8 @@
 //! What a config from a page may not name.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+mod tls;
+
 use serde_json::Value;
 
 use crate::job::Job;

@@ -38,7 +38,7 @@ async function api(path, options = {}) {
 function askToken() {
   const token = window.prompt("Token for this gauge:");
   if (token) {
-    document.cookie = "shadowgauge_token=" + encodeURIComponent(token) + "; SameSite=Strict; path=/";
+    document.cookie = "shadowgauge_token=" + token + "; SameSite=Strict; path=/" + (location.protocol === "https:" ? "; Secure" : "");
     show();
   }
 }

@@ -4,20 +4,23 @@
 function live() {
   const now = element("p", { class: "now", "aria-live": "off" }, "–");
   const under = element("p", { class: "under" }, "waiting for the source");
-  const counts = element("p", { class: "under" });
+  const counts = element("p", { class: "under" }, "no frame yet");
   const place = element("div", { class: "plot", role: "img", "aria-label": "Diameter of the last 500 frames" });
   const events = element("ul"), frames = picture();
-  main.replaceChildren(element("h1", {}, "Live"), now, under, place, counts, frames.whole, element("h2", {}, "Events"), events);
+  main.replaceChildren(element("h1", {}, "Live"), element("div", { class: "watch" }, element("section", {}, now, under, place, counts), frames.frame), frames.profile, element("h2", {}, "Events"), events);
   const x = [], y = [], u = [];
-  const shown = plot(place, x, y, u, { xLabel: "frame", yLabel: "D / mm", digits: 4 });
-  let frame = 0, lost = 0, drawn = 0;
+  let frame = 0, lost = 0, drawn = 0, shown = null;
   const stop = (why) => {
     now.textContent = "invalid";
     now.className = "now bad";
     under.textContent = why;
   };
   const source = new EventSource("api/live");
-  source.onerror = () => stop("no connection to the server");
+  source.onerror = () => {
+    stop("no connection to the server");
+    // a stream does not say why it ended: where a token is needed, this asks for it
+    api("jobs").then(() => said(), said);
+  };
   source.onmessage = (message) => {
     const line = JSON.parse(message.data);
     if (line.event === "invalid") return stop(line.why || line.reason);
@@ -44,10 +47,12 @@ function live() {
     if (t - drawn > 100) {
       drawn = t;
       const at = (sign) => y.map((v, k) => (v === null || u[k] === null ? null : v + sign * u[k]));
+      // drawn once there is a value: a plot without one has no axes, and moves when they come
+      shown ??= plot(place, x, y, u, { xLabel: "frame", yLabel: "D / mm", digits: 4 });
       shown.set([x, y, at(1), at(-1)]);
       counts.textContent = `${frame} frames, ${lost} lost, ${number(line.latency_ms, 1)} ms from arrival to diameter`;
     }
   };
-  return () => { source.close(); shown.end(); frames.end(); };
+  return () => { source.close(); shown?.end(); frames.end(); };
 }
 

@@ -29,7 +29,8 @@ function picture() {
   const canvas = element("canvas", { class: "frame", tabindex: "0", role: "img", "aria-label": "The newest frame with both edges. Left and right arrow: another column." });
   const text = element("p", { class: "under" }, "no frame yet");
   const place = element("div", { class: "plot", role: "img", "aria-label": "Grey profile of the column under the cursor and its derivative" });
-  const whole = element("section", {}, element("h2", {}, "Frame"), canvas, text, place);
+  const frame = element("section", { class: "frame-place" }, text, canvas);
+  const whole = element("section", {}, element("h2", {}, "Column under the cursor"), place);
   const grey = document.createElement("canvas");
   let now = null, column = null, shown = null, timer = 0, ended = false, busy = false;
 
@@ -102,7 +103,7 @@ function picture() {
       if (now && now.head.frame === read.head.frame) return;
       now?.image.close();
       now = read;
-      canvas.style.aspectRatio = `${read.head.columns} / ${read.head.rows}`;
+      canvas.style.setProperty("--ratio", read.head.columns / read.head.rows);
       if (column === null) column = Math.floor(read.image.width / 2);
       draw();
       profile();
@@ -112,5 +113,5 @@ function picture() {
   next();
   const resized = () => { draw(); shown?.setSize({ width: Math.max(place.clientWidth, 280), height: 260 }); };
   window.addEventListener("resize", resized);
-  return { whole, end: () => { ended = true; clearInterval(timer); window.removeEventListener("resize", resized); shown?.destroy(); } };
+  return { frame, profile: whole, end: () => { ended = true; clearInterval(timer); window.removeEventListener("resize", resized); shown?.destroy(); } };
 }

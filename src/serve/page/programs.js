@@ -1,33 +1,37 @@
 "use strict";
 // Compensation: a product, a tool and a machine to a program, and what it leaves.
 
+const modeWords = (g) => ({ plain: "none", compensated: `1, ${g.way.replace("_", " ")}`, batch: `2 (batch), ${g.way.replace("_", " ")}` })[g.mode];
+
 async function programs() {
-  const list = element("div"), more = element("p"), place = element("div");
+  const list = element("div"), more = element("p");
   const [p, t, m] = ["product", "tool", "machine"].map((id) => element("select", { id: `of-${id}`, required: "" }));
-  const way = element("select", { id: "of-way" }, ...[["plain", "none: the drawing's contour"], ["path", "path of the measured nose"], ["edited_contour", "edited contour"], ["best_register", "best register"]].map(([value, words]) => element("option", { value }, words)));
-  way.value = "path";
-  let offset = null, shown = null, timer = 0;
+  const options = (id, all) => element("select", { id }, ...all.map(([value, words]) => element("option", { value }, words)));
+  const mode = options("of-mode", [["compensated", "1: cones and arcs, as this tool is set"], ["batch", "2: batch, the offsets of the new insert stay"], ["plain", "none: the drawing's contour"]]);
+  const way = options("of-way", [["path", "path of the measured nose"], ["edited_contour", "edited contour"], ["best_register", "best register"]]);
+  mode.addEventListener("change", () => { way.disabled = mode.value === "plain"; });
+  let offset = null;
   const load = async () => {
     const newest = await api("programs?offset=0&limit=1");
     const from = offset ?? Math.max(0, newest.total - 50);
     const { total, programs: all } = await api(`programs?offset=${from}&limit=50`);
     const step = (to, words) => element("button", { type: "button", onclick: () => { offset = to; load().catch(said); } }, words);
     more.replaceChildren(`${total} programs `, from > 0 ? step(Math.max(0, from - 50), "earlier") : "", from + 50 < total ? step(from + 50, "later") : "");
-    list.replaceChildren(total ? table(["asked for", "product", "tool", "machine", "way", "state"], all.reverse().map((g) => row(element("a", { href: `#program/${g.id}` }, g.utc), g.product, g.tool, g.machine, g.mode === "plain" ? "none" : g.way, g.state))) : element("p", {}, "No program yet."));
+    list.replaceChildren(total ? table(["asked for", "product", "tool", "machine", "compensation", "state"], all.reverse().map((g) => row(element("a", { href: `#program/${g.id}` }, g.utc), g.product, g.tool, g.machine, modeWords(g), g.state))) : element("p", {}, "No program yet."));
   };
   const make = async () => {
-    const plain = way.value === "plain";
-    const { id } = await api("programs", json("POST", { product: p.value, tool: t.value, machine: m.value, mode: plain ? "plain" : "compensated", way: plain ? "register" : way.value }));
+    const chosen = mode.value === "plain" ? "register" : way.value;
+    const { id } = await api("programs", json("POST", { product: p.value, tool: t.value, machine: m.value, mode: mode.value, way: chosen }));
     location.hash = `#program/${id}`;
   };
   const names = await Promise.all(["products", "tools", "machines"].map((kind) => api(kind)));
   [p, t, m].forEach((select, k) => select.append(...names[k].map((x) => element("option", {}, x.name))));
   const lacking = ["product", "tool", "machine"].filter((_, k) => !names[k].length);
-  main.replaceChildren(element("h1", {}, "Compensation"),
-    lacking.length ? element("p", {}, `First add a ${lacking.join(", a ")}.`) : sending(make, load, "Make program", ...field("Product", p), ...field("Tool", t), ...field("Machine", m), ...field("What is done about the nose", way)),
-    element("h2", {}, "Programs"), list, more, place);
   await load();
-  return () => { clearTimeout(timer); shown?.end(); };
+  main.replaceChildren(element("h1", {}, "Compensation"),
+    lacking.length ? element("p", {}, `First add a ${lacking.join(", a ")}.`) : sending(make, load, "Make program", ...field("Product", p), ...field("Tool", t), ...field("Machine", m), ...field("Compensation", mode), ...field("By", way)),
+    element("h2", {}, "Programs"), list, more);
+  return () => {};
 }
 
 // Both texts with their line numbers, changed lines marked by a word too, not by colour alone.
@@ -50,7 +54,7 @@ async function program(id) {
     }
   };
   const { program: g, compensation: c, plain_text: plain } = await until();
-  const of = `${g.product}, ${g.tool}, ${g.machine}; ${g.mode === "plain" ? "no compensation" : g.way}`;
+  const of = `${g.product}, ${g.tool}, ${g.machine}; compensation: ${modeWords(g)}`;
   main.replaceChildren(element("h1", {}, "Program"), element("p", {}, of));
   if (g.state !== "made") {
     main.append(element("p", { class: "bad", role: "status" }, `${g.state}: ${g.words}`));
@@ -58,9 +62,11 @@ async function program(id) {
   }
   const [text, path] = await Promise.all([fetch(`api/programs/${id}/nc`).then((a) => a.text()), api(`programs/${id}/path`)]);
   const drawn = path.polylines.filter((l) => l.kind !== "rapid").map((l) => ({ points: l.points_mm.map(([z, d]) => [z, d / 2]), name: l.kind }));
-  main.append(element("p", {}, element("a", { href: `api/programs/${id}/nc`, download: `${id}.nc` }, "Download the program"), " The operator loads and releases it at the control."),
-    drawing("Part and path of the programmed point", [{ points: path.outline_mm, name: "part" }, ...drawn]));
+  main.append(element("p", {}, element("a", { href: `api/programs/${id}/nc`, download: `${id}.nc` }, "Download the program"), " The operator loads and releases it at the control."));
   if (g.words) main.append(element("p", {}, g.words));
+  if (g.warnings?.length) main.append(element("h2", {}, "Warnings"), element("ul", {}, ...g.warnings.map((words) => element("li", {}, words))));
+  main.append(element("h2", {}, "Path and programs"), element("div", { class: "made" },
+    drawing("Part (solid) and path of the programmed point (dashed)", [{ points: path.outline_mm, name: "part" }, ...drawn]), sideBySide(text, plain, g.changed_lines)));
   if (c) {
     const place = element("div", { class: "plot", role: "img", "aria-label": "What the register's circle leaves of the nose, by the direction of the surface" });
     main.append(element("h2", {}, "e(a), what the register leaves"), place);
@@ -69,6 +75,5 @@ async function program(id) {
     main.append(element("h2", {}, "The ways"), table(["way", "register / mm", "largest remainder"], c.ways.map((w) => row(w.way, number(w.register_mm, 5), left(w)))));
     if (c.cautions?.length) main.append(element("ul", {}, ...c.cautions.map((words) => element("li", {}, words))));
   }
-  main.append(element("h2", {}, "Text"), sideBySide(text, plain, g.changed_lines));
   return () => { ended = true; plotted?.end(); };
 }

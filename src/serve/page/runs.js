@@ -1,8 +1,8 @@
 "use strict";
 // Runs: the list, those that were started here, one of them.
 
-function runs() {
-  const list = element("tbody"), jobs = element("div"), more = element("p");
+async function runs() {
+  const list = element("div"), jobs = element("div"), more = element("p");
   const filter = element("input", { id: "filter", oninput: () => { offset = 0; load(); } });
   let offset = 0;
   const name = element("input", { id: "name", maxlength: "64", required: "" });
@@ -14,28 +14,27 @@ function runs() {
       said(); form.reset(); load();
     } catch (error) { said(error); }
   } }, element("label", { for: "name" }, "Name"), name, element("label", { for: "config" }, "Config (TOML)"), config, element("p", {}, element("button", {}, "Start")));
-  main.replaceChildren(
+  const all = [
     element("h1", {}, "Runs"),
     element("label", { for: "filter" }, "Names that contain"), filter,
-    element("div", { class: "scroll" }, element("table", {}, element("thead", {}, element("tr", {}, ...["run", "passes", "largest error / µm", "state"].map((t) => element("th", { scope: "col" }, t)))), list)),
-    more, jobs,
-    element("details", {}, element("summary", {}, "Start a simulated run"), form));
+    list, more, jobs,
+    element("details", {}, element("summary", {}, "Start a simulated run"), form)];
   const act = (run, what) => element("button", { onclick: () => api(`runs/${encodeURIComponent(run)}/${what}`, { method: "POST" }).then(() => { said(); load(); }, said) }, what);
   async function load() {
     try {
       const answer = await api(`runs?offset=${offset}&limit=50&name=${encodeURIComponent(filter.value)}`);
       const started = await api("jobs");
-      list.replaceChildren(...answer.runs.map((r) => element("tr", {},
-        element("td", {}, element("a", { href: "#run/" + encodeURIComponent(r.run) }, r.run)),
-        element("td", {}, String(r.passes)),
-        element("td", {}, r.max_abs_error_mm === null ? "–" : number(1e3 * r.max_abs_error_mm, 2)),
-        element("td", {}, r.finished ? "finished" : started.some((j) => j.run === r.run && j.running) ? "running" : "unfinished"))));
+      list.replaceChildren(table(["run", "passes", "largest error / µm", "state"], answer.runs.map((r) => row(
+        element("a", { href: "#run/" + encodeURIComponent(r.run) }, r.run), String(r.passes),
+        r.max_abs_error_mm === null ? "–" : number(1e3 * r.max_abs_error_mm, 2),
+        r.finished ? "finished" : started.some((j) => j.run === r.run && j.running) ? "running" : "unfinished"))));
       const step = (to, text) => element("button", { onclick: () => { offset = to; load(); } }, text);
-      more.replaceChildren(`${answer.total} runs `, offset > 0 ? step(Math.max(0, offset - 50), "earlier") : null || "", offset + 50 < answer.total ? step(offset + 50, "later") : "");
-      jobs.replaceChildren(...started.map((j) => element("section", {}, element("h2", {}, j.run), element("p", {}, j.running ? "running " : `ended (${j.exit ?? "stopped"}) `, j.running ? act(j.run, "stop") : act(j.run, "resume")), element("pre", {}, j.log.slice(-8).join("\n")))));
+      more.replaceChildren(`${answer.total} run${answer.total === 1 ? "" : "s"} `, offset > 0 ? step(Math.max(0, offset - 50), "earlier") : null || "", offset + 50 < answer.total ? step(offset + 50, "later") : "");
+      jobs.replaceChildren(...started.map((j) => element("section", {}, element("h2", {}, j.run), element("p", {}, j.running ? "running " : `ended (${j.exit ?? "stopped"}) `, j.running ? act(j.run, "stop") : j.exit === 0 ? null : act(j.run, "resume")), element("pre", { tabindex: "0", role: "region", "aria-label": `Log of ${j.run}` }, j.log.slice(-8).join("\n")))));
     } catch (error) { said(error); }
   }
-  load();
+  await load();
+  main.replaceChildren(...all);
   const timer = setInterval(load, 2000);
   return () => clearInterval(timer);
 }
@@ -43,11 +42,11 @@ function runs() {
 async function run(name) {
   const detail = await api("runs/" + encodeURIComponent(name));
   const plots = [];
-  const rows = detail.passes.map((p) => element("tr", {}, ...[p.pass, number(p.nominal_mm, 3), number(1e3 * p.max_abs_error_mm, 2), p.decision].map((t) => element("td", {}, String(t)))));
+  const rows = detail.passes.map((p) => row(...[p.pass, number(p.nominal_mm, 3), number(1e3 * p.max_abs_error_mm, 2), p.decision].map(String)));
   main.replaceChildren(
     element("h1", {}, name),
     element("p", {}, detail.finished ? element("a", { href: `api/runs/${encodeURIComponent(name)}/report` }, "Report") : "unfinished"),
-    element("div", { class: "scroll" }, element("table", {}, element("thead", {}, element("tr", {}, ...["pass", "nominal / mm", "largest error / µm", "decision"].map((t) => element("th", { scope: "col" }, t)))), element("tbody", {}, ...rows))));
+    table(["pass", "nominal / mm", "largest error / µm", "decision"], rows));
   for (const p of detail.passes) {
     const place = element("div", { class: "plot", role: "img", "aria-label": `Pass ${p.pass}: measured minus nominal along z` });
     main.append(element("h2", {}, `Pass ${p.pass}: measured − nominal`), place);
@@ -55,7 +54,7 @@ async function run(name) {
     const band = p.u_mm.map((v) => (v === null ? null : 2e3 * v));
     plots.push(plot(place, p.z_mm, error, band, { xLabel: "z / mm", yLabel: "error / µm", digits: 2 }));
   }
-  main.append(element("details", {}, element("summary", {}, "Config"), element("pre", {}, detail.config)));
+  main.append(element("details", {}, element("summary", {}, "Config"), element("pre", { tabindex: "0", role: "region", "aria-label": "Config" }, detail.config)));
   return () => plots.forEach((p) => p.end());
 }
 

@@ -2,7 +2,7 @@
 // Products, tools, machines: what programs are made from.
 
 const field = (label, control) => [element("label", { for: control.id }, label), control];
-const table = (heads, rows) => element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": heads.join(", ") }, element("table", {}, element("thead", {}, element("tr", {}, ...heads.map((t) => element("th", { scope: "col" }, t)))), element("tbody", {}, ...rows)));
+const table = (heads, rows) => element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": heads.filter(Boolean).join(", ") }, element("table", {}, element("thead", {}, element("tr", {}, ...heads.map((t) => (t ? element("th", { scope: "col" }, t) : element("td"))))), element("tbody", {}, ...rows)));
 const row = (...cells) => element("tr", {}, ...cells.map((c) => element("td", {}, c)));
 const json = (method, value) => ({ method, body: JSON.stringify(value) });
 const file = (id, accept) => element("input", { id, type: "file", accept });
@@ -65,10 +65,10 @@ async function products() {
       throw error;
     }
   };
+  await load();
   main.replaceChildren(element("h1", {}, "Products"), list, place,
     element("details", {}, element("summary", {}, "Add an outline"), sending(() => api("products", json("POST", { name: n.value, outline: o.value })), load, "Add outline", ...field("Name", n), ...field("Outline (TOML)", o))),
     element("details", {}, element("summary", {}, "Add a model"), sending(model, load, "Add model", ...field("Name", m), ...field("Model (STL, 16 MiB at most)", s), ...field("Unit of its coordinates", u), ...field("Diameter of the bar / mm", st), ...field("Z of its end at the chuck / mm", z))));
-  await load();
   return () => {};
 }
 
@@ -85,7 +85,7 @@ async function tools() {
     place.replaceChildren(element("h2", {}, t.name),
       table(["measured", "image", "µm/px", "result"], t.readings.map((r) => row(r.utc, r.kind, String(r.um_per_px), readingWords(r))).reverse()),
       last >= 0 && t.readings[last].overlay ? element("img", { class: "overlay", alt: `${t.readings[last].kind} of ${t.name} with what was found`, src: `api/tools/${t.name}/overlay?reading=${last}` }) : element("p", {}, "No image yet."),
-      element("details", {}, element("summary", {}, "Tool (TOML)"), element("pre", {}, t.tool)));
+      element("details", {}, element("summary", {}, "Tool (TOML)"), element("pre", { tabindex: "0", role: "region", "aria-label": "Tool (TOML)" }, t.tool)));
   };
   const of = element("select", { id: "image-tool", required: "" });
   const load = async () => {
@@ -108,10 +108,10 @@ async function tools() {
     await api(`tools/${name}/images?kind=${kind.value}&um_per_px=${scale.value}`, { method: "POST", body: image.files[0] });
     show((await api("tools")).find((tool) => tool.name === name));
   };
+  await load();
   main.replaceChildren(element("h1", {}, "Tools"), list, place,
     element("details", {}, element("summary", {}, "Measure an image"), sending(measure, load, "Measure", ...field("Tool", of), ...field("What it shows", kind), ...field("Scale / µm per px", scale), ...field("Image (32 MiB at most)", image))),
     element("details", {}, element("summary", {}, "Add a tool"), sending(add, load, "Add tool", ...field("Name", n), ...field("Tool (TOML)", t), ...field("Its nose, where it was measured elsewhere (JSON of tool nose)", nose))));
-  await load();
   return () => {};
 }
 
@@ -131,7 +131,7 @@ async function machines() {
     return api(known ? `machines/${machine.name}` : "machines", json(known ? "PUT" : "POST", machine));
   };
   const form = element("details", {}, element("summary", {}, "Add or change a machine"), sending(save, load, "Save machine", ...field("Name", n), ...field("Control", d), ...field("Data (TOML): chuck, tailstock, change position, travel", data)));
-  main.replaceChildren(element("h1", {}, "Machines"), element("p", { class: "muted" }, "Control, increments and limits of each CNC machine. No page moves one."), list, form);
   await load();
+  main.replaceChildren(element("h1", {}, "Machines"), element("p", { class: "muted" }, "Control, increments and limits of each CNC machine. No page moves one."), list, form);
   return () => {};
 }

@@ -1,6 +1,11 @@
 //! The store: every pass once, nothing altered unseen, the same rows after an export.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+mod full_disk;
+mod killed;
+mod speed;
+mod writer;
+
 use std::path::{Path, PathBuf};
 
 use rusqlite::Connection;
