@@ -1,8 +1,5 @@
 //! Triangles to a mesh: corners that are one point are welded.
 
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
-
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 
@@ -35,9 +32,7 @@ impl Mesh {
         let (low, high) =
             corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), c| (l.min(*c), h.max(*c)));
         let size_mm = if corners.is_empty() { 0.0 } else { (high - low).max_element() };
-        let (once, which) = same(corners);
-        let (vertices, of_once) = weld(&once, WELD_SHARE * size_mm);
-        let number: Vec<u32> = which.into_iter().map(|k| of_once[k as usize]).collect();
+        let (vertices, number) = weld(corners, WELD_SHARE * size_mm);
         let facets: Vec<[u32; 3]> = number
             .chunks_exact(3)
             .map(|f| [f[0], f[1], f[2]])
@@ -74,47 +69,6 @@ impl Mesh {
     /// All facets looked at from the other side.
     pub(super) fn turn_inside_out(&mut self) {
         self.facets.iter_mut().for_each(|facet| facet.swap(1, 2));
-    }
-}
-
-/// Corners that are equal to the last bit, once each in the order of their first, and for every
-/// corner the number of its own: facets that follow one another share corners, so that this passes
-/// the file once, and only a sixth of the corners is sorted.
-fn same(corners: &[DVec3]) -> (Vec<DVec3>, Vec<u32>) {
-    let mut numbers: HashMap<[u64; 3], u32, BuildHasherDefault<Mixed>> =
-        HashMap::with_capacity_and_hasher(corners.len() / 5, BuildHasherDefault::default());
-    let mut once = Vec::with_capacity(corners.len() / 5);
-    let mut number = |c: &DVec3| {
-        let next = once.len() as u32;
-        let key = c.to_array().map(f64::to_bits);
-        *numbers.entry(key).or_insert_with(|| {
-            once.push(*c);
-            next
-        })
-    };
-    let which = corners.iter().map(&mut number).collect();
-    (once, which)
-}
-
-/// A hash of words by multiplication and rotation; the map that uses it is never read in its order.
-#[derive(Default)]
-struct Mixed(u64);
-
-impl Hasher for Mixed {
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|b| self.write_u64(u64::from(*b)));
-    }
-
-    fn write_u64(&mut self, word: u64) {
-        self.0 = (self.0.rotate_left(26) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    }
-
-    fn write_usize(&mut self, word: usize) {
-        self.write_u64(word as u64);
-    }
-
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 32)
     }
 }
 

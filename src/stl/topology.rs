@@ -2,8 +2,7 @@
 //! directions, and all facets hang together.
 
 use glam::DVec3;
-use rayon::iter::ParallelIterator as _;
-use rayon::slice::ParallelSliceMut as _;
+use rayon::slice::ParallelSliceMut;
 
 use super::fault::{FaultKind, ModelFault};
 use super::mesh::Mesh;
@@ -17,7 +16,11 @@ type Edge = (u32, u32, bool, u32);
 /// The middle of an edge that is open, that several facets share or at which the outside changes
 /// sides; a facet of the smaller of two bodies.
 pub(super) fn checked(mesh: &mut Mesh) -> Result<(), ModelFault> {
-    let edges = sorted_edges(mesh);
+    let mut edges: Vec<Edge> = Vec::with_capacity(3 * mesh.facets.len());
+    for (facet, [a, b, c]) in mesh.facets.iter().zip(0..).map(|(f, i)| (i, *f)) {
+        edges.extend([(a, b), (b, c), (c, a)].map(|(p, q)| (p.min(q), p.max(q), p < q, facet)));
+    }
+    edges.par_sort_unstable();
     let mut shells = Shells::new(mesh.facets.len());
     let mut first: Option<(FaultKind, &[Edge])> = None;
     for shared in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
@@ -40,29 +43,6 @@ pub(super) fn checked(mesh: &mut Mesh) -> Result<(), ModelFault> {
         mesh.turn_inside_out();
     }
     Ok(())
-}
-
-/// The edges of all facets in their order: counted by their lower vertex, and those few sorted.
-fn sorted_edges(mesh: &Mesh) -> Vec<Edge> {
-    let of = |(facet, i): (&[u32; 3], u32)| {
-        let [a, b, c] = *facet;
-        [(a, b), (b, c), (c, a)].map(|(p, q)| (p.min(q), p.max(q), p < q, i))
-    };
-    let mut ends = vec![0_u32; mesh.vertices.len() + 1];
-    for (low, ..) in mesh.facets.iter().zip(0..).flat_map(of) {
-        ends[low as usize + 1] += 1;
-    }
-    for i in 1..ends.len() {
-        ends[i] += ends[i - 1];
-    }
-    let mut edges: Vec<Edge> = vec![(0, 0, false, 0); 3 * mesh.facets.len()];
-    for edge in mesh.facets.iter().zip(0..).flat_map(of) {
-        let at = &mut ends[edge.0 as usize];
-        edges[*at as usize] = edge;
-        *at += 1;
-    }
-    edges.par_chunk_by_mut(|a, b| a.0 == b.0).for_each(<[Edge]>::sort_unstable);
-    edges
 }
 
 fn at_edge(mesh: &Mesh, kind: FaultKind, shared: &[Edge]) -> ModelFault {
