@@ -14,8 +14,8 @@ pub(super) const LONGEST_LINE: usize = 64 * 1024;
 const LOG_END: usize = 2000;
 /// Time that a program, a reading or a contour may take: a hundred times what one takes.
 const LONGEST: Duration = Duration::from_secs(60);
-/// Memory that a job may have, MiB: twenty times what a nose of 3072 × 2048 px takes, and a model of
-/// 16 MiB; two jobs at a time.
+/// Memory that a job may have, MiB: twenty times what a nose of 3072 × 2048 px takes, and a model
+/// of 16 MiB; two jobs at a time.
 const JOB_MIB: u64 = 2048;
 /// Memory that a simulated run may have, MiB: frames of 8192 × 8192 px on all cores; two at a time.
 pub(super) const RUN_MIB: u64 = 8192;
@@ -60,8 +60,9 @@ pub(super) struct Running {
     pub err: Lines<BufReader<ChildStderr>>,
 }
 
-/// A program whose data (what it writes of its memory: not what a driver only reserves) are limited,
-/// MiB. The shell sets the limit and becomes the program: its process is that of the child.
+/// A program whose data (what it writes of its memory: not what a driver only reserves) are
+/// limited, MiB. The shell sets the limit and becomes the program: its process is that of the
+/// child.
 #[cfg(unix)]
 fn limited(program: &Path, mib: u64) -> Command {
     let mut command = Command::new("/bin/sh");
@@ -159,7 +160,7 @@ mod tests {
         assert!(log.len() <= 2001 && log.ends_with("line 999"), "{}", log.len());
     }
 
-    /// What the child's own shell says of its limit.
+    /// What the child's own shell states of its limit.
     #[cfg(unix)]
     #[test]
     fn a_child_has_the_memory_that_is_stated_and_no_more() {

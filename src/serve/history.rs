@@ -88,7 +88,7 @@ pub(super) async fn history(
 pub(super) async fn checked(Extract(state): Extract<Shared>) -> Result<Json<StoreState>, Problem> {
     let place = Arc::clone(&state.checking).acquire_owned().await.map_err(Problem::failed)?;
     off_thread(move || {
-        // held to the end of the check, also where nobody waits for the answer any more
+        // held to the end of the check, also where none waits for the answer any more
         let _place = place;
         let store = store(&state)?;
         let counts = store.counts().map_err(Problem::failed)?;

@@ -6,14 +6,15 @@
 //! this program (`child`): what they do wrong cannot take the page with it, and one that is killed
 //! is resumed.
 //!
-//! Bottom to top: `problem` (refusals with their status), `tls`, `settings` (what is served, to whom),
-//! `child`, `hub` (live lines to all readers, newest wins), `jobs` (runs that were started),
+//! Bottom to top: `problem` (refusals with their status), `tls`, `settings` (what is served, to
+//! whom), `child`, `hub` (live lines to all readers, newest wins), `jobs` (runs that were started),
 //! `workshop` (where programs and readings are made, `making` of them), `picture_file` (the newest
 //! frame), `state` (all of these), `access` (who may do what, headers), `files` (uploads by their
 //! digest), `documents` (what the store has by name); the routes `runs`, `history`, `live`,
 //! `machines`, `products`, `tools`, `calibrations`, `programs` (`program` as stored, `program_job`
-//! makes one; with `changed` and `drawn`: what differs, what is drawn); `page` (files compiled in), `server`. One more route is a function in its file with a
-//! line in `server::router` and one in `server::Documented`.
+//! makes one; with `changed` and `drawn`: what differs, what is drawn); `page` (files compiled in),
+//! `server`. One more route is a function in its file with a line in `server::router` and one in
+//! `server::Documented`.
 
 mod access;
 mod calibrations;

@@ -30,8 +30,8 @@ pub(super) enum Mode {
     /// By a way, with the offsets that the tool's file states: those of touching with the measured
     /// nose, where it states none.
     Compensated,
-    /// By a way, in one setting of a batch: the offsets stay those of the new insert, while its nose
-    /// wears.
+    /// By a way, in one setting of a batch: the offsets stay those of the new insert, while its
+    /// nose wears.
     Batch,
 }
 

@@ -127,8 +127,8 @@ impl ServeSettings {
         if self.tls.is_some() { "https" } else { "http" }
     }
 
-    /// What a browser states as host: the names that this server has, with its port, which is left out
-    /// where it is the scheme's own.
+    /// What a browser states as host: the names that this server has, with its port, which is left
+    /// out where it is the scheme's own.
     pub(crate) fn hosts(&self) -> Vec<String> {
         let port = self.listen.port();
         let own = [self.listen.ip().to_string(), "localhost".to_owned(), "127.0.0.1".to_owned()];

@@ -21,7 +21,7 @@ use tokio_rustls::server::TlsStream;
 const HANDSHAKE: Duration = Duration::from_secs(5);
 /// Clients that shake hands at a time; others wait to be accepted.
 const MOST_HANDSHAKES: usize = 64;
-/// Pause where the system accepts nobody (no file descriptors left).
+/// Pause where the system accepts no connection (no file descriptors left).
 const ACCEPTS_AGAIN: Duration = Duration::from_millis(100);
 
 /// A certificate with its key.

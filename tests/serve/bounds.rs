@@ -1,12 +1,13 @@
-//! What others do to a server: malformed requests, slow clients, many streams, uploads over the limit. It answers, in
-//! bounded memory, with the right status.
+//! What others do to a server: malformed requests, slow clients, many streams, uploads over the
+//! limit. It answers, in bounded memory, with the right status.
 
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 
 use super::{Server, text};
 
-/// Memory that ten thousand requests may add, MiB: buffers of connections and the allocator's scatter.
+/// Memory that ten thousand requests may add, MiB: buffers of connections and the allocator's
+/// scatter.
 const GROWTH_MIB: f64 = 32.0;
 
 /// Resident memory of a process, MiB; none where there is no /proc.

@@ -1,5 +1,5 @@
-//! Flows of a person in a headless Chromium (`scripts/pages`); SKIPPED, loudly, where that or Node is missing.
-//! All pages at all widths, with axe-core, are checked by `make pages-check`.
+//! Flows of a person in a headless Chromium (`scripts/pages`); SKIPPED, loudly, where that or Node
+//! is missing. All pages at all widths, with axe-core, are checked by `make pages-check`.
 
 use std::path::Path;
 use std::process::Command;

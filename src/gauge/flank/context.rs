@@ -5,31 +5,25 @@
 //! smoothed probability at the pixel, above, below and along the edge, its means between the edge
 //! and the pixel and below it, and the distance from the border that it gives alone.
 
+use super::limits::FlankLimits;
 use super::raster::{Raster, quantile};
 
 /// Features from the first trees.
 pub(crate) const CONTEXT: usize = 12;
-/// Rows above and below at which the probability is looked at: 12, 30 and 60 µm.
-const ROWS: [i64; 5] = [-15, -6, 6, 15, 30];
-/// Rows over which the probability below a pixel is averaged: 40 and 120 µm.
-const BELOW: [usize; 2] = [20, 60];
-/// Columns on each side over which the median of the first border goes: 80 µm.
-const BORDER_COLUMNS: usize = 20;
-/// Largest distance from the first border that is told apart, rows.
-const MOST_ROWS: f32 = 40.0;
-
 /// The context of every pixel; `border` is the first trees' border in every column, rows.
 pub(crate) fn context(probability: &Raster, border: &[usize]) -> Vec<Raster> {
     let soft = probability.blurred(1.5, 3.0);
     let mut all = vec![soft.clone()];
-    for by in ROWS {
+    // 12, 30 and 60 µm above and below
+    for by in [-15, -6, 6, 15, 30] {
         all.push(moved(&soft, by));
     }
     all.push(probability.blurred(1.5, 12.0));
     all.push(probability.blurred(3.0, 36.0));
     let total = sums_down(&probability.blurred(0.0, 8.0));
     all.push(means(&total, |row| (0, row + 1)));
-    for rows in BELOW {
+    // 40 and 120 µm
+    for rows in [20, 60] {
         let last = probability.rows;
         all.push(means(&total, move |row| ((row + 1).min(last - 1), (row + 1 + rows).min(last))));
     }
@@ -64,14 +58,16 @@ fn means(total: &Raster, range: impl Fn(usize) -> (usize, usize)) -> Raster {
     out
 }
 
-/// Rows from the running median of the first border, within ±[`MOST_ROWS`].
+/// Rows from the running median of the first border, as far as `context_rows`.
 fn distance(like: &Raster, border: &[usize]) -> Raster {
+    let limits = FlankLimits::get();
+    let (beside, most) = (limits.context_columns, limits.context_rows as f32);
     let mut out = Raster::new(like.rows, like.columns);
     for column in 0..like.columns {
-        let about = column.saturating_sub(BORDER_COLUMNS)..(column + BORDER_COLUMNS + 1).min(border.len());
+        let about = column.saturating_sub(beside)..(column + beside + 1).min(border.len());
         let middle = quantile(border[about].iter().map(|b| *b as f32).collect(), 0.5);
         for row in 0..like.rows {
-            out.values[row * like.columns + column] = (row as f32 - middle).clamp(-MOST_ROWS, MOST_ROWS);
+            out.values[row * like.columns + column] = (row as f32 - middle).clamp(-most, most);
         }
     }
     out

@@ -159,14 +159,15 @@ pub(crate) fn drawn(labelled: &[Labelled], seed: u64) -> Vec<Vec<Drawn>> {
 /// found that were grown on other flanks.
 pub(crate) fn train<'a>(drawn: impl IntoIterator<Item = &'a Vec<Drawn>>, growth: &Growth) -> Forest {
     let drawn: Vec<&Vec<Drawn>> = drawn.into_iter().collect();
+    let parts = FlankTrainingLimits::get().folds;
     let first = |skip: Option<usize>| {
-        let kept = drawn.iter().enumerate().filter(|(k, _)| skip.is_none_or(|s| k % FOLDS != s));
+        let kept = drawn.iter().enumerate().filter(|(k, _)| skip.is_none_or(|s| k % parts != s));
         let samples = kept.flat_map(|(_, d)| d.iter().map(|d| d.samples.clone()));
         grow(&joined(samples, FEATURES), growth)
     };
-    let folds: Vec<Forest> = (0..FOLDS).map(|fold| first(Some(fold))).collect();
+    let folds: Vec<Forest> = (0..parts).map(|fold| first(Some(fold))).collect();
     let with = |(k, scales): (usize, &&Vec<Drawn>)| {
-        let trees = &folds[k % FOLDS].trees;
+        let trees = &folds[k % parts].trees;
         scales.iter().map(|d| d.with_context(trees)).collect::<Vec<_>>()
     };
     let context: Vec<Vec<Samples>> = drawn.par_iter().enumerate().map(with).collect();
@@ -175,10 +176,6 @@ pub(crate) fn train<'a>(drawn: impl IntoIterator<Item = &'a Vec<Drawn>>, growth:
     forest.facts.images = drawn.len();
     forest
 }
-
-/// Parts of which one each is left out when the first trees are grown for the second: of fewer
-/// flanks one each.
-const FOLDS: usize = 3;
 
 fn joined(parts: impl Iterator<Item = Samples>, features: usize) -> Samples {
     let mut samples = Samples { features, ..Samples::default() };

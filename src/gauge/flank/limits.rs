@@ -33,19 +33,20 @@ limits! {
     /// Depth of the strip on the flank's side of a line, cells: more than a smooth land is deep, so
     /// that texture below it counts for the edge.
     side_cells: usize = 24;
-    /// Depth of the strip beyond a line, cells.
+    /// Depth of the strip beyond a line, cells: set by trial on the nine real flanks and sixty
+    /// rendered ones of seed 1, by how many edges were found.
     beyond_cells: usize = 10;
     /// Depth below a line in which texture shows where an edge has its flank, cells: more than a
     /// smooth land is deep.
     extent_cells: usize = 60;
     /// Depth in which an edge alone shows, cells: where the flank is in the dark.
     near_cells: usize = 6;
-    /// Share of that depth which has texture there, less what lies beyond.
+    /// Share of that depth which has texture there, less what lies beyond: set as `beyond_cells`.
     extent_share: f64 = 0.08;
     /// Width of the sectors of direction of which the best line each is compared by its length,
     /// degrees: sides of a body are at least 20 degrees apart.
     sector_deg: usize = 10;
-    /// Score over the best one that a line has at least.
+    /// Score over the best one that a line has at least: set as `beyond_cells`.
     likely_score: f64 = 0.6;
     /// Weight of detail beyond a line over that of detail on its flank: the air beside a cutting
     /// edge is out of focus, the neighbour of a facet is not.
@@ -92,11 +93,11 @@ limits! {
     /// Powers of the reference curve: ground edges of inserts are straight or slightly cambered. A
     /// cubic bends towards the lower border of a land whose upper one is dim.
     edge_powers: usize = 3;
-    /// Largest standard uncertainty of the reference curve's level, µm: edges that are found have 1 to
-    /// 3, lines that are none of rendered flanks 15 and more.
+    /// Largest standard uncertainty of the reference curve's level, µm: edges that are found have 1
+    /// to 3, lines that are none of rendered flanks 15 and more.
     most_reference_u_um: f64 = 8.0;
-    /// Largest sagitta of the reference curve, µm: ground edges are cambered by a few micrometres; a
-    /// curve that bends more follows the border of a land, and a straight line is laid instead.
+    /// Largest sagitta of the reference curve, µm: ground edges are cambered by a few micrometres;
+    /// a curve that bends more follows the border of a land, and a straight line is laid instead.
     most_sagitta_um: f64 = 80.0;
     /// Rounds of reweighting of the reference curve. Tuned: see tests of flanks.
     edge_rounds: usize = 12;
@@ -114,10 +115,16 @@ limits! {
     /// Share of the sharp steps about that line which the edge has at least: it may be dimly lit,
     /// what is out of focus has less than a tenth.
     sharp_share: f64 = 0.12;
-    /// Steps over the 95th percentile of those in the air farthest above.
+    /// Steps over the 95th percentile of those in the air farthest above: set as `beyond_cells`.
     sharp_noise: f64 = 3.0;
     /// Places through which the line of the edge is laid: 1800 pairs have 1 % of scatter.
     line_places: usize = 60;
+    /// Columns on each side over which the median of the first trees' border goes: 80 µm, less than
+    /// a notch is wide.
+    context_columns: usize = 20;
+    /// Largest distance from that border which the second trees distinguish, rows: 80 µm, beyond
+    /// which it is no border's.
+    context_rows: usize = 40;
     /// Groups of trees whose disagreement is the model's: of 16 trees four each, which classify
     /// nearly as well as all.
     tree_groups: usize = 4;
@@ -135,6 +142,9 @@ limits! {
     /// Least depth below the land that is near its border, rows: as deep as a land of 24 µm, since
     /// as many rows as a narrower one has would show little of what lies below.
     near_rows: usize = 12;
+    /// Parts of which one each is left out when the first trees are grown for the second: of as
+    /// many as there are trees in a group the forests would hardly differ.
+    folds: usize = 3;
     /// Depth below the land from which pixels are drawn, rows: what is far below is never near it.
     below_rows: usize = 160;
 }

@@ -4,9 +4,10 @@
 //! a smooth land lies between, `edge` follows it
 //! and fits the curve of the new edge, `strip` rectifies the image along that curve (rows at right
 //! angles to it, 2 µm apart). A `forest` gives every pixel the probability of being land from its
-//! `features` and, by second trees, the `context` that the first ones found; the `path` of least cost through these is the land's border (`land`), its distance
-//! from the reference VB(s). `zones` divides the worn length, `measurement` puts it together with
-//! u. `labelled` trains a forest on flanks with masks, `paper` measures as a published paper does.
+//! `features` and, by second trees, the `context` that the first ones found; the `path` of least
+//! cost through these is the land's border (`land`), its distance from the reference VB(s). `zones`
+//! divides the worn length, `measurement` puts it together with u. `labelled` trains a forest on
+//! flanks with masks, `paper` measures as a published paper does.
 //!
 //! In: a frame, [`FlankSettings`], a [`Forest`] ([`shipped`]: trained on rendered flanks alone).
 //! Out: [`FlankMeasurement`] (`result`) in µm, or a [`FlankError`]. One more feature of a pixel is
@@ -44,8 +45,8 @@ pub(crate) use result::{FlankBudget, FlankMeasurement};
 pub(crate) use settings::{CornerSide, FlankSettings};
 
 /// The forest that the program brings along: none yet. One that was trained on 20 rendered flanks
-/// had errors of VB of 50 µm rms on those that were left out, of VBmax of 77, and of VBmax of a real
-/// one of 340, which is no model to measure by.
+/// had errors of VB of 50 µm rms on those that were left out, of VBmax of 77, and of VBmax of a
+/// real one of 340, which is no model to measure by.
 ///
 /// # Errors
 /// Always, with what to do.

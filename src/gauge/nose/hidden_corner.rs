@@ -45,8 +45,8 @@ impl Bends<'_> {
         self.sign * (2.0 * d[k] - d[k - 1] - d[k + 1])
     }
 
-    /// Change of the slope at a corner in sector k or beside it, px per sector, and the rest of what
-    /// bends there; `u_px` is a sector's own.
+    /// Change of the slope at a corner in sector k or beside it, px per sector, and the rest of
+    /// what bends there; `u_px` is a sector's own.
     fn corner(&self, k: usize, u_px: f64) -> (f64, f64) {
         let at = k as isize;
         let all = self.at(at - 1) + self.at(at) + self.at(at + 1);
@@ -125,7 +125,8 @@ mod tests {
         let convex = sectors(15.2);
         for contour in [&convex, &(-&convex)] {
             let u = u_of_corners(contour, &[1e-4; 31], 0.0);
-            // the middle of the sector stands off its mean by up to an eighth of the change of slope
+            // the middle of the sector stands off its mean by up to an eighth of the change of
+            // slope
             assert!((u[15] - 0.08).abs() < 0.005, "{u:?}");
             assert!((3..12).chain(19..28).all(|k| u[k] < 1e-6), "{u:?}");
         }

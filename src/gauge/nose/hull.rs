@@ -149,7 +149,7 @@ mod tests {
         let path = path();
         let hull = Hull::new(&path);
         for seed in 0..40 {
-            // waves, noise and a dent
+            // waves, noise and a recess
             let departure = |k: usize| {
                 let noise = ((k * 7 + seed * 13) as f64 * 0.618_034).fract() - 0.5;
                 let dent = if (30..50).contains(&k) { -0.2 * seed as f64 } else { 0.0 };

@@ -87,8 +87,8 @@ limits! {
     /// Departure of the coarse contour's edges from the measured ones, degrees: an edge of
     /// `least_edge_px` is found to 2°.
     coarse_deg: f64 = 2.0;
-    /// Distance of the coarse nose from where the nominal circle ends, over its radius, from which a
-    /// contour that cannot be followed is another nose's: wear takes a tenth of a radius, and the
+    /// Distance of the coarse nose from where the nominal circle ends, over its radius, from which
+    /// a contour that cannot be followed is another nose's: wear takes a tenth of a radius, and the
     /// next radius of ISO 1832 differs by a quarter or more.
     another_radius: f64 = 0.25;
     /// Departure of the included angle and of the edges from those of a baseline, standard

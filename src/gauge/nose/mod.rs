@@ -6,8 +6,9 @@
 //! and noise pooled, the contour free in every sector. The edges' calipers give two lines with
 //! their covariance (`line`), these the centre at the nominal radius from both (`centre`), the
 //! nose's sectors its radii, and a penalised smooth of them (`smoother`) the support of the convex
-//! hull (`hull`) with its covariance (`support`). `expected` names a picture that is not the tool's; `wear` compares with the same insert new, `axes` finds the machine's
-//! axes from moves; `paper` measures by the way of a published paper, for comparison.
+//! hull (`hull`) with its covariance (`support`). `expected` names a picture that is not the
+//! tool's; `wear` compares with the same insert new, `axes` finds the machine's axes from moves;
+//! `paper` measures by the way of a published paper, for comparison.
 //!
 //! Places are (column, −row), px: as seen, directions count from the right counter-clockwise.
 //!

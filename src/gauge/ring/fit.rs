@@ -7,18 +7,16 @@
 //! and light. Where light or shadow is clipped its pixels are censored, and two shape terms of the
 //! edge-spread function join the pooled parameters.
 
-use nalgebra::{SMatrix, SVector};
-
 use super::edge_fit::{Begun, Caliper, EdgeFit, POOLED, Variance};
 use super::edge_pixels::{Band, EdgePixel};
 use super::model::{Sample, square_edge};
+use super::pixel_model::{Matrix, SHAPED, SIGMA, Sums, Vector, model, plain_terms};
 use super::straight_edge;
 use crate::gauge::edge::estimation::censored::{Censored, Ends};
 use crate::gauge::edge::estimation::grey_ends::robust_mean;
 use crate::gauge::edge::estimation::rounding::{noise_behind, repeated_variance};
-use crate::gauge::edge::model::shape_terms::{ShapeTermLimits, ShapeTerms, TERMS, term_border};
+use crate::gauge::edge::model::shape_terms::{ShapeTermLimits, ShapeTerms};
 use crate::gauge::limit::limits;
-use crate::numerics::distributions::phi_pdf;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of as median};
 
 limits! {
@@ -61,44 +59,6 @@ limits! {
     crossing_step_px: f64 = 0.5;
 }
 
-/// The same and the amplitudes of the shape terms.
-const SHAPED: usize = POOLED + TERMS;
-const SIGMA: usize = 6;
-type Vector<const P: usize> = SVector<f64, P>;
-type Matrix<const P: usize> = SMatrix<f64, P, P>;
-
-/// Sums of one caliper's equations.
-struct Sums<const P: usize> {
-    normal: Matrix<P>,
-    right: Vector<P>,
-    cross: Vector<P>,
-    own: f64,
-    own_right: f64,
-    chi2: f64,
-    pixels: f64,
-    /// Pixels that no noise explains, which `chi2` and `pixels` leave out.
-    stray: usize,
-    /// Change of `right` and of `own_right` by a relative change of the noise.
-    by_noise: (Vector<P>, f64),
-}
-
-impl<const P: usize> Sums<P> {
-    /// Adds a pixel's part of the upper triangle of the normal equations, and of the rest.
-    #[inline]
-    fn add(&mut self, by_pooled: &Vector<P>, by_shift: f64, (informed, weighted): (f64, f64)) {
-        for j in 0..P {
-            let by = informed * by_pooled[j];
-            for i in 0..=j {
-                self.normal[(i, j)] += by * by_pooled[i];
-            }
-            self.right[j] += weighted * by_pooled[j];
-            self.cross[j] += by * by_shift;
-        }
-        self.own += informed * by_shift * by_shift;
-        self.own_right += weighted * by_shift;
-    }
-}
-
 struct State<const P: usize> {
     pooled: Vector<P>,
     sectors: Vec<SectorFit>,
@@ -112,7 +72,8 @@ struct State<const P: usize> {
     /// The edge in every pixel of every caliper at the present blur and shifts; empty where they
     /// have changed since. Noise, judgement and the step after them need the same ones.
     edges: Vec<Vec<Sample>>,
-    /// The calipers' sums at the present parameters and noise; empty where these have changed since.
+    /// The calipers' sums at the present parameters and noise; empty where these have changed
+    /// since.
     sums: Vec<Sums<P>>,
 }
 
@@ -132,38 +93,6 @@ struct Clipped {
     ends: Ends,
     seen: f64,
     separated: ShapeTerms,
-}
-
-/// A pixel's model value, its derivatives (pooled, shift), and its share of light; `e` is the edge
-/// in it.
-fn model<const P: usize>(
-    pixel: &EdgePixel,
-    mut e: Sample,
-    p: &Vector<P>,
-    shift: f64,
-    separated: Option<&ShapeTerms>,
-) -> (f64, Vector<P>, f64, f64) {
-    let (x, y) = (pixel.x, pixel.y);
-    let dark = p[0] + p[1] * x + p[2] * y;
-    let contrast = p[3] + p[4] * x + p[5] * y;
-    let mut by_pooled = Vector::<P>::zeros();
-    if let (SHAPED, Some(separated)) = (P, separated) {
-        let terms = plain_terms(pixel.distance - shift, p[SIGMA]);
-        for (k, term) in separated.at([e.by_distance, e.by_sigma], terms).into_iter().enumerate() {
-            e.value += p[POOLED + k] * term;
-            by_pooled[POOLED + k] = contrast * term;
-        }
-    }
-    let seven = [1.0, x, y, e.value, e.value * x, e.value * y, contrast * e.by_sigma];
-    by_pooled.iter_mut().zip(seven).for_each(|(by, value)| *by = value);
-    (dark + contrast * e.value, by_pooled, -contrast * e.by_distance, e.value)
-}
-
-/// The shape terms in a pixel a distance from the edge.
-fn plain_terms(distance: f64, sigma: f64) -> [f64; TERMS] {
-    let border = |u: f64| term_border(u, sigma, phi_pdf(u / sigma));
-    let (up, down) = (border(distance + 0.5), border(distance - 0.5));
-    [up[0] - down[0], up[1] - down[1]]
 }
 
 impl<const P: usize> State<P> {

@@ -4,8 +4,9 @@
 //! edge takes part in a maximum-likelihood fit of the pixel-integrated Gaussian edge (`model`,
 //! along lines `straight_edge`; `fit`, its result in `edge_fit`, in uneven or clipped light
 //! `levelled`): levels, blur and noise pooled over the whole edge, the radius free in each of many
-//! sectors. Clipped pixels only bound the light. No pixel is resampled. The sectors' radii, without those that contamination covers,
-//! give the least-squares circle (LSCI), the roundness and the concentricity (`measurement`).
+//! sectors. Clipped pixels only bound the light. No pixel is resampled. The sectors' radii, without
+//! those that contamination covers, give the least-squares circle (LSCI), the roundness and the
+//! concentricity (`measurement`).
 //!
 //! Positions are in pixels, x the column and y the row. A curved edge is located towards the centre
 //! of its disc by (σ² + 1/12)/2R; that is corrected. Valid for blur below 3 px, radii above 8 px,
@@ -25,6 +26,7 @@ pub(crate) mod measurement;
 pub(crate) mod millimetres;
 mod model;
 mod outline;
+mod pixel_model;
 mod result;
 mod settings;
 pub(crate) mod straight_edge;

@@ -6,8 +6,8 @@
 //! ∂E/∂σ, so that value and gradient belong to one function.
 //!
 //! E is Φ(d/σ) averaged over the pixel, so that |E⁽⁶⁾| ≤ max|Φ⁽⁶⁾|/σ⁶ = 2.3/σ⁶. The quintic departs
-//! from E by at most h⁶/46080·|E⁽⁶⁾|, its second derivative by h⁴/480·|E⁽⁶⁾|: with h = σ/12 by 2e-11,
-//! and ∂E/∂σ by 2.4e-7/σ. Valid for σ ≥ 0.25 px.
+//! from E by at most h⁶/46080·|E⁽⁶⁾|, its second derivative by h⁴/480·|E⁽⁶⁾|: with h = σ/12 by
+//! 2e-11, and ∂E/∂σ by 2.4e-7/σ. Valid for σ ≥ 0.25 px.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 

@@ -23,7 +23,8 @@ impl Surface<'_> {
         let light = if v < land { self.land(s, v, v / land) } else { self.flank(s, v) };
         let rim =
             if land > 0.0 { surface.rim * self.broken(s, 25.0, 21) * bell((v - land) / 3.0) } else { 0.0 };
-        // an edge is rounded by some micrometres and shines: a new one throughout, a worn one here and there
+        // an edge is rounded by some micrometres and shines: a new one throughout, a worn one here
+        // and there
         let edge = if land > 0.0 {
             0.5 * self.broken(s, 40.0, 22) * bell((v - chipped) / 2.5)
         } else {

@@ -1,5 +1,5 @@
-//! A disk that is full: nothing acknowledged is lost, nothing of the refused pass is there, and it goes on
-//! when there is room.
+//! A disk that is full: nothing acknowledged is lost, nothing of the refused pass is there, and it
+//! goes on when there is room.
 
 use std::path::Path;
 use std::time::Duration;

@@ -28,7 +28,8 @@ pub(super) fn whole(path: &Path) -> i64 {
     counts.passes
 }
 
-/// Kills a writer of one store again and again, at instants between its start and some hundred passes.
+/// Kills a writer of one store again and again, at instants between its start and some hundred
+/// passes.
 fn killed(times: u32) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("store.sqlite");

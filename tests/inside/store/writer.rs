@@ -1,5 +1,5 @@
-//! A process that writes passes until something ends it: this test program again, with a store named in its
-//! environment. What it has acknowledged stands on its stdout.
+//! A process that writes passes until something ends it: this test program again, with a store
+//! named in its environment. What it has acknowledged stands on its stdout.
 
 use std::ffi::OsStr;
 use std::io::{BufRead as _, BufReader};
@@ -44,8 +44,8 @@ pub(super) struct Said {
 }
 
 impl Writer {
-    /// Starts one on a store; where `limit` is stated, its files are no longer than that many blocks of
-    /// 512 bytes (or 1024, as the shell counts).
+    /// Starts one on a store; where `limit` is stated, its files are no longer than that many
+    /// blocks of 512 bytes (or 1024, as the shell counts).
     pub(super) fn start(store: &Path, limit: Option<u32>) -> Self {
         let own = std::env::current_exe().unwrap();
         let test = "inside::store::writer::writes_until_it_is_ended";

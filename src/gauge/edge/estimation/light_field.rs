@@ -59,30 +59,11 @@ struct Departure {
     residual: f64,
 }
 
-/// Powers of x and y.
-const POWERS: [(usize, usize); 15] = [
-    (0, 0),
-    (1, 0),
-    (0, 1),
-    (2, 0),
-    (1, 1),
-    (0, 2),
-    (3, 0),
-    (2, 1),
-    (1, 2),
-    (0, 3),
-    (4, 0),
-    (3, 1),
-    (2, 2),
-    (1, 3),
-    (0, 4),
-];
-
-/// Sums of the normal equations of a quadratic: Σ w·xⁱyʲ, by the powers (i, j) of [`POWERS`], and
+/// Sums of the normal equations of a quadratic: Σ w·xⁱyʲ, by powers (i, j) of degrees 0 to 4, and
 /// Σ w·v·xⁱyʲ of a value v, of which the first six are the field's terms.
 #[derive(Default)]
 struct Moments {
-    of: [f64; POWERS.len()],
+    of: [f64; 15],
     value: [f64; 6],
 }
 
@@ -100,10 +81,12 @@ impl Moments {
 
     /// The coefficients; `None` where the points do not determine them.
     fn solved(&self) -> Option<Vector6<f64>> {
+        let mut all = (0..5).flat_map(|degree| (0..=degree).map(move |y| (degree - y, y)));
+        let powers: [(usize, usize); 15] = std::array::from_fn(|_| all.next().unwrap_or((0, 0)));
         let product = |i: usize, k: usize| {
-            let (a, b) = (POWERS[i], POWERS[k]);
-            let powers = (a.0 + b.0, a.1 + b.1);
-            POWERS.iter().zip(self.of).find(|(p, _)| **p == powers).map_or(0.0, |(_, sum)| sum)
+            let (a, b) = (powers[i], powers[k]);
+            let of_both = (a.0 + b.0, a.1 + b.1);
+            powers.iter().zip(self.of).find(|(p, _)| **p == of_both).map_or(0.0, |(_, sum)| sum)
         };
         Some(Matrix6::from_fn(product).cholesky()?.solve(&Vector6::from(self.value)))
     }

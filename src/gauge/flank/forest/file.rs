@@ -1,14 +1,14 @@
 //! The file of a forest: eight bytes that name it, a line of JSON, then the nodes.
 //!
-//! After the line, little-endian, the first trees and then the second: the number of trees (u16), then of each tree the number of its
-//! nodes (u16) and a node as feature (u8, 255 a leaf), value (f32: threshold or share of land) and
-//! other child (u16). At most 1 MiB.
+//! After the line, little-endian, the first trees and then the second: the number of trees (u16),
+//! then of each tree the number of its nodes (u16) and a node as feature (u8, 255 a leaf), value
+//! (f32: threshold or share of land) and other child (u16). At most 1 MiB.
 
 use super::tree::{Node, Tree};
 use super::{Forest, ForestFacts};
 
 /// What a file begins with.
-pub(crate) const MAGIC: &[u8; 8] = b"SGFLANK2";
+pub(crate) const MAGIC: &str = "SGFLANK2";
 /// Largest file, bytes.
 pub(crate) const MOST_BYTES: usize = 1 << 20;
 /// Feature of a leaf.
@@ -19,7 +19,7 @@ const LEAF: u8 = u8::MAX;
 /// # Errors
 /// More than [`MOST_BYTES`]; a header that cannot be written.
 pub(crate) fn write(forest: &Forest) -> Result<Vec<u8>, String> {
-    let mut bytes = MAGIC.to_vec();
+    let mut bytes = MAGIC.as_bytes().to_vec();
     bytes.extend(serde_json::to_vec(&forest.facts).map_err(|e| e.to_string())?);
     bytes.push(b'\n');
     for trees in [&forest.trees, &forest.second] {
@@ -69,7 +69,7 @@ pub(crate) fn read(bytes: &[u8], (features, context): (usize, usize)) -> Result<
     if bytes.len() > MOST_BYTES {
         return Err(format!("{} bytes, at most {MOST_BYTES}", bytes.len()));
     }
-    let body = bytes.strip_prefix(MAGIC.as_slice()).ok_or("not a file of `tool train`")?;
+    let body = bytes.strip_prefix(MAGIC.as_bytes()).ok_or("not a file of `tool train`")?;
     let end = body.iter().position(|b| *b == b'\n').ok_or("no header")?;
     let facts: ForestFacts = serde_json::from_slice(&body[..end]).map_err(|e| format!("header: {e}"))?;
     if facts.features != features {
