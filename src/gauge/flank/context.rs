@@ -5,6 +5,7 @@
 //! smoothed probability at the pixel, above, below and along the edge, its means between the edge
 //! and the pixel and below it, and the distance from the border that it gives alone.
 
+use super::features::{mean_of, sums_down};
 use super::limits::FlankLimits;
 use super::raster::{Raster, quantile};
 
@@ -21,11 +22,11 @@ pub(crate) fn context(probability: &Raster, border: &[usize]) -> Vec<Raster> {
     all.push(probability.blurred(1.5, 12.0));
     all.push(probability.blurred(3.0, 36.0));
     let total = sums_down(&probability.blurred(0.0, 8.0));
-    all.push(means(&total, |row| (0, row + 1)));
+    all.push(mean_of(&total, |row| (0, row + 1)));
     // 40 and 120 µm
     for rows in [20, 60] {
         let last = probability.rows;
-        all.push(means(&total, move |row| ((row + 1).min(last - 1), (row + 1 + rows).min(last))));
+        all.push(mean_of(&total, move |row| ((row + 1).min(last - 1), (row + 1 + rows).min(last))));
     }
     all.push(distance(probability, border));
     all
@@ -34,28 +35,6 @@ pub(crate) fn context(probability: &Raster, border: &[usize]) -> Vec<Raster> {
 fn moved(of: &Raster, by: i64) -> Raster {
     let from = |row: usize| (row as i64 + by).clamp(0, of.rows as i64 - 1) as usize;
     Raster { values: (0..of.rows).flat_map(|row| of.row(from(row)).to_vec()).collect(), ..*of }
-}
-
-fn sums_down(from: &Raster) -> Raster {
-    let mut total = Raster::new(from.rows + 1, from.columns);
-    for row in 0..from.rows {
-        for column in 0..from.columns {
-            total.values[(row + 1) * from.columns + column] = total.at(row, column) + from.at(row, column);
-        }
-    }
-    total
-}
-
-fn means(total: &Raster, range: impl Fn(usize) -> (usize, usize)) -> Raster {
-    let mut out = Raster::new(total.rows - 1, total.columns);
-    for row in 0..out.rows {
-        let (a, b) = range(row);
-        for column in 0..total.columns {
-            out.values[row * total.columns + column] =
-                (total.at(b, column) - total.at(a, column)) / (b - a).max(1) as f32;
-        }
-    }
-    out
 }
 
 /// Rows from the running median of the first border, as far as `context_rows`.

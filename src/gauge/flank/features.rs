@@ -75,7 +75,7 @@ fn difference_along(mean: &Raster, sigma: f64) -> Raster {
 }
 
 /// Sums of every column down to a row, that row left out; one row more than the strip.
-fn sums_down(from: &Raster) -> Raster {
+pub(super) fn sums_down(from: &Raster) -> Raster {
     let mut total = Raster::new(from.rows + 1, from.columns);
     for row in 0..from.rows {
         for column in 0..from.columns {
@@ -96,7 +96,8 @@ fn below(total: &Raster, rows: usize) -> Raster {
     mean_of(total, move |row| ((row + 2).min(last - 1), (row + 2 + rows).min(last)))
 }
 
-fn mean_of(total: &Raster, range: impl Fn(usize) -> (usize, usize)) -> Raster {
+/// Means down the columns over the rows that `range` gives of each row, by [`sums_down`].
+pub(super) fn mean_of(total: &Raster, range: impl Fn(usize) -> (usize, usize)) -> Raster {
     let mut out = Raster::new(total.rows - 1, total.columns);
     for row in 0..out.rows {
         let (a, b) = range(row);
