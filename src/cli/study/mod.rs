@@ -9,6 +9,7 @@ mod correlation;
 mod coverage;
 mod deflection;
 mod factor;
+mod flank;
 mod head;
 mod in_process;
 mod limits;
@@ -36,6 +37,7 @@ use self::correlation::StudyCorrelationArgs;
 use self::coverage::StudyCoverageArgs;
 use self::deflection::StudyDeflectionArgs;
 use self::factor::StudyFactorArgs;
+use self::flank::StudyFlankArgs;
 use self::head::StudyHeadArgs;
 use self::in_process::StudyInProcessArgs;
 use self::limits::StudyLimitsArgs;
@@ -80,6 +82,8 @@ pub(crate) enum Study {
     /// What moves the edge of a round part before one head, and by how much: focus, apertures,
     /// wavelength, diameter, material, film, finish, temperature.
     Optics(StudyOpticsArgs),
+    /// Flanks that are drawn, measured: errors beside their stated uncertainties.
+    Flank(StudyFlankArgs),
     /// Four workpieces cut by a worn nose that is measured in an image, before and after every way
     /// to compensate, beside paper 004.
     Tool(StudyToolArgs),
@@ -124,6 +128,7 @@ pub(crate) fn run(study: &Study) -> CommandResult {
         Study::Nose(args) => nose::run(args),
         Study::Optics(args) => optics::run(args),
         Study::Tool(args) => tool::run(args),
+        Study::Flank(args) => flank::run(args),
         Study::Factor(args) => factor::run(args),
         Study::Head(args) => head::run(args),
         Study::Limits(args) => limits::run(args),

@@ -4,12 +4,12 @@ mod axes;
 mod bench;
 mod canvas;
 mod compensate;
-mod flank;
-mod nose;
+pub(super) mod flank;
+pub(super) mod nose;
 pub(super) mod overlay;
 mod pictures;
 mod render;
-mod render_flank;
+pub(super) mod render_flank;
 mod train;
 mod words;
 

@@ -79,7 +79,7 @@ struct Document {
 }
 
 /// A scale of the command line, µm per px.
-pub(super) fn scale(text: &str) -> Result<f64, String> {
+pub(in crate::cli) fn scale(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|s| *s > 0.0 && s.is_finite());
     value.ok_or_else(|| "a scale above 0 is needed, µm per px, for instance 2.415".to_owned())
 }

@@ -31,7 +31,8 @@ pub(crate) struct RenderFlankArgs {
     seed: u64,
 }
 
-fn size(text: &str) -> Result<(u32, u32), String> {
+/// A size as `900x560`.
+pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     parsed.ok_or_else(|| "a size as 900x560 is needed".to_owned())
 }

@@ -26,6 +26,10 @@ const MOST_OFF_UM: f64 = 25.0;
 pub(crate) struct TrainArgs {
     /// Folder of images, each with NAME.json (Labelme) or NAME_land.png (white where the land is).
     dir: PathBuf,
+    /// Another folder of labelled images, by which the errors are stated; without one every image
+    /// is left out of a training once.
+    #[arg(long, value_name = "DIR")]
+    test: Option<PathBuf>,
     /// Scale, µm per px in the plane of the flank.
     #[arg(long, value_name = "S", value_parser = scale)]
     um_per_px: f64,
@@ -48,14 +52,10 @@ pub(crate) struct TrainArgs {
 /// # Errors
 /// Exit 2 for a folder without labelled images, 3 for images and labels that cannot be read.
 pub(crate) fn run(args: &TrainArgs) -> CommandResult {
-    let images = listing(&args.dir).map_err(Failure::fail)?.images;
-    let stem = |p: &Path| p.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    let paths: Vec<PathBuf> = images.into_iter().filter(|p| !stem(p).ends_with("_land")).collect();
-    let out = OutputFile::claim(&args.out, paths.iter().cloned())?;
-    let mut labelled = Vec::new();
-    for path in &paths {
-        labelled.extend(one(args, path)?);
-    }
+    let paths = pictures(&args.dir)?;
+    let test = args.test.as_deref().map(pictures).transpose()?;
+    let out = OutputFile::claim(&args.out, paths.iter().chain(test.iter().flatten()).cloned())?;
+    let labelled = all(args, &paths)?;
     if labelled.len() < 2 {
         return Err(Failure::refuse(format!(
             "{}: {} labelled images, at least 2 are needed: NAME.json of Labelme or NAME_land.png beside each image",
@@ -65,8 +65,14 @@ pub(crate) fn run(args: &TrainArgs) -> CommandResult {
     }
     let growth = Growth { seed: args.seed, ..Growth::default() };
     let pixels = drawn(&labelled, growth.seed);
-    let (vb, vb_max) = left_out(&labelled, &pixels, &growth);
     let mut forest = train(&pixels, &growth);
+    let (vb, vb_max) = match test {
+        Some(paths) => {
+            let others = all(args, &paths)?;
+            rms(&others.par_iter().map(|one| errors_um(&forest, one)).collect::<Vec<_>>())
+        }
+        None => rms(&left_out(&labelled, &pixels, &growth)),
+    };
     forest.facts.trained_on =
         args.trained_on.clone().unwrap_or_else(|| format!("{} labelled images", labelled.len()));
     (forest.facts.vb_error_um, forest.facts.vb_max_error_um) = (vb, vb_max);
@@ -78,6 +84,20 @@ pub(crate) fn run(args: &TrainArgs) -> CommandResult {
     );
     out.write(&bytes)?;
     Ok(Outcome::Done)
+}
+
+/// The images of a folder that are no masks.
+fn pictures(dir: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let images = listing(dir).map_err(Failure::fail)?.images;
+    let stem = |p: &Path| p.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    Ok(images.into_iter().filter(|p| !stem(p).ends_with("_land")).collect())
+}
+
+/// Those of the images that have a land and an edge.
+fn all(args: &TrainArgs, paths: &[PathBuf]) -> Result<Vec<Labelled>, Failure> {
+    let each: Vec<Option<Labelled>> =
+        paths.par_iter().map(|path| one(args, path)).collect::<Result<_, _>>()?;
+    Ok(each.into_iter().flatten().collect())
 }
 
 /// A labelled image; none where neither file stands beside it.
@@ -134,23 +154,21 @@ fn one(args: &TrainArgs, path: &Path) -> Result<Option<Labelled>, Failure> {
     }
 }
 
-/// Root mean squares of the errors of VB and VBmax of images that are left out in turn, µm.
-fn left_out(labelled: &[Labelled], pixels: &[Vec<Drawn>], growth: &Growth) -> (f64, f64) {
+/// Errors of VB and VBmax of images that are left out in turn, µm.
+fn left_out(labelled: &[Labelled], pixels: &[Vec<Drawn>], growth: &Growth) -> Vec<(f64, f64)> {
     let groups = labelled.len().min(GROUPS);
-    let errors: Vec<(f64, f64)> = (0..groups)
-        .into_par_iter()
-        .flat_map_iter(|group| {
-            let others = pixels.iter().enumerate().filter(|(k, _)| k % groups != group).map(|(_, l)| l);
-            let forest = train(others, growth);
-            labelled
-                .iter()
-                .enumerate()
-                .filter(|(k, _)| k % groups == group)
-                .map(move |(_, l)| errors_um(&forest, l))
-                .collect::<Vec<_>>()
-        })
-        .collect();
+    let of = |group: usize| {
+        let others = pixels.iter().enumerate().filter(|(k, _)| k % groups != group).map(|(_, l)| l);
+        let forest = train(others, growth);
+        let own = labelled.iter().enumerate().filter(|(k, _)| k % groups == group);
+        own.map(|(_, l)| errors_um(&forest, l)).collect::<Vec<_>>()
+    };
+    (0..groups).into_par_iter().flat_map_iter(of).collect()
+}
+
+/// Root mean squares of errors of VB and VBmax, µm.
+fn rms(errors: &[(f64, f64)]) -> (f64, f64) {
     let n = errors.len().max(1) as f64;
-    let rms = |of: fn(&(f64, f64)) -> f64| (errors.iter().map(|e| of(e).powi(2)).sum::<f64>() / n).sqrt();
-    (rms(|e| e.0), rms(|e| e.1))
+    let of = |of: fn(&(f64, f64)) -> f64| (errors.iter().map(|e| of(e).powi(2)).sum::<f64>() / n).sqrt();
+    (of(|e| e.0), of(|e| e.1))
 }

@@ -7,6 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::envelope::envelope;
 use super::limits::FlankLimits;
 use super::path::Costs;
 use super::raster::{Raster, quantile};
@@ -33,8 +34,31 @@ pub(crate) fn trace(strip: &Raster, frame: &Frame) -> TracedEdge {
         (0..rows).map(|u| total[u] - (total[(u + window).min(rows)] - total[u])).collect()
     };
     let costs = Costs { columns: (0..strip.columns).map(column).collect(), step: 2.0, most_step: 2 };
-    let depth = costs.cheapest().into_iter().map(|r| frame.depth_um(r) - 0.5 * frame.row_um());
+    let rows = half_way(strip, frame, &costs.cheapest());
+    let depth = rows.into_iter().map(|r| (r - frame.above as f64) * frame.row_um());
     TracedEdge { depth_um: depth.collect() }
+}
+
+/// Where grey values have gone half of the way from the air's level to what lies below the path,
+/// rows: the border itself, where the first departure is as far above it as the blur reaches.
+fn half_way(strip: &Raster, frame: &Frame, path: &[usize]) -> Vec<f64> {
+    let limits = FlankLimits::get();
+    let reach = (limits.border_um / frame.row_um()) as usize;
+    let smooth = strip.blurred(0.0, 6.0);
+    let air = (limits.air_um / frame.row_um()) as usize;
+    let one = |c: usize| {
+        let (from, to) = (path[c].saturating_sub(reach), (path[c] + reach).min(strip.rows - 1));
+        let level = quantile((from.saturating_sub(air)..from.max(1)).map(|r| smooth.at(r, c)).collect(), 0.5);
+        let off = |r: usize| (smooth.at(r, c) - level).abs();
+        let half = 0.5 * (from..=to).map(off).fold(0.0, f32::max);
+        let at = (from..=to).find(|r| off(*r) >= half).unwrap_or(path[c]);
+        if at == 0 {
+            return 0.0;
+        }
+        let (before, behind) = (off(at - 1).min(half), off(at));
+        at as f64 - f64::from((behind - half) / (behind - before).max(1e-6)).min(1.0)
+    };
+    (0..strip.columns).map(one).collect()
 }
 
 /// How far pixels depart from the air: −1 none, up to 1.5.
@@ -48,7 +72,8 @@ fn departure(strip: &Raster, frame: &Frame) -> Raster {
     let levels: Vec<f32> = (0..strip.columns).map(level).collect();
     let off = |r: usize, c: usize| (strip.at(r, c) - levels[c]).abs();
     let scatter = (0..air_rows).flat_map(|r| (0..strip.columns).map(move |c| (r, c))).map(|(r, c)| off(r, c));
-    let sigma = (MEDIAN_TO_SD as f32 * quantile(scatter.collect(), 0.5)).max(1e-6);
+    // what is out of focus has slopes beside its noise: 1.96 standard deviations hold 95 %
+    let sigma = (quantile(scatter.collect(), 0.95) / 1.96).max(1e-6);
     for (k, value) in out.values.iter_mut().enumerate() {
         *value = (off(k / strip.columns, k % strip.columns) / (4.0 * sigma) - 1.0).clamp(-1.0, 1.5);
     }
@@ -94,8 +119,12 @@ fn fitted(
     };
     let y = DVector::from_fn(n, |k, _| traced.depth_um[k] / frame.um_per_px - known(k));
     let x = DMatrix::from_fn(n, powers, |k, p| t(k).powi(p as i32));
-    let mut weights = DVector::from_element(n, 1.0);
-    let (mut c, mut spread) = (DVector::zeros(powers), 1.0);
+    let depth_um: Vec<f64> = y.iter().map(|v| v * frame.um_per_px).collect();
+    let places: Vec<f64> = (0..n).map(t).collect();
+    let (mut weights, mut c, mut spread) = (DVector::from_element(n, 1.0), DVector::zeros(powers), 1.0);
+    if let Some(on) = envelope(&places, &depth_um, powers) {
+        weights = DVector::from_fn(n, |k, _| if on[k] { 1.0 } else { 1e-4 });
+    }
     for _ in 0..limits.edge_rounds {
         let weighted = DMatrix::from_fn(n, powers, |k, p| x[(k, p)] * weights[k]);
         let normal = weighted.transpose() * &x;

@@ -1,7 +1,8 @@
 //! What the forest is given of a pixel of the rectified strip: at four scales the Gaussian mean,
-//! the gradient across and along the edge and the standard deviation; the same means and deviations
-//! drawn out along the edge, as lands are; and the means of what lies between the edge and the
-//! pixel and of what lies below it.
+//! the gradient across and along the edge and the standard deviation; the same drawn out along the
+//! edge, as lands are; the means of what lies between the edge and the pixel and of what lies below
+//! it; and by how much the pixel's surroundings and what lies above differ from what lies below, as
+//! a share of both: the same for any light.
 
 use super::raster::Raster;
 use super::strip::Frame;
@@ -9,7 +10,7 @@ use super::strip::Frame;
 /// Standard deviations of the scales, rows of the strip.
 pub(crate) const SCALES: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 /// Features a pixel.
-pub(crate) const FEATURES: usize = 28;
+pub(crate) const FEATURES: usize = 44;
 
 /// The features of a strip: one raster a feature.
 pub(crate) fn features(strip: &Raster, frame: &Frame) -> Vec<Raster> {
@@ -23,24 +24,48 @@ pub(crate) fn features(strip: &Raster, frame: &Frame) -> Vec<Raster> {
         all.push(mean);
         all.push(deviation);
     }
-    for (down, along) in [(1.5, 12.0), (4.0, 12.0)] {
+    let detail = all[3].clone();
+    for (down, along) in [(1.5, 12.0), (4.0, 12.0), (12.0, 24.0)] {
         let mean = strip.blurred(down, along);
         let deviation = deviation(&square.blurred(down, along), &mean);
         all.push(difference_down(&mean, down));
         all.push(mean);
         all.push(deviation);
     }
-    let detail = all[3].clone();
-    let near = 8.0;
-    let soft = strip.blurred(0.0, near);
-    let soft_detail = detail.blurred(0.0, near);
-    for from in [&soft, &soft_detail] {
-        let total = sums_down(from);
-        all.push(above(&total, frame));
-        all.push(below(&total, 20));
-        all.push(below(&total, 60));
-    }
+    all.extend(compared(strip, &detail, frame));
     all
+}
+
+/// Means above and below a pixel of grey values, of their detail and of its share in them, and how
+/// the pixel's surroundings compare.
+fn compared(strip: &Raster, detail: &Raster, frame: &Frame) -> Vec<Raster> {
+    let near = 8.0;
+    let mut all = Vec::new();
+    let (soft, soft_detail) = (strip.blurred(4.0, near), detail.blurred(4.0, near));
+    let contrast = share_of(&soft_detail, &soft);
+    for of in [&soft, &soft_detail, &contrast] {
+        let total = sums_down(of);
+        let (over, under) = (above(&total, frame), [20, 60, 150].map(|rows| below(&total, rows)));
+        all.push(compare(of, &under[1]));
+        all.push(compare(of, &under[2]));
+        all.push(compare(&over, &under[1]));
+        all.push(over);
+        all.extend(under.into_iter().take(2));
+    }
+    all.push(contrast);
+    all
+}
+
+/// (a − b)/(|a| + |b|): −1 to 1; small values of both count as alike.
+fn compare(a: &Raster, b: &Raster) -> Raster {
+    let of = |(a, b): (&f32, &f32)| (a - b) / (a.abs() + b.abs() + 0.02);
+    Raster { values: a.values.iter().zip(&b.values).map(of).collect(), ..*a }
+}
+
+/// Detail as a share of the grey value.
+fn share_of(detail: &Raster, mean: &Raster) -> Raster {
+    let of = |(d, m): (&f32, &f32)| d / (m.abs() + 0.05);
+    Raster { values: detail.values.iter().zip(&mean.values).map(of).collect(), ..*detail }
 }
 
 fn deviation(square: &Raster, mean: &Raster) -> Raster {

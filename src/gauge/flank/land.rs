@@ -68,18 +68,28 @@ pub(super) fn first_context(all: &[Raster], frame: &Frame, inside: &[usize], tre
 
 /// Probabilities by the trees dealt out to so many groups; of fewer trees a tree a group.
 fn by_group(all: &[Raster], trees: &[Tree], count: usize) -> Vec<Raster> {
-    let columns = all[0].columns;
-    let group = |k: usize| {
-        let own: Vec<&Tree> = trees.iter().skip(k).step_by(count).collect();
-        let mut out = Raster::new(all[0].rows, columns);
-        out.values.par_chunks_mut(columns).enumerate().for_each(|(row, line)| {
-            for (column, value) in line.iter_mut().enumerate() {
-                *value = share(own.iter().copied(), |k| all[k].values[row * columns + column]);
-            }
-        });
-        out
+    let (rows, columns) = (all[0].rows, all[0].columns);
+    let count = count.min(trees.len());
+    let groups: Vec<Vec<&Tree>> = (0..count).map(|k| trees.iter().skip(k).step_by(count).collect()).collect();
+    let row = |row: usize| {
+        // a pixel's features side by side: trees read them in any order
+        let mut pixels = vec![0.0_f32; columns * all.len()];
+        for (k, feature) in all.iter().enumerate() {
+            feature.row(row).iter().enumerate().for_each(|(c, v)| pixels[c * all.len() + k] = *v);
+        }
+        let of = |own: &Vec<&Tree>| {
+            let pixels = pixels.chunks_exact(all.len());
+            pixels.map(|pixel| share(own.iter().copied(), |k| pixel[k])).collect::<Vec<f32>>()
+        };
+        groups.iter().map(of).collect::<Vec<_>>()
     };
-    (0..count.min(trees.len())).map(group).collect()
+    let lines: Vec<Vec<Vec<f32>>> = (0..rows).into_par_iter().map(row).collect();
+    let one = |k: usize| Raster {
+        rows,
+        columns,
+        values: lines.iter().flat_map(|l| l[k].iter().copied()).collect(),
+    };
+    (0..count).map(one).collect()
 }
 
 fn mean(of: &[Raster]) -> Raster {

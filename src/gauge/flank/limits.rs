@@ -66,6 +66,9 @@ limits! {
     air_um: f64 = 40.0;
     /// Least width of a worn land, µm: less is the rounding and the blur of a new edge.
     least_land_um: f64 = 6.0;
+    /// Share of the typical width from which a column is worn: lands that taper to two fifths of
+    /// their mean and scatter keep a quarter.
+    worn_share: f64 = 0.25;
     /// Largest gap that a worn length bridges, µm: shorter than the least worn length
     /// (`least_length_um`), so that no gap is bridged that could be a land.
     bridge_um: f64 = 60.0;
@@ -99,6 +102,23 @@ limits! {
     /// Largest sagitta of the reference curve, µm: ground edges are cambered by a few micrometres;
     /// a curve that bends more follows the border of a land, and a straight line is laid instead.
     most_sagitta_um: f64 = 80.0;
+    /// Depth on both sides of the first departure from the air in which the border's step lies, µm:
+    /// ten pixels of 2.4 µm, as far as a blur of three pixels reaches.
+    border_um: f64 = 24.0;
+    /// Stretches of a trace of which the bounding curve is sought: all triples of 40 are 9880
+    /// curves.
+    envelope_blocks: usize = 40;
+    /// Distance of a stretch from a curve on which it lies, µm: the traces of stretches scatter by
+    /// a row of 2 µm.
+    envelope_um: f64 = 4.0;
+    /// Share of the stretches that may lie above the bounding curve: burrs, two of forty.
+    envelope_above: f64 = 0.05;
+    /// Share of the stretches that lie on it at least: six of forty, twice what a parabola passes
+    /// through in any case.
+    envelope_share: f64 = 0.15;
+    /// Share of the stretches that the largest sagitta has to gain: as many as a parabola passes
+    /// through beyond a straight line, four times.
+    envelope_bend: f64 = 0.1;
     /// Rounds of reweighting of the reference curve. Tuned: see tests of flanks.
     edge_rounds: usize = 12;
     /// Log-odds of one pixel are worth no more: neighbours share what they are classified by.

@@ -5,7 +5,7 @@ use super::forest::Forest;
 use super::land::{Land, land};
 use super::limits::FlankLimits;
 use super::located::{Located, locate};
-use super::raster::Raster;
+use super::raster::{Raster, quantile};
 use super::result::{FlankBudget, FlankMeasurement, Width};
 use super::settings::{CornerSide, FlankSettings};
 use super::zones::{Zones, largest, mean, worn_range, zones};
@@ -26,6 +26,15 @@ pub(crate) fn measure_flank(
     assess(&flank, &found, settings, forest)
 }
 
+/// Width from which a column is worn, µm: more than the rounding of a new edge, and a share of what
+/// half of the worn columns have, since borders of new stretches scatter in proportion.
+fn least_worn_um(depth_um: &[f64]) -> f64 {
+    let limits = FlankLimits::get();
+    let worn = depth_um.iter().filter(|d| **d >= limits.least_land_um).map(|d| *d as f32);
+    let typical = f64::from(quantile(worn.collect(), 0.5));
+    limits.least_land_um.max(limits.worn_share * typical)
+}
+
 /// What follows from a border.
 fn assess(
     flank: &Located,
@@ -37,7 +46,8 @@ fn assess(
     let frame = &flank.frame;
     let bridge = (limits.bridge_um / frame.column_um()) as usize;
     let least = (limits.least_length_um / frame.column_um()) as usize;
-    let worn = worn_range(&found.depth_um, limits.least_land_um, bridge).filter(|w| w.1 - w.0 >= least);
+    let least_um = least_worn_um(&found.depth_um);
+    let worn = worn_range(&found.depth_um, least_um, bridge).filter(|w| w.1 - w.0 >= least);
     let shortened = settings.viewing_deg.to_radians().cos();
     let widths: Vec<Width> = (0..found.depth_um.len())
         .map(|k| Width { um: found.depth_um[k] / shortened, u_um: found.u_um[k] / shortened })

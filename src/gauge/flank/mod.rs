@@ -15,6 +15,7 @@
 
 mod context;
 mod edge;
+mod envelope;
 mod error;
 mod features;
 pub(crate) mod forest;

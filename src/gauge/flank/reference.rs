@@ -50,7 +50,9 @@ pub(crate) fn edge_line(image: &Raster) -> Result<EdgeLine, FlankError> {
         Some((c, cells.extent(&c)))
     });
     let refined: Vec<(Candidate, (f64, f64))> = refined.collect();
-    let longest = refined.into_iter().max_by(|(a, _), (b, _)| a.score.total_cmp(&b.score));
+    // score is a mean along the whole chord of the image; a side of the body is a short edge
+    let weight = |c: &Candidate, of: &(f64, f64)| c.score * (of.1 - of.0).max(0.0).sqrt();
+    let longest = refined.into_iter().max_by(|(a, x), (b, y)| weight(a, x).total_cmp(&weight(b, y)));
     let (best, (from, to)) = longest.ok_or_else(|| FlankError::NoFlank { why: "no line".to_owned() })?;
     if to - from < limits.least_cells {
         let why = format!(

@@ -72,6 +72,16 @@ pub(crate) fn render_flank(
     Ok((frame, mask, truth(scene, &pose, seed)))
 }
 
+/// What is true of a scene with a seed, without rendering it.
+pub(crate) fn flank_truth(scene: &FlankScene, seed: u64) -> FlankTruth {
+    truth(scene, &Pose::of(scene), seed)
+}
+
+/// Depth of a place (column, row) below the new edge, µm.
+pub(crate) fn below_edge_um(scene: &FlankScene, place: DVec2) -> f64 {
+    Pose::of(scene).on_flank(place).1
+}
+
 fn pixel(surface: &Surface<'_>, pose: &Pose, row: usize, column: usize) -> f32 {
     let node = |k: usize| (k as f64 + 0.5) / SAMPLES as f64 - 0.5;
     let mut sum = 0.0;

@@ -14,5 +14,5 @@ mod settings;
 mod surface;
 mod wear;
 
-pub(crate) use flank_frame::render_flank;
+pub(crate) use flank_frame::{FlankTruth, below_edge_um, flank_truth, render_flank};
 pub(crate) use settings::FlankScene;

@@ -7,6 +7,7 @@ mod found;
 mod parts;
 mod real;
 mod refused;
+mod studied;
 mod trained;
 
 use shadowgauge::gauge::flank::{CornerSide, FlankSettings};

@@ -175,20 +175,26 @@ fn end(args: &FlankArgs, document: &FlankDocument, refused: &[String]) -> Comman
     Ok(if given && !sharp { Outcome::OutOfTolerance } else { Outcome::Done })
 }
 
+/// The shipped forest (`forest`), or one of a file of `tool train`.
+///
+/// # Errors
+/// A file that is none, in words.
+pub(crate) fn forest_of(model: &str) -> Result<Forest, Failure> {
+    if model == "forest" {
+        return shipped().map_err(Failure::fail);
+    }
+    let named = |e: &dyn std::fmt::Display| {
+        Failure::refuse(format!("--model {model}: {e}; give forest, paper, or a file of `tool train`"))
+    };
+    let bytes = std::fs::read(model).map_err(|e| named(&e))?;
+    file::read(&bytes, (FEATURES, CONTEXT)).map_err(|e| named(&e))
+}
+
 impl Instrument {
     fn new(args: &FlankArgs) -> Result<Self, Failure> {
         let forest = match args.model.as_str() {
             "paper" => None,
-            "forest" => Some(shipped().map_err(Failure::fail)?),
-            path => {
-                let named = |e: &dyn std::fmt::Display| {
-                    Failure::refuse(format!(
-                        "--model {path}: {e}; give forest, paper, or a file of `tool train`"
-                    ))
-                };
-                let bytes = std::fs::read(path).map_err(|e| named(&e))?;
-                Some(file::read(&bytes, (FEATURES, CONTEXT)).map_err(|e| named(&e))?)
-            }
+            model => Some(forest_of(model)?),
         };
         let default = WearLimits::default();
         let limits = WearLimits {
