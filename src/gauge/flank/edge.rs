@@ -43,11 +43,12 @@ pub(crate) fn trace(strip: &Raster, frame: &Frame) -> TracedEdge {
 /// rows: the border itself, where the first departure is as far above it as the blur reaches.
 fn half_way(strip: &Raster, frame: &Frame, path: &[usize]) -> Vec<f64> {
     let limits = FlankLimits::get();
-    let reach = (limits.border_um / frame.row_um()) as usize;
+    let rows = |um: f64| (um / frame.row_um()) as usize;
+    let (reach, behind) = (rows(limits.border_um), rows(limits.border_below_um));
     let smooth = strip.blurred(0.0, 6.0);
-    let air = (limits.air_um / frame.row_um()) as usize;
+    let air = rows(limits.air_um);
     let one = |c: usize| {
-        let (from, to) = (path[c].saturating_sub(reach), (path[c] + reach).min(strip.rows - 1));
+        let (from, to) = (path[c].saturating_sub(reach), (path[c] + behind).min(strip.rows - 1));
         let level = quantile((from.saturating_sub(air)..from.max(1)).map(|r| smooth.at(r, c)).collect(), 0.5);
         let off = |r: usize| (smooth.at(r, c) - level).abs();
         let half = 0.5 * (from..=to).map(off).fold(0.0, f32::max);
@@ -55,8 +56,8 @@ fn half_way(strip: &Raster, frame: &Frame, path: &[usize]) -> Vec<f64> {
         if at == 0 {
             return 0.0;
         }
-        let (before, behind) = (off(at - 1).min(half), off(at));
-        at as f64 - f64::from((behind - half) / (behind - before).max(1e-6)).min(1.0)
+        let (before, after) = (off(at - 1).min(half), off(at));
+        at as f64 - f64::from((after - half) / (after - before).max(1e-6)).min(1.0)
     };
     (0..strip.columns).map(one).collect()
 }
@@ -72,8 +73,7 @@ fn departure(strip: &Raster, frame: &Frame) -> Raster {
     let levels: Vec<f32> = (0..strip.columns).map(level).collect();
     let off = |r: usize, c: usize| (strip.at(r, c) - levels[c]).abs();
     let scatter = (0..air_rows).flat_map(|r| (0..strip.columns).map(move |c| (r, c))).map(|(r, c)| off(r, c));
-    // what is out of focus has slopes beside its noise: 1.96 standard deviations hold 95 %
-    let sigma = (quantile(scatter.collect(), 0.95) / 1.96).max(1e-6);
+    let sigma = (MEDIAN_TO_SD as f32 * quantile(scatter.collect(), 0.5)).max(1e-6);
     for (k, value) in out.values.iter_mut().enumerate() {
         *value = (off(k / strip.columns, k % strip.columns) / (4.0 * sigma) - 1.0).clamp(-1.0, 1.5);
     }

@@ -102,9 +102,12 @@ limits! {
     /// Largest sagitta of the reference curve, µm: ground edges are cambered by a few micrometres;
     /// a curve that bends more follows the border of a land, and a straight line is laid instead.
     most_sagitta_um: f64 = 80.0;
-    /// Depth on both sides of the first departure from the air in which the border's step lies, µm:
-    /// ten pixels of 2.4 µm, as far as a blur of three pixels reaches.
+    /// Height above the first departure from the air in which the border's step begins, µm: ten
+    /// pixels of 2.4 µm, as far as a blur of three pixels reaches.
     border_um: f64 = 24.0;
+    /// Depth below that departure in which the step ends, µm: three standard deviations of a blur
+    /// of a pixel; what shines farther below is no border.
+    border_below_um: f64 = 8.0;
     /// Stretches of a trace of which the bounding curve is sought: all triples of 40 are 9880
     /// curves.
     envelope_blocks: usize = 40;

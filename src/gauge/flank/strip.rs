@@ -111,7 +111,7 @@ pub(crate) fn normalised(strip: &Raster, frame: &Frame) -> Raster {
         (0..frame.above.saturating_sub(near).max(1)).flat_map(|r| strip.row(r).to_vec()).collect();
     let level = quantile(air, 0.5);
     // as deep as the limit of a notch: wide lands alone are no flank
-    let lit_rows = frame.above..(frame.above + (600.0 / frame.row_um()) as usize).min(strip.rows);
+    let lit_rows = frame.above..(frame.above + (250.0 / frame.row_um()) as usize).min(strip.rows);
     let lit: Vec<f32> = lit_rows.flat_map(|r| strip.row(r).to_vec()).collect();
     let light = quantile(lit, 0.9) - level;
     let scale = if light > 0.0 { light.recip() } else { 1.0 };
