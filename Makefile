@@ -8,7 +8,8 @@
 #          make pages-check (the pages of serve in Chromium: flows, axe-core, widths, weight)   make store-check (kills, full disk, 10^7 stations)
 #          make gpu-check (a hardware adapter against the CPU path; needs the built program alone)   make bench   make bless CASE=all
 #          make wheel (the Python package -> out/wheel)   make wheel-test (its tests and examples in a venv; TESTS="-k arrays" for some)
-#          make peers (this crate beside other software, in venvs below out/peers; ONLY="nose" for some of run, render, nose, camera)
+#          make peers (this crate beside other software, in venvs below out/peers; ONLY="nose" for some of run, render, nose, camera,
+#                      and onnx: the tests of the feature `onnx`)
 
 CARGO ?= cargo
 BIN := target/release/shadowgauge
@@ -81,7 +82,7 @@ bench:
 # Beside other software on the same frames, each script with a venv of its own -> out/peers/NAME.txt; needs Python and PyPI.
 peers: build
 	@mkdir -p out/peers
-	@for name in $(or $(ONLY),run render nose camera); do \
+	@for name in $(or $(ONLY),run render nose camera onnx); do \
 	  VENVS="$(CURDIR)/out/peers" sh benches/peers/$$name.sh > out/peers/$$name.txt && cat out/peers/$$name.txt || exit 1; \
 	done
 

@@ -13,7 +13,8 @@ pub(crate) struct FlankImage {
     pub image: String,
     /// Mean width of the land over zone B, µm.
     pub vbb_um: f64,
-    /// Its standard uncertainty, µm; null in the paper's mode.
+    /// Its standard uncertainty, µm; null in the paper's mode, and of a network that states no
+    /// errors.
     pub u_vbb_um: Option<f64>,
     /// Largest width in zone B, µm.
     pub vbb_max_um: f64,
@@ -57,16 +58,17 @@ impl FlankImage {
     /// Of a measurement.
     pub(crate) fn new(image: String, m: &FlankMeasurement, limits: &WearLimits) -> Self {
         let land = Land { vbb_um: (m.vbb.um, m.vbb.u_um), vbb_max_um: (m.vbb_max.um, m.vbb_max.u_um) };
+        let known = |u_um: f64| u_um.is_finite().then_some(u_um);
         Self {
             image,
             vbb_um: m.vbb.um,
-            u_vbb_um: Some(m.vbb.u_um),
+            u_vbb_um: known(m.vbb.u_um),
             vbb_max_um: m.vbb_max.um,
-            u_vbb_max_um: Some(m.vbb_max.u_um),
+            u_vbb_max_um: known(m.vbb_max.u_um),
             vc_um: m.vc.map(|w| w.um),
-            u_vc_um: m.vc.map(|w| w.u_um),
+            u_vc_um: m.vc.and_then(|w| known(w.u_um)),
             vn_um: m.vn.map(|w| w.um),
-            u_vn_um: m.vn.map(|w| w.u_um),
+            u_vn_um: m.vn.and_then(|w| known(w.u_um)),
             worn_length_um: m.worn_length_um,
             class: land.class(),
             verdict: land.verdict(limits),

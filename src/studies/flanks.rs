@@ -1,12 +1,12 @@
 //! Rendered flanks, measured: errors of VBB and VBBmax beside their stated uncertainties.
 //!
-//! In: a forest, the size of the images, a seed. Out: a [`FlankRow`] a flank; [`summary`] joins
+//! In: a model of the land, the size of the images, a seed. Out: a [`FlankRow`] a flank; [`summary`] joins
 //! them. `worn_flanks` draws flanks about the limits of a worn edge.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::gauge::flank::{CornerSide, FlankMeasurement, FlankSettings, Forest, measure_flank};
+use crate::gauge::flank::{CornerSide, FlankMeasurement, FlankSettings, LandModel, measure_flank};
 use crate::render::RenderError;
 use crate::render::flank::{FlankScene, FlankTruth, below_edge_um, render_flank};
 
@@ -14,10 +14,10 @@ use crate::render::flank::{FlankScene, FlankTruth, below_edge_um, render_flank};
 const K95: f64 = 1.96;
 
 /// What flanks are drawn, and by what they are measured.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(crate) struct FlankPlan<'a> {
     /// The model.
-    pub forest: &'a Forest,
+    pub model: &'a dyn LandModel,
     /// Columns and rows of an image.
     pub size: (u32, u32),
     /// Scale, µm per px.
@@ -57,12 +57,12 @@ pub(crate) struct FlankRow {
 
 impl FlankRow {
     /// Measures one scene.
-    pub(crate) fn of(scene: &FlankScene, seed: u64, forest: &Forest) -> Result<Self, RenderError> {
+    pub(crate) fn of(scene: &FlankScene, seed: u64, model: &dyn LandModel) -> Result<Self, RenderError> {
         let (frame, _, truth) = render_flank(scene, seed)?;
         let full_scale = frame.view().full_scale().unwrap_or(f32::INFINITY);
         let settings = settings(scene.um_per_px, full_scale);
         let row = Self::true_of(&truth, seed);
-        Ok(match measure_flank(&frame.view(), &settings, forest) {
+        Ok(match measure_flank(&frame.view(), &settings, model) {
             Ok(found) => row.with(&found, scene),
             Err(error) => Self { refused: Some(error.to_string()), ..row },
         })
@@ -130,7 +130,7 @@ pub(crate) fn run(
 ) -> Result<Vec<FlankRow>, RenderError> {
     let one = |k: usize| {
         let seed = plan.seed.wrapping_add(k as u64);
-        let row = FlankRow::of(&FlankScene::drawn(seed, plan.size, plan.um_per_px), seed, plan.forest);
+        let row = FlankRow::of(&FlankScene::drawn(seed, plan.size, plan.um_per_px), seed, plan.model);
         done();
         row
     };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{csv_text, json_text};
 use crate::cli::terminal::progress;
-use crate::cli::tool::flank::forest_of;
+use crate::cli::tool::flank::model;
 use crate::cli::tool::nose::scale;
 use crate::cli::tool::render_flank::size;
 use crate::files::OutputFile;
@@ -48,9 +48,11 @@ pub(crate) struct StudyFlankArgs {
 /// # Errors
 /// Exit 2 for a model or a size that is refused.
 pub(crate) fn run(args: &StudyFlankArgs) -> CommandResult {
-    let forest = forest_of(&args.model)?;
+    let Some(model) = model::read(&args.model)? else {
+        return Err(Failure::refuse("--model paper states no uncertainty to compare with; give forest or a file"));
+    };
     let csv = args.csv.as_deref().map(|p| OutputFile::claim(p, [])).transpose()?;
-    let plan = FlankPlan { forest: &forest, size: args.size, um_per_px: args.um_per_px, seed: args.seed };
+    let plan = FlankPlan { model: model.as_ref(), size: args.size, um_per_px: args.um_per_px, seed: args.seed };
     if let Some(tools) = args.tools {
         return judged(args, &plan, (tools, csv));
     }

@@ -10,6 +10,7 @@ pub(super) mod overlay;
 mod pictures;
 mod render;
 pub(super) mod render_flank;
+mod strips;
 mod train;
 mod words;
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::nose::{frames, scale};
+use super::strips;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::files::OutputFile;
 use crate::gauge::flank::forest::file;
@@ -42,6 +43,10 @@ pub(crate) struct TrainArgs {
     /// What the model states that it was trained on, instead of the number of images.
     #[arg(long, value_name = "TEXT")]
     trained_on: Option<String>,
+    /// Write the rectified strips and their lands into this folder too: what a network is trained
+    /// on that `tool flank --model FILE.onnx` is given.
+    #[arg(long, value_name = "DIR")]
+    strips: Option<PathBuf>,
     /// Channel of colour images.
     #[arg(long, default_value = "g")]
     channel: Channel,
@@ -62,6 +67,9 @@ pub(crate) fn run(args: &TrainArgs) -> CommandResult {
             args.dir.display(),
             labelled.len()
         )));
+    }
+    if let Some(dir) = &args.strips {
+        strips::write(dir, &labelled)?;
     }
     let growth = Growth { seed: args.seed, ..Growth::default() };
     let pixels = drawn(&labelled, growth.seed);

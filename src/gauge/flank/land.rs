@@ -2,7 +2,8 @@
 //!
 //! A border at a row makes all pixels above it land and all below it not: its cost is the sum of
 //! the log-odds against that, and the path of least cost through the strip is the border. The
-//! second trees see what the first ones found about a pixel (`context`).
+//! second trees see what the first ones found about a pixel (`context`). Probabilities may come
+//! from elsewhere too ([`border`]).
 
 use rayon::prelude::*;
 
@@ -22,11 +23,12 @@ pub(crate) struct Land {
     pub depth_um: Vec<f64>,
     /// Its standard uncertainty in every column, µm.
     pub u_um: Vec<f64>,
-    /// Depth of the border by each group of the forest's trees, µm.
+    /// Depth of the border by each group of the forest's trees, or each way in which another model
+    /// was asked, µm.
     pub by_group_um: Vec<Vec<f64>>,
 }
 
-/// Finds the border in a strip; `inside` are the rows of each column within the image.
+/// Finds the border in a strip by a forest; `inside` are the rows of each column within the image.
 pub(crate) fn land(strip: &Raster, frame: &Frame, inside: &[usize], forest: &Forest) -> Land {
     let limits = FlankLimits::get();
     let mut all = below(&features(&normalised(strip, frame), frame), frame);
@@ -34,12 +36,18 @@ pub(crate) fn land(strip: &Raster, frame: &Frame, inside: &[usize], forest: &For
         all.extend(first_context(&all, frame, inside, &forest.trees));
     }
     let trees = if forest.second.is_empty() { &forest.trees } else { &forest.second };
+    border(&by_group(&all, trees, limits.tree_groups), frame, inside)
+}
+
+/// The border from probabilities of land below the reference, one raster a group, all of one weight;
+/// their disagreement is in `by_group_um`.
+pub(super) fn border(groups: &[Raster], frame: &Frame, inside: &[usize]) -> Land {
+    let limits = FlankLimits::get();
     let row_um = frame.row_um();
     let depth_um = |path: &[usize]| path.iter().map(|v| *v as f64 * row_um).collect::<Vec<f64>>();
-    let groups = by_group(&all, trees, limits.tree_groups);
     let by_group_um =
         groups.par_iter().map(|p| depth_um(&costs(p, frame, inside).cheapest())).collect::<Vec<_>>();
-    let costs = costs(&mean(&groups), frame, inside);
+    let costs = costs(&mean(groups), frame, inside);
     let path = costs.cheapest();
     let spread = costs.spread(&path, limits.temperature as f32);
     Land {

@@ -1,29 +1,29 @@
 //! A frame to the widths of its land, zones and uncertainties.
 
 use super::error::FlankError;
-use super::forest::Forest;
-use super::land::{Land, land};
+use super::land::Land;
 use super::limits::FlankLimits;
 use super::located::{Located, locate};
+use super::model::{LandModel, ModelErrors};
 use super::raster::{Raster, quantile};
 use super::result::{FlankBudget, FlankMeasurement, Width};
 use super::settings::{CornerSide, FlankSettings};
 use super::zones::{Zones, largest, mean, worn_range, zones};
 use crate::frame::FrameView;
 
-/// Measures a flank by a forest.
+/// Measures a flank by a model of its land, a forest or a network.
 ///
 /// # Errors
-/// No flank, a land that leaves the field, glare over its border.
+/// No flank, a land that leaves the field, glare over its border; a model that fails.
 pub(crate) fn measure_flank(
     view: &FrameView<'_>,
     settings: &FlankSettings,
-    forest: &Forest,
+    model: &dyn LandModel,
 ) -> Result<FlankMeasurement, FlankError> {
     let image = Raster::of(view)?;
     let flank = locate(&image, settings.um_per_px, settings.baseline.as_deref())?;
-    let found = land(&flank.strip, &flank.frame, &flank.inside, forest);
-    assess(&flank, &found, settings, forest)
+    let found = model.land(&flank.strip, &flank.frame, &flank.inside)?;
+    assess(&flank, &found, settings, model.errors())
 }
 
 /// Width from which a column is worn, µm: more than the rounding of a new edge, and a share of what
@@ -40,7 +40,7 @@ fn assess(
     flank: &Located,
     found: &Land,
     settings: &FlankSettings,
-    forest: &Forest,
+    errors: ModelErrors,
 ) -> Result<FlankMeasurement, FlankError> {
     let limits = FlankLimits::get();
     let frame = &flank.frame;
@@ -52,7 +52,7 @@ fn assess(
     let widths: Vec<Width> = (0..found.depth_um.len())
         .map(|k| Width { um: found.depth_um[k] / shortened, u_um: found.u_um[k] / shortened })
         .collect();
-    let mut flags = Vec::new();
+    let mut flags = if errors.vb_um.is_finite() { Vec::new() } else { vec!["no_uncertainty"] };
     let Some(worn) = worn else {
         // a land that glare hides is none that is absent
         glare(flank, found, (0, found.depth_um.len().saturating_sub(1)), settings.full_scale)?;
@@ -61,7 +61,7 @@ fn assess(
             flank,
             settings,
             (widths, Zones { b: 0..0, c: None, n: None }, (0, 0)),
-            (forest, &found.by_group_um, flags),
+            (errors, &found.by_group_um, flags),
         ));
     };
     leaves_field(flank, found, worn)?;
@@ -76,7 +76,7 @@ fn assess(
     if settings.um_per_px > 1.5 * limits.pitch_um {
         flags.push("coarse_scale");
     }
-    Ok(finished(flank, settings, (widths, zones, worn), (forest, &found.by_group_um, flags)))
+    Ok(finished(flank, settings, (widths, zones, worn), (errors, &found.by_group_um, flags)))
 }
 
 /// The measurement with its uncertainties.
@@ -84,7 +84,7 @@ fn finished(
     flank: &Located,
     settings: &FlankSettings,
     (widths, zones, worn): (Vec<Width>, Zones, (usize, usize)),
-    (forest, by_group_um, flags): (&Forest, &[Vec<f64>], Vec<&'static str>),
+    (errors, by_group_um, flags): (ModelErrors, &[Vec<f64>], Vec<&'static str>),
 ) -> FlankMeasurement {
     let frame = &flank.frame;
     let shortened = settings.viewing_deg.to_radians().cos();
@@ -99,16 +99,15 @@ fn finished(
         let budget = FlankBudget { border_um: width.u_um, ..common(width.um, model_um) };
         (Width { um: width.um, u_um: budget.combined_um() }, budget)
     };
-    let facts = &forest.facts;
     let model_um = |range: &std::ops::Range<usize>, of: fn(&[f64]) -> f64, error_um: f64| {
         let by_group: Vec<f64> = by_group_um.iter().map(|depth| of(&depth[range.clone()])).collect();
         error_um.hypot(deviation(&by_group) / shortened)
     };
-    let model_vbb_um = model_um(&zones.b, average, facts.vb_error_um);
+    let model_vbb_um = model_um(&zones.b, average, errors.vb_um);
     let (vbb, budget) = with(mean(&widths[zones.b.clone()], FlankLimits::get().shared_columns), model_vbb_um);
     let of = |range: &std::ops::Range<usize>| {
         let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-        with(largest(&widths[range.clone()]), model_um(range, most, facts.vb_max_error_um)).0
+        with(largest(&widths[range.clone()]), model_um(range, most, errors.vb_max_um)).0
     };
     let worn_length_um = if worn.1 > worn.0 { (worn.1 - worn.0 + 1) as f64 * frame.column_um() } else { 0.0 };
     FlankMeasurement {

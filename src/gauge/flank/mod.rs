@@ -9,7 +9,8 @@
 //! divides the worn length, `measurement` puts it together with u. `labelled` trains a forest on
 //! flanks with masks, `paper` measures as a published paper does.
 //!
-//! In: a frame, [`FlankSettings`], a [`Forest`] ([`shipped`]: trained on rendered flanks alone).
+//! In: a frame, [`FlankSettings`], a [`LandModel`]: a [`Forest`] ([`shipped`]: trained on rendered
+//! flanks alone) or, with the feature `onnx`, a `network` of the user's.
 //! Out: [`FlankMeasurement`] (`result`) in µm, or a [`FlankError`]. One more feature of a pixel is
 //! a line of `features`, and the shipped forest is trained anew.
 
@@ -25,6 +26,9 @@ mod lift;
 pub(crate) mod limits;
 mod located;
 mod measurement;
+mod model;
+#[cfg(feature = "onnx")]
+pub(crate) mod network;
 pub(crate) mod paper;
 mod path;
 mod raster;
@@ -41,9 +45,11 @@ pub(crate) use forest::Forest;
 pub(crate) use labelled::{Drawn, Labelled, drawn, errors_um, train};
 pub(crate) use located::locate;
 pub(crate) use measurement::measure_flank;
+pub(crate) use model::LandModel;
 pub(crate) use raster::Raster;
 pub(crate) use result::{FlankBudget, FlankMeasurement};
 pub(crate) use settings::{CornerSide, FlankSettings};
+pub(crate) use strip::normalised;
 
 /// The forest that the program brings along: none yet. One that was trained on 20 rendered flanks
 /// had errors of VB of 50 µm rms on those that were left out, of VBmax of 77, and of VBmax of a

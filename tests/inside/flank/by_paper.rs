@@ -4,7 +4,7 @@ use shadowgauge::gauge::flank::paper::measure_paper_flank;
 use shadowgauge::render::flank::{FlankScene, render_flank};
 
 /// A bright land on a darker flank.
-fn scene() -> FlankScene {
+pub(super) fn scene() -> FlankScene {
     let mut scene = FlankScene::default();
     let surface = &mut scene.surface;
     (surface.land, surface.flank, surface.air) = (0.85, 0.15, 0.05);

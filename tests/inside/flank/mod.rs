@@ -1,8 +1,11 @@
 //! Flank wear: the renderer's truth, the measurement against it, refusals, and real flanks
 //! (`SHADOWGAUGE_FLANKS`).
 
+#[cfg(feature = "onnx")]
+mod by_network;
 mod by_paper;
 mod drawn;
+mod feature;
 mod found;
 mod parts;
 mod real;

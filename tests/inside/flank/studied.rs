@@ -25,7 +25,7 @@ fn small_forest() -> Forest {
 #[test]
 fn flanks_and_their_summary_are_the_same_at_any_number_of_threads() {
     let forest = small_forest();
-    let plan = FlankPlan { forest: &forest, size: SIZE, um_per_px: UM_PER_PX, seed: 900 };
+    let plan = FlankPlan { model: &forest, size: SIZE, um_per_px: UM_PER_PX, seed: 900 };
     let run = || flanks::run(&plan, 4, &|| {}).unwrap();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(run);
     assert_eq!(one, run());
@@ -40,7 +40,7 @@ fn flanks_and_their_summary_are_the_same_at_any_number_of_threads() {
 #[test]
 fn tools_are_drawn_about_their_limits() {
     let (forest, limits) = (small_forest(), WearLimits::default());
-    let plan = FlankPlan { forest: &forest, size: (640, 480), um_per_px: 3.5, seed: 1 };
+    let plan = FlankPlan { model: &forest, size: (640, 480), um_per_px: 3.5, seed: 1 };
     let (mut blunt, mut sharp) = (0, 0);
     for seed in 1..41 {
         let truth = flank_truth(&worn_flanks::scene(&plan, seed, &limits), seed);

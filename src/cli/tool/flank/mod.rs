@@ -1,5 +1,6 @@
 //! `shadowgauge tool flank`: front-lit images of a flank to the widths of its land.
 
+pub(in crate::cli) mod model;
 mod overlay;
 mod words;
 
@@ -10,9 +11,8 @@ use crate::cli::input_output::json_text;
 use crate::cli::tool::nose::{frames, scale};
 use crate::files::OutputFile;
 use crate::frame::Frame;
-use crate::gauge::flank::forest::file;
 use crate::gauge::flank::paper::measure_paper_flank;
-use crate::gauge::flank::{CONTEXT, CornerSide, FEATURES, FlankSettings, Forest, measure_flank, shipped};
+use crate::gauge::flank::{CornerSide, FlankSettings, LandModel, measure_flank};
 use crate::measurement::flank::{FlankDocument, FlankImage};
 use crate::source::{Channel, listing};
 use crate::tool::wear::{WearLimits, WearRow, WearVerdict, forecast, read_history, write_history};
@@ -29,8 +29,8 @@ pub(crate) struct FlankArgs {
     /// Relative standard uncertainty of the scale.
     #[arg(long, value_name = "U", default_value_t = 0.002, value_parser = share)]
     u_scale: f64,
-    /// `forest` (trained on rendered flanks), `paper` (for comparison with paper 004), or a file of
-    /// `tool train`.
+    /// `forest` (trained on rendered flanks), `paper` (for comparison with paper 004), a file of
+    /// `tool train`, or a network of yours, FILE.onnx (in a program built with the feature `onnx`).
     #[arg(long, value_name = "MODEL", default_value = "forest")]
     model: String,
     /// An image of the same edge new: the bend of its edge is that of the reference.
@@ -106,7 +106,7 @@ struct Instrument {
     settings: FlankSettings,
     limits: WearLimits,
     /// `None`: the paper's way.
-    forest: Option<Forest>,
+    model: Option<Box<dyn LandModel>>,
 }
 
 type Measured = (FlankImage, Vec<[glam::DVec2; 2]>);
@@ -175,27 +175,9 @@ fn end(args: &FlankArgs, document: &FlankDocument, refused: &[String]) -> Comman
     Ok(if given && !sharp { Outcome::OutOfTolerance } else { Outcome::Done })
 }
 
-/// The shipped forest (`forest`), or one of a file of `tool train`.
-///
-/// # Errors
-/// A file that is none, in words.
-pub(crate) fn forest_of(model: &str) -> Result<Forest, Failure> {
-    if model == "forest" {
-        return shipped().map_err(Failure::fail);
-    }
-    let named = |e: &dyn std::fmt::Display| {
-        Failure::refuse(format!("--model {model}: {e}; give forest, paper, or a file of `tool train`"))
-    };
-    let bytes = std::fs::read(model).map_err(|e| named(&e))?;
-    file::read(&bytes, (FEATURES, CONTEXT)).map_err(|e| named(&e))
-}
-
 impl Instrument {
     fn new(args: &FlankArgs) -> Result<Self, Failure> {
-        let forest = match args.model.as_str() {
-            "paper" => None,
-            model => Some(forest_of(model)?),
-        };
+        let model = model::read(&args.model)?;
         let default = WearLimits::default();
         let limits = WearLimits {
             vbb_um: args.vbb_limit_um.unwrap_or(default.vbb_um),
@@ -218,7 +200,7 @@ impl Instrument {
             baseline: None,
             full_scale: f32::INFINITY,
         };
-        let mut instrument = Self { settings, limits, forest };
+        let mut instrument = Self { settings, limits, model };
         if let Some(path) = &args.baseline {
             instrument.settings.baseline = Some(instrument.baseline(path, args.channel)?);
         }
@@ -231,23 +213,23 @@ impl Instrument {
         let Some(read) = frames(vec![path.to_owned()], channel).next() else {
             return Err(named(&"holds no image"));
         };
-        let Some(forest) = &self.forest else {
+        let Some(model) = self.model.as_deref() else {
             return Err(Failure::refuse("--baseline: --model paper fits its own line; leave it out"));
         };
-        let found = measure_flank(&read?.1.view(), &self.settings, forest).map_err(|e| named(&e))?;
+        let found = measure_flank(&read?.1.view(), &self.settings, model).map_err(|e| named(&e))?;
         Ok(found.curve)
     }
 
     fn measure(&self, name: String, frame: &Frame) -> Result<Measured, String> {
         let view = frame.view();
-        let Some(forest) = &self.forest else {
+        let Some(model) = self.model.as_deref() else {
             let found = measure_paper_flank(&view, self.settings.um_per_px).map_err(|e| e.to_string())?;
             let image = FlankImage::of_paper(name, &found, &self.limits);
             return Ok((image, found.places));
         };
         let full_scale = view.full_scale().unwrap_or(f32::INFINITY);
         let settings = FlankSettings { full_scale, ..self.settings.clone() };
-        let found = measure_flank(&view, &settings, forest).map_err(|e| e.to_string())?;
+        let found = measure_flank(&view, &settings, model).map_err(|e| e.to_string())?;
         Ok((FlankImage::new(name, &found, &self.limits), found.places))
     }
 }
@@ -278,7 +260,8 @@ impl History {
     ) -> Result<Vec<crate::tool::wear::Forecast>, Failure> {
         let (Some(u_vbb_um), Some(u_vbb_max_um)) = (image.u_vbb_um, image.u_vbb_max_um) else {
             return Err(Failure::refuse(
-                "--history: --model paper states no uncertainty, which a history needs",
+                "--history: this model states no uncertainty, which a history needs; take a forest, or a network with \
+                 vb_error_um and vb_max_error_um in its metadata",
             ));
         };
         if let Some(last) = self.rows.last().filter(|last| cut < last.cut) {
