@@ -1,4 +1,5 @@
-//! `tool render`, `tool nose` and `tool compensate` one after another, and what is refused.
+//! `tool render`, `tool nose` and `tool compensate` one after another, `tool render-flank`, `tool
+//! train` and `tool flank`, and what is refused.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/program.rs"]
@@ -320,5 +321,96 @@ fn the_peers_of_the_nose_make_their_table() {
     for method in ["this crate, ml", "this crate, the paper's way", "LSD + TLS"] {
         let row = table.lines().find(|line| line.contains(method));
         assert!(row.is_some_and(|row| !row.contains("measured none")), "{method}: {table} {said}");
+    }
+}
+
+/// Two rendered flanks in a folder below `folder`, and a forest that was trained on them.
+fn flanks_and_forest(folder: &Path) -> (PathBuf, String) {
+    let at = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let flanks = at("flanks");
+    let size = ["--random", "2", "--size", "360x240", "--um-per-px", "4"];
+    good(&[&["tool", "render-flank", "--out", &flanks], &size[..]].concat());
+    let (forest, strips) = (at("flanks.forest"), at("strips"));
+    let out = ["--um-per-px", "4", "--out", &forest, "--strips", &strips];
+    let said = good(&[&["tool", "train", &flanks], &out[..]].concat());
+    assert!(said.contains("2 images") && said.contains("µm rms"), "{said}");
+    // a strip of 510 rows of float32 and its land for every image
+    let mut names: Vec<String> = std::fs::read_dir(folder.join("strips"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["000000.tif", "000000_land.png", "000001.tif", "000001_land.png"]);
+    let strip = image::open(folder.join("strips/000000.tif")).unwrap();
+    let land = image::open(folder.join("strips/000000_land.png")).unwrap().to_luma8();
+    assert_eq!((strip.width(), strip.height()), (land.width(), 510));
+    assert_eq!(land.height(), 510);
+    assert!(land.pixels().any(|p| p.0 == [255]) && land.pixels().all(|p| [0, 255].contains(&p.0[0])));
+    (folder.join("flanks"), forest)
+}
+
+/// Keys of an image in the document of `tool flank`.
+const KEYS: [&str; 11] = [
+    "image",
+    "vbb_um",
+    "u_vbb_um",
+    "vbb_max_um",
+    "u_vbb_max_um",
+    "vc_um",
+    "vn_um",
+    "worn_length_um",
+    "class",
+    "verdict",
+    "flags",
+];
+
+/// Flanks by a forest, by the paper's way and by what is no model: keys, history, limits, refusals.
+#[test]
+fn a_flank_from_its_image_to_a_verdict_a_history_and_a_forecast() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (flanks, forest) = flanks_and_forest(folder.path());
+    let image = flanks.join("000000.png").to_str().unwrap().to_owned();
+    let tried = |more: &[&str]| run(&[&["tool", "flank", &image, "--um-per-px", "4"], more].concat());
+    let document = |more: &[&str]| -> Value {
+        let output = tried(more);
+        assert_eq!(output.status.code(), Some(0), "{more:?}: {}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let no = |more: &[&str], exit: i32| {
+        refused(&[&["tool", "flank", &image, "--um-per-px", "4"], more].concat(), exit)
+    };
+    let (history, overlay) = (at("edge.csv"), at("land.png"));
+    let mut last = Value::Null;
+    for cut in ["1", "2", "3"] {
+        last = document(&["--model", &forest, "--json", "--history", &history, "--cut", cut]);
+    }
+    let one = last["images"][0].as_object().unwrap();
+    assert!(KEYS.iter().all(|key| one.contains_key(*key)), "{one:?}");
+    assert!(one["image"] == "000000" && one["vbb_um"].as_f64() > Some(0.0), "{one:?}");
+    assert!(one["u_vbb_um"].as_f64() > Some(0.0) && one["flags"].is_array(), "{one:?}");
+    // three equal readings: both forecasts, and no cut at which a limit is reached
+    let forecasts = last["forecasts"].as_array().unwrap();
+    assert!(forecasts.len() == 2 && forecasts.iter().all(|f| f["readings"] == 3), "{forecasts:?}");
+    assert_eq!(std::fs::read_to_string(&history).unwrap().lines().count(), 4);
+    assert!(no(&["--model", &forest, "--history", &history, "--cut", "2"], 2).contains("ends at cut 3"));
+    document(&["--model", &forest, "--json", "--overlay", &overlay]);
+    assert_eq!(image::open(&overlay).unwrap().to_rgb8().dimensions(), (360, 240));
+    // the same picture new: the bend of its edge; a limit below the land ends with 1
+    document(&["--model", &forest, "--json", "--baseline", &image]);
+    assert_eq!(tried(&["--model", &forest, "--vbb-limit-um", "1"]).status.code(), Some(1));
+    assert!(no(&["--model", &image], 2).contains("not a file of `tool train`"));
+    let network = no(&["--model", &at("absent.onnx")], 2);
+    assert!(network.contains("absent.onnx") && network.contains("FILE.onnx"), "{network}");
+    #[cfg(not(feature = "onnx"))]
+    assert!(network.contains("--features onnx"), "{network}");
+    // the paper's way has the same keys and no uncertainty, or sees no bright land
+    let output = tried(&["--model", "paper", "--json"]);
+    match output.status.code() {
+        Some(0) => {
+            let of: Value = serde_json::from_slice(&output.stdout).unwrap();
+            assert!(of["images"][0]["u_vbb_um"].is_null() && of["images"][0]["verdict"] != "sharp", "{of}");
+        }
+        code => assert_eq!(code, Some(3)),
     }
 }

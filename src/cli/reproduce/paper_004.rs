@@ -29,8 +29,8 @@ const PARTS: [(&str, &[&str]); 6] = [
     ("The flank (section 2, Table 1)", &["flank."]),
     ("The nose by vision (section 2)", &["nose.", "lsd.", "eq6.", "eq7.", "eq10.", "insert."]),
     (
-        "The four workpieces and the lathe (Tables 2 and 4)",
-        &["part1.", "part2.", "part3.", "part4.", "rate.", "table2."],
+        "The four workpieces and the lathe (Tables 2 to 4)",
+        &["part1.", "part2.", "part3.", "part4.", "rate.", "table2.", "table3."],
     ),
     (
         "Where the paper disagrees with itself: compensation",

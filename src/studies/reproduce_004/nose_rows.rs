@@ -11,6 +11,8 @@ use crate::studies::reproduction::{Accept, Row};
 const PIXEL_UM: f64 = 2.4;
 /// Columns and rows of that camera.
 pub(super) const CAMERA_PX: (u32, u32) = (3072, 2048);
+/// Magnifications of the two lenses of section 2 by their names, MVL-HT-07-110 and MVL-HT-1-110.
+const LENSES: [f64; 2] = [0.7, 1.0];
 /// Pixels of the region of the example of equation 7.
 const REGION_PX: u32 = 100;
 
@@ -28,6 +30,26 @@ fn scale(inputs: &Inputs) -> Vec<Row> {
             ("nose.magnification", "magnification of the lens", ""),
             PIXEL_UM / inputs.scale_um_per_px,
             "the camera's pixel pitch of 2.4 µm, by its data sheet, over S (section 2.2)",
+        ),
+        Row::in_sample(
+            ("nose.lens", "magnification of the lens that this is", ""),
+            Some(LENSES[1]),
+            PIXEL_UM / inputs.scale_um_per_px,
+            Accept::Relative(0.02),
+            format!(
+                "MVL-HT-1-110 by its name; MVL-HT-07-110 would have a scale of {:.3} µm/px",
+                PIXEL_UM / LENSES[0]
+            ),
+        ),
+        Row::ours(
+            ("nose.field.columns", "width of the field", "mm"),
+            mm(f64::from(CAMERA_PX.0)),
+            "3072 pixels of the camera, by its data sheet, at S",
+        ),
+        Row::ours(
+            ("nose.field.rows", "height of the field", "mm"),
+            mm(f64::from(CAMERA_PX.1)),
+            "2048 pixels",
         ),
         printed(
             ("nose.r", "mean radius r of the worn nose", "mm"),
