@@ -341,10 +341,13 @@ fn flanks_and_forest(folder: &Path) -> (PathBuf, String) {
         .collect();
     names.sort();
     assert_eq!(names, ["000000.tif", "000000_land.png", "000001.tif", "000001_land.png"]);
-    let strip = image::open(folder.join("strips/000000.tif")).unwrap();
+    let file = std::fs::File::open(folder.join("strips/000000.tif")).unwrap();
+    let mut strip = tiff::decoder::Decoder::new(std::io::BufReader::new(file)).unwrap();
     let land = image::open(folder.join("strips/000000_land.png")).unwrap().to_luma8();
-    assert_eq!((strip.width(), strip.height()), (land.width(), 510));
+    assert_eq!(strip.dimensions().unwrap(), land.dimensions());
     assert_eq!(land.height(), 510);
+    let tiff::decoder::DecodingResult::F32(grey) = strip.read_image().unwrap() else { panic!("no float32") };
+    assert!(grey.iter().all(|v| (-1.0..=3.0).contains(v)));
     assert!(land.pixels().any(|p| p.0 == [255]) && land.pixels().all(|p| [0, 255].contains(&p.0[0])));
     (folder.join("flanks"), forest)
 }
