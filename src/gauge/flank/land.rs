@@ -39,8 +39,8 @@ pub(crate) fn land(strip: &Raster, frame: &Frame, inside: &[usize], forest: &For
     border(&by_group(&all, trees, limits.tree_groups), frame, inside)
 }
 
-/// The border from probabilities of land below the reference, one raster a group, all of one weight;
-/// their disagreement is in `by_group_um`.
+/// The border from probabilities of land below the reference, one raster a group, all of one
+/// weight; their disagreement is in `by_group_um`.
 pub(super) fn border(groups: &[Raster], frame: &Frame, inside: &[usize]) -> Land {
     let limits = FlankLimits::get();
     let row_um = frame.row_um();

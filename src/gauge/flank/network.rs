@@ -214,9 +214,33 @@ mod tests {
     use super::super::reference::EdgeLine;
     use super::*;
 
+    /// A network of the tests (`tests/data/onnx/make.py`) by its name.
+    macro_rules! network {
+        ($name:literal) => {
+            ($name, include_bytes!(concat!("../../../tests/data/onnx/", $name, ".onnx")).as_slice())
+        };
+    }
+
+    const FILES: [(&str, &[u8]); 15] = [
+        network!("threshold"),
+        network!("bare"),
+        network!("logit"),
+        network!("lopsided"),
+        network!("unet"),
+        network!("log_odds_unstated"),
+        network!("one_error"),
+        network!("multiple_0"),
+        network!("fixed_size"),
+        network!("three_channels"),
+        network!("rank_2"),
+        network!("two_inputs"),
+        network!("two_outputs"),
+        network!("half_size"),
+        network!("not_a_number"),
+    ];
+
     fn file(name: &str) -> Vec<u8> {
-        let path = format!("{}/tests/data/onnx/{name}.onnx", env!("CARGO_MANIFEST_DIR"));
-        std::fs::read(&path).unwrap_or_else(|e| panic!("{path}: {e}"))
+        FILES.iter().find(|file| file.0 == name).unwrap_or_else(|| panic!("no {name}")).1.to_vec()
     }
 
     fn read(name: &str) -> Network {
@@ -284,8 +308,7 @@ mod tests {
         let value = |k: usize| (0.3 * (k / columns) as f32).sin() * (0.2 * (k % columns) as f32).cos();
         let strip = Raster { rows, columns, values: (0..rows * columns).map(value).collect() };
         let seen = read("unet").probability(&strip).unwrap();
-        let path = format!("{}/tests/data/onnx/unet.csv", env!("CARGO_MANIFEST_DIR"));
-        let text = std::fs::read_to_string(path).unwrap();
+        let text = include_str!("../../../tests/data/onnx/unet.csv");
         let mut least_and_most = (1.0f32, 0.0f32);
         for line in text.lines().skip(1) {
             let [row, column, right] = line.split(',').collect::<Vec<_>>()[..] else { panic!("{line}") };

@@ -1,5 +1,5 @@
-//! The flank of Table 1: classes, verdicts by the paper's rule and by ours, the blunting standard with an uncertainty, and what its words on
-//! the direction of a width leave open.
+//! The flank of Table 1: classes, verdicts by the paper's rule and by ours, the blunting standard
+//! with an uncertainty, and what its words on the direction of a width leave open.
 
 use super::inputs::{Inputs, MICROMETRE_MM, PrintedLand};
 use crate::conformity::{DecisionRule, MANY};

@@ -4,9 +4,10 @@
 //! In: [`Inputs`], what the paper prints, and the angles of the cones where they are stated. Out:
 //! rows with verdicts ([`super::reproduction`]) and curves. The paper's ways of measuring are those
 //! of `gauge::nose::paper` and `gauge::flank::paper`; `flank_rows` has Table 1, `nose_rows` scale,
-//! radii and line detector, `seat` how a holder tilts an insert, `parts` Table 4, `lathe` Tables 2 and 3,
-//! `contradictions` thirteen places where the paper disagrees with itself (c01 to c13), `model` the
-//! paper's nose in e(a) of `tool`. A further figure is a row in the file of its subject.
+//! radii and line detector, `seat` how a holder tilts an insert, `parts` Table 4, `lathe` Tables 2
+//! and 3, `contradictions` thirteen places where the paper disagrees with itself (c01 to c13),
+//! `model` the paper's nose in e(a) of `tool`. A further figure is a row in the file of its
+//! subject.
 
 mod contradictions;
 mod curves;

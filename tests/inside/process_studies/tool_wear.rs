@@ -161,7 +161,8 @@ fn rows_have_names_numbers_reasons_and_no_miss() {
 }
 
 /// Every figure that the paper prints of flanks, nose, lathe and workpieces, and the row that it is
-/// in, as the paper's figure or as what ours is computed from: a row that is dropped is missed here.
+/// in, as the paper's figure or as what ours is computed from: a row that is dropped is missed
+/// here.
 #[test]
 fn every_figure_of_the_paper_has_a_row() {
     let rows = found().rows;
