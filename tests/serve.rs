@@ -5,6 +5,8 @@
 mod bounds;
 #[path = "serve/browser.rs"]
 mod browser;
+#[path = "serve/gauge.rs"]
+mod gauge;
 #[path = "support/program.rs"]
 mod program;
 #[path = "support/small_job.rs"]
@@ -109,6 +111,9 @@ fn a_run_is_started_on_the_page_followed_and_found_in_the_store() {
     }
     let run = server.get("/api/runs/first").json();
     assert_eq!(run["passes"].as_array().unwrap().len(), 2, "{run}");
+    let job = server.get("/api/jobs/first").json();
+    assert_eq!((&job["passes"], &job["passes_planned"]), (&json!(2), &json!(2)), "{job}");
+    assert_eq!(server.get("/api/jobs/other").status, 404);
     let list = server.get("/api/runs?name=fir").json();
     assert_eq!((&list["total"], &list["runs"][0]["finished"]), (&json!(1), &json!(true)));
     assert_eq!(server.get("/api/runs?name=other").json()["total"], 0);
@@ -130,7 +135,7 @@ fn every_route_that_is_documented_is_served() {
     let paths = document["paths"].as_object().unwrap();
     assert!(paths.len() >= 8, "{paths:?}");
     for (path, methods) in paths {
-        if path == "/api/live" {
+        if matches!(path.as_str(), "/api/live" | "/api/events") {
             continue;
         }
         for method in methods.as_object().unwrap().keys() {
@@ -151,6 +156,9 @@ fn every_route_that_is_documented_is_served() {
         "/picture.js",
         "/programs.js",
         "/runs.js",
+        "/form.js",
+        "/compare.js",
+        "/health.js",
         "/history.js",
         "/setup.js",
         "/gauge.js",
@@ -246,7 +254,7 @@ fn live_lines_come_as_they_are_measured_and_a_dead_source_reads_invalid() {
     }
     let dead = Server::start(&["--source", text(&folder.path().join("absent")), "--", "--um-per-px", "50"]);
     let mut stream = dead.connect();
-    write!(stream, "GET /api/live HTTP/1.1\r\nHost: {}\r\n\r\n", dead.host).unwrap();
+    write!(stream, "GET /api/events HTTP/1.1\r\nHost: {}\r\n\r\n", dead.host).unwrap();
     let lines = BufReader::new(stream).lines().map_while(Result::ok);
     let line = lines.filter_map(|line| line.strip_prefix("data: ").map(str::to_owned)).next().unwrap();
     assert!(line.contains("\"invalid\"") && line.contains("absent"), "{line}");
@@ -327,6 +335,8 @@ fn a_product_a_tool_and_a_machine_make_the_program_that_is_drawn() {
         assert_eq!(added.status, 201, "{kind}: {}", added.body);
         assert_eq!(server.post(&format!("/api/{kind}"), body).status, 409, "{kind} twice");
         assert_eq!(server.get(&format!("/api/{kind}")).json()[0]["name"], body["name"]);
+        let one = format!("/api/{kind}/{}", body["name"].as_str().unwrap());
+        assert_eq!(server.get(&one).json()["name"], body["name"], "{one}");
     }
     assert!(server.get("/api/products/shaft/contour").json()["points_mm"].as_array().unwrap().len() > 2);
     let asked = json!({

@@ -29,7 +29,8 @@ async function flow(browser, [name, url, work]) {
 // Pages with what must be on them before they are looked at.
 const pages = (programs) => [
   ["live", "#live", "document.querySelector('.now') !== null"], ["runs", "#runs", "document.querySelectorAll('.scroll tbody tr').length > 0"],
-  ["run", "#run/first", "document.querySelectorAll('.plot canvas').length > 0"], ["products", "#products", "document.querySelectorAll('.scroll tbody tr').length > 0"],
+  ["run", "#run/first", "document.querySelectorAll('.plot canvas').length > 0"], ["compare", "#compare/first%2Cfirst", "document.querySelectorAll('.plot canvas').length > 0"],
+  ["products", "#products", "document.querySelectorAll('.scroll tbody tr').length > 0"],
   ["tools", "#tools", "document.querySelectorAll('.scroll tbody tr').length > 0"], ["machines", "#machines", "document.querySelectorAll('.scroll tbody tr').length > 0"],
   ["compensation", "#programs", "document.querySelectorAll('.scroll tbody tr').length > 0"],
   ...programs.map((hash, k) => [`program${k + 1}`, hash, "document.querySelector('pre.program') !== null"]),

@@ -116,6 +116,7 @@ export async function run(page, { work }) {
   await add(page, "Start a simulated run", async () => {
     await page.type("#name", "first");
     await page.type("#config", readFileSync(work.job, "utf8"));
+    await formed(page);
   }, "Start");
   await page.until(`[...document.querySelectorAll("main h2")].some((h) => h.textContent === "first")`, "the run that was started");
   await listed(page, "finished");
@@ -128,6 +129,17 @@ export async function run(page, { work }) {
   await shows(page, "stations");
   await page.until("document.querySelectorAll('.scroll tbody tr').length >= 1", "stations of the run");
   console.log(`run: started, watched, reported; ${await page.value("document.querySelector('main p:not(form p)').textContent")}`);
+}
+
+// The form beside the TOML: what is set in one stands in the other.
+async function formed(page) {
+  await page.value(`document.getElementById("config").dispatchEvent(new Event("change"))`);
+  await shows(page, "would be accepted");
+  const seed = await page.value(`document.getElementById("config-seed").value`);
+  if (seed === "") fail("the form has no seed");
+  await page.value(`(() => { const seed = document.getElementById("config-seed"); seed.value = "7"; seed.dispatchEvent(new Event("change")); })()`);
+  await page.until(`/^seed = 7$/m.test(document.getElementById("config").value)`, "the seed of the form in the TOML");
+  await shows(page, "would be accepted");
 }
 
 // calibrate -> history
@@ -150,6 +162,7 @@ export async function calibrate(page, { root, work }) {
   await page.clickWords("button", "Add calibration");
   await page.until("document.getElementById('problem').textContent.includes('no calibration')", "a refusal");
   await shows(page, "Everything is as it was stored.");
+  await shows(page, "Window and drift");
   console.log("calibrate: calibrated, in the list with its check pin, a foreign file refused");
 }
 
@@ -158,5 +171,13 @@ export async function live(page) {
   await go(page, "Live");
   await page.until("/mm$/.test(document.querySelector('.now').textContent)", "a diameter");
   await page.until("/frame \\d+/.test(document.querySelector('.frame-place').innerText)", "a frame with its edges");
+  await page.until("document.querySelectorAll('.plot canvas').length >= 3", "trend, profile along z and grey profile");
+  await page.clickWords("summary", "Set-up aids: focus, alignment, light");
+  await shows(page, "Blur of the upper edge");
+  await go(page, "Gauge");
+  await shows(page, "darkest place");
+  console.log(`gauge: ${await page.value("[...document.querySelectorAll('main dd')].slice(0, 4).map((e) => e.textContent).join('; ')")}`);
+  await go(page, "Live");
+  await page.until("/mm$/.test(document.querySelector('.now').textContent)", "a diameter again");
   console.log(`live: ${await page.value("document.querySelector('.now').textContent + ' ' + document.querySelector('.under').textContent")}`);
 }

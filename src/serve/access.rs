@@ -28,7 +28,7 @@ const REPORT_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; sty
 pub(super) struct Who(pub String);
 
 /// What those who operate may change; the rest of what is stored is set up.
-const OPERATED: [&str; 2] = ["/api/runs", "/api/programs"];
+const OPERATED: [&str; 3] = ["/api/runs", "/api/programs", "/api/config"];
 
 /// Lets through what is allowed, and adds the headers.
 pub(super) async fn guard(

@@ -15,7 +15,7 @@ use super::documents;
 use super::files::JobFolder;
 use super::off_thread::off_thread;
 use super::problem::{Problem, Words};
-use super::runs::named_file;
+use super::run_config::named_file;
 use super::state::Shared;
 use super::workshop;
 use crate::gauge::Calibration;
@@ -116,6 +116,40 @@ impl CheckShown {
     }
 }
 
+/// A calibration that cannot be read: of a newer program, or altered.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub(super) struct UnreadableCalibration {
+    /// SHA-256 of its document.
+    id: String,
+    /// When it was stored, ISO 8601.
+    utc: String,
+    /// Why it cannot be read.
+    unreadable: String,
+}
+
+/// A calibration of the list.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+#[serde(untagged)]
+pub(super) enum ListedCalibration {
+    /// One that is read.
+    Read(Box<CalibrationShown>),
+    /// One that is not.
+    Unreadable(UnreadableCalibration),
+}
+
+impl ListedCalibration {
+    fn of((utc, text): (Utc, String), today: Date) -> Self {
+        let id = sha256_hex(&text);
+        match Calibration::read(text.as_bytes()) {
+            Ok(calibration) => Self::Read(Box::new(CalibrationShown::of(id, utc, &calibration, today))),
+            Err(error) => {
+                let (utc, unreadable) = (utc.to_string(), error.to_string());
+                Self::Unreadable(UnreadableCalibration { id, utc, unreadable })
+            }
+        }
+    }
+}
+
 /// The number of a calibration that was stored.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub(super) struct Stored {
@@ -130,18 +164,13 @@ pub(super) struct SimulatedSetup {
     config: String,
 }
 
-/// Calibrations, the newest first (100 at most).
-#[utoipa::path(get, path = "/api/calibrations", responses((status = 200, body = Vec<CalibrationShown>), (status = 404, body = Words)))]
-pub(super) async fn list(Extract(state): Extract<Shared>) -> Result<Json<Vec<CalibrationShown>>, Problem> {
+/// Calibrations, the newest first (100 at most); of one that cannot be read `unreadable` says why.
+#[utoipa::path(get, path = "/api/calibrations", responses((status = 200, body = Vec<ListedCalibration>), (status = 404, body = Words)))]
+pub(super) async fn list(Extract(state): Extract<Shared>) -> Result<Json<Vec<ListedCalibration>>, Problem> {
     off_thread(move || {
         let today = Date::of(SystemTime::now());
-        let shown = |(utc, text): (Utc, String)| {
-            let calibration = Calibration::read(text.as_bytes())
-                .map_err(|e| Problem::failed(format!("a stored calibration: {e}")))?;
-            Ok(CalibrationShown::of(sha256_hex(&text), utc, &calibration, today))
-        };
         let all = documents::newest(&state, EntryKind::Calibration, LISTED)?;
-        Ok(Json(all.into_iter().map(shown).collect::<Result<_, Problem>>()?))
+        Ok(Json(all.into_iter().map(|stored| ListedCalibration::of(stored, today)).collect()))
     })
     .await
 }
@@ -205,4 +234,25 @@ fn check(config: &str) -> Result<(), Problem> {
     }
     let words = "[simulate] is missing: pins before a camera are recorded by `shadowgauge calibrate`, whose file is uploaded here";
     Err(Problem::refused(words))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ListedCalibration;
+    use crate::gauge::calibration::Date;
+    use crate::store::Utc;
+
+    #[test]
+    fn a_stored_calibration_that_cannot_be_read_is_listed_with_why() {
+        let today: Date = "2026-12-02".parse().unwrap();
+        for document in ["{\"version\": 999}", "no JSON"] {
+            let listed = ListedCalibration::of((Utc(0), document.to_owned()), today);
+            let shown = serde_json::to_value(listed).unwrap();
+            assert!(!shown["unreadable"].as_str().unwrap().is_empty(), "{shown}");
+            assert_eq!(
+                (shown["id"].as_str().map(str::len), shown["scale_um_per_px"].is_null()),
+                (Some(64), true)
+            );
+        }
+    }
 }

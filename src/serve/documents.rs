@@ -46,6 +46,7 @@ fn failed(error: StoreError) -> Problem {
     match error {
         StoreError::Busy { .. } => Problem::new(StatusCode::SERVICE_UNAVAILABLE, error),
         StoreError::Full { .. } => Problem::new(StatusCode::INSUFFICIENT_STORAGE, error),
+        StoreError::Unwritable { .. } => Problem::new(StatusCode::SERVICE_UNAVAILABLE, error),
         other => Problem::failed(other),
     }
 }

@@ -39,7 +39,7 @@ fn sha256(bytes: &[u8]) -> String {
 /// Stores bytes; their digest.
 pub(super) fn put(state: &Shared, bytes: &[u8]) -> Result<String, Problem> {
     let root = root(state)?;
-    fs::create_dir_all(&root).map_err(failed(&root))?;
+    fs::create_dir_all(&root).map_err(|e| Problem::unwritten(&root, &e))?;
     let digest = sha256(bytes);
     let path = root.join(&digest);
     if path.is_file() {
@@ -58,7 +58,7 @@ pub(super) fn put(state: &Shared, bytes: &[u8]) -> Result<String, Problem> {
     if written.is_err() {
         let _ = fs::remove_file(&beside);
     }
-    written.map_err(failed(&path)).map(|()| digest)
+    written.map_err(|e| Problem::unwritten(&path, &e)).map(|()| digest)
 }
 
 /// The bytes of a digest that a document has.
@@ -87,7 +87,7 @@ pub(super) struct JobFolder(PathBuf);
 impl JobFolder {
     pub(super) fn new(state: &Shared) -> Result<Self, Problem> {
         let path = root(state)?.join("jobs").join(next());
-        fs::create_dir_all(&path).map_err(failed(&path))?;
+        fs::create_dir_all(&path).map_err(|e| Problem::unwritten(&path, &e))?;
         Ok(Self(path))
     }
 
@@ -97,7 +97,7 @@ impl JobFolder {
 
     pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Problem> {
         let path = self.0.join(name);
-        fs::write(&path, bytes).map_err(failed(&path))
+        fs::write(&path, bytes).map_err(|e| Problem::unwritten(&path, &e))
     }
 
     /// A file of the job; none where it is absent.

@@ -1,6 +1,6 @@
-//! What the store holds: stations by time, documents, and whether anything was altered.
+//! What the store holds: stations by time, and whether anything was altered.
 
-use std::sync::Arc;
+use std::sync::{Arc, MutexGuard, PoisonError};
 
 use axum::Json;
 use axum::extract::{Query, State as Extract};
@@ -10,6 +10,7 @@ use utoipa::{IntoParams, ToSchema};
 use super::off_thread::off_thread;
 use super::problem::{Problem, Words};
 use super::state::Shared;
+use super::store_check::{Checked, FileState, StoreState};
 use crate::gauge::calibration::Date;
 use crate::store::{Store, StoredRow, Utc};
 
@@ -35,21 +36,19 @@ pub(super) struct History {
     more: bool,
 }
 
-/// Whether the store is what was written into it.
+/// A store as it is found without reading all of it.
 #[derive(Clone, Debug, Serialize, ToSchema)]
-pub(super) struct StoreState {
+pub(super) struct StoreNow {
+    /// Length of the file and its log.
+    bytes: u64,
     /// Rows of the audit.
     audit_rows: i64,
     /// Hash of the newest row.
     head: String,
-    /// What does not fit together.
-    findings: Vec<String>,
-    /// Runs.
-    runs: i64,
-    /// Passes.
-    passes: i64,
-    /// Stations.
-    stations: i64,
+    /// The last check here, while nothing has been written since.
+    checked: Option<StoreState>,
+    /// When a store was checked here last, ISO 8601.
+    checked_utc: Option<String>,
 }
 
 fn store(state: &Shared) -> Result<Store, Problem> {
@@ -83,20 +82,52 @@ pub(super) async fn history(
     .await
 }
 
-/// The store, checked.
+/// The store, checked; not again while nothing was written since the last check.
 #[utoipa::path(get, path = "/api/store", responses((status = 200, body = StoreState), (status = 404, body = Words)))]
 pub(super) async fn checked(Extract(state): Extract<Shared>) -> Result<Json<StoreState>, Problem> {
     let place = Arc::clone(&state.checking).acquire_owned().await.map_err(Problem::failed)?;
     off_thread(move || {
         // held to the end of the check, also where none waits for the answer any more
         let _place = place;
-        let store = store(&state)?;
+        let (store, of) = open(&state)?;
+        let last = last_check(&state).clone().filter(|last| last.of == of);
+        if let Some(last) = last {
+            return Ok(Json(last.found));
+        }
         let counts = store.counts().map_err(Problem::failed)?;
         let checked = store.check(None).map_err(Problem::failed)?;
         let findings = checked.findings.iter().map(|f| format!("{}: {}", f.place, f.what)).collect();
         let (runs, passes, stations) = (counts.runs, counts.passes, counts.stations);
         let (audit_rows, head) = (checked.audit_rows, checked.head);
-        Ok(Json(StoreState { audit_rows, head, findings, runs, passes, stations }))
+        let found = StoreState { audit_rows, head, findings, runs, passes, stations };
+        *last_check(&state) = Some(Checked { of, utc: Utc::now(), found: found.clone() });
+        Ok(Json(found))
     })
     .await
+}
+
+/// The store, without a check: its size, its newest row, and what the last check found.
+#[utoipa::path(get, path = "/api/store/state", responses((status = 200, body = StoreNow), (status = 404, body = Words)))]
+pub(super) async fn state(Extract(state): Extract<Shared>) -> Result<Json<StoreNow>, Problem> {
+    off_thread(move || {
+        let (store, of) = open(&state)?;
+        let (audit_rows, head) = store.newest_row().map_err(Problem::failed)?;
+        let last = last_check(&state).clone();
+        let checked_utc = last.as_ref().map(|last| last.utc.to_string());
+        let checked = last.filter(|last| last.of == of).map(|last| last.found);
+        Ok(Json(StoreNow { bytes: of.bytes(), audit_rows, head, checked, checked_utc }))
+    })
+    .await
+}
+
+/// The store and the state of its files before anything of it is read.
+fn open(state: &Shared) -> Result<(Store, FileState), Problem> {
+    let of = state.settings.store.as_deref().map(FileState::of);
+    let store = store(state)?;
+    let of = of.ok_or_else(|| Problem::absent("this server has no store (--store FILE)"))?;
+    Ok((store, of))
+}
+
+fn last_check(state: &Shared) -> MutexGuard<'_, Option<Checked>> {
+    state.checked.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -25,8 +25,21 @@ pub(super) struct JobStatus {
     pub running: bool,
     /// Exit code, of a run that has ended by itself.
     pub exit: Option<i32>,
+    /// Passes that it has finished.
+    pub passes: usize,
+    /// Passes that its config has.
+    pub passes_planned: usize,
     /// The last lines of its log.
     pub log: Vec<String>,
+}
+
+/// What a run is started with.
+#[derive(Clone, Debug)]
+pub(super) struct Planned {
+    /// The program's arguments.
+    pub arguments: Vec<String>,
+    /// Passes of its config.
+    pub passes: usize,
 }
 
 #[derive(Debug, Default)]
@@ -34,6 +47,7 @@ struct Job {
     log: VecDeque<String>,
     exit: Option<i32>,
     running: bool,
+    planned: usize,
     stop: Arc<Notify>,
 }
 
@@ -42,11 +56,11 @@ struct Job {
 pub(super) struct Jobs(Arc<Mutex<BTreeMap<String, Job>>>);
 
 impl Jobs {
-    /// Starts a run; `arguments` are the program's.
+    /// Starts a run.
     ///
     /// # Errors
     /// A run of this name that is running, or as many as may be; a program that does not start.
-    pub(super) fn start(&self, run: &str, arguments: &[String]) -> Result<(), String> {
+    pub(super) fn start(&self, run: &str, planned: &Planned) -> Result<(), String> {
         let mut jobs = self.lock();
         if jobs.get(run).is_some_and(|job| job.running) {
             return Err(format!("{run} is running"));
@@ -58,9 +72,9 @@ impl Jobs {
         for name in ended.iter().take(ended.len().saturating_sub(MOST_ENDED)) {
             jobs.remove(name);
         }
-        let running = child::start(arguments, Some(RUN_MIB))?;
+        let running = child::start(&planned.arguments, Some(RUN_MIB))?;
         let stop = Arc::new(Notify::new());
-        let job = Job { running: true, stop: Arc::clone(&stop), ..Job::default() };
+        let job = Job { running: true, planned: planned.passes, stop: Arc::clone(&stop), ..Job::default() };
         jobs.insert(run.to_owned(), job);
         tokio::spawn(follow(Arc::clone(&self.0), run.to_owned(), running, stop));
         Ok(())
@@ -80,12 +94,14 @@ impl Jobs {
         }
     }
 
-    /// What became of them.
+    /// What became of them; passes that are finished are counted in their folders.
     pub(super) fn status(&self) -> Vec<JobStatus> {
         let of = |(run, job): (&String, &Job)| JobStatus {
             run: run.clone(),
             running: job.running,
             exit: job.exit,
+            passes: 0,
+            passes_planned: job.planned,
             log: job.log.iter().cloned().collect(),
         };
         self.lock().iter().map(of).collect()

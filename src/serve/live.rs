@@ -4,6 +4,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 
+use axum::Json;
 use axum::extract::State as Extract;
 use axum::http::{StatusCode, header};
 use axum::response::IntoResponse;
@@ -12,6 +13,7 @@ use futures_util::stream::{Stream, unfold};
 use tokio::sync::broadcast::{Receiver, error::RecvError};
 
 use super::child::{self, LONGEST_LINE, add_words};
+use super::health::GaugeHealth;
 use super::off_thread::off_thread;
 use super::problem::{Problem, Words};
 use super::state::Shared;
@@ -27,6 +29,10 @@ pub(super) async fn watch(state: Shared) {
     let mut arguments = vec!["watch".to_owned(), source.clone(), "--json".to_owned()];
     if let Some(picture) = &state.picture {
         arguments.extend(["--picture".to_owned(), picture.path().to_string_lossy().into_owned()]);
+    }
+    // what the gauge is set up by, once a second: the pages show it
+    if !more.iter().any(|argument| argument == "--setup") {
+        arguments.push("--setup".to_owned());
     }
     arguments.extend(more.iter().cloned());
     let mut ends = state.ends.clone();
@@ -53,7 +59,10 @@ async fn watched(state: &Shared, arguments: &[String]) -> String {
     loop {
         tokio::select! {
             line = running.out.next_line() => match line {
-                Ok(Some(line)) if line.len() <= LONGEST_LINE => state.hub.line(&line),
+                Ok(Some(line)) if line.len() <= LONGEST_LINE => {
+                    state.health.take(&line);
+                    state.hub.line(&line);
+                }
                 Ok(Some(_)) => {}
                 Ok(None) | Err(_) => break,
             },
@@ -94,6 +103,14 @@ pub(super) async fn live(
     Ok(Sse::new(stream).keep_alive(KeepAlive::default()))
 }
 
+/// The same events under the name that paper 004's platform has for them.
+#[utoipa::path(get, path = "/api/events", responses((status = 200, body = String, content_type = "text/event-stream"), (status = 503, body = Words)))]
+pub(super) async fn events(
+    state: Extract<Shared>,
+) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Problem> {
+    live(state).await
+}
+
 /// The next line; those that a slow reader has missed are left out.
 async fn newest(coming: &mut Receiver<Arc<str>>) -> Option<Arc<str>> {
     loop {
@@ -105,13 +122,20 @@ async fn newest(coming: &mut Receiver<Arc<str>>) -> Option<Arc<str>> {
     }
 }
 
+/// Window and drift of the source: now, and by the minute.
+#[utoipa::path(get, path = "/api/gauge", responses((status = 200, body = GaugeHealth)))]
+pub(super) async fn gauge(Extract(state): Extract<Shared>) -> Json<GaugeHealth> {
+    Json(state.health.shown(!state.hub.is_dead(STALE)))
+}
+
 /// The newest frame with its edges.
 ///
 /// The body: the length of a JSON text (32 bits, little-endian), that text and an 8-bit PNG, all of
 /// the same frame. The text has `frame` (its number in the lines of `/api/live`), `rows` and
 /// `columns` of the camera, `column_step` (columns from one of the PNG to the next; it has every
 /// row), `grey_full_scale` in counts, and `top_px` and `bottom_px`: the row of each edge in every
-/// column of the PNG, null in a gap, empty where the frame was refused.
+/// column of the PNG, null in a gap, empty where the frame was refused; `pitch_mm` along the axis,
+/// `d_mm` and `expanded_u_mm` of every column (of a frame in pixels `d_px` and `expanded_u_px`).
 #[utoipa::path(get, path = "/api/live/picture", responses((status = 200, body = Vec<u8>, content_type = "application/octet-stream"), (status = 404, body = Words)))]
 pub(super) async fn picture(Extract(state): Extract<Shared>) -> Result<impl IntoResponse, Problem> {
     let none = || Problem::absent("no frame yet: is a source watched (--source)?");

@@ -7,10 +7,12 @@
 //! is resumed.
 //!
 //! Bottom to top: `problem` (refusals with their status), `tls`, `settings` (what is served, to
-//! whom), `child`, `hub` (live lines to all readers, newest wins), `jobs` (runs that were started),
+//! whom), `child`, `hub` (live lines to all readers, newest wins), `health` (window and drift of the
+//! source), `store_check` (the last check of the store), `jobs` (runs that were started),
 //! `workshop` (where programs and readings are made, `making` of them), `picture_file` (the newest
 //! frame), `state` (all of these), `access` (who may do what, headers), `files` (uploads by their
-//! digest), `documents` (what the store has by name); the routes `runs`, `history`, `live`,
+//! digest), `documents` (what the store has by name); the routes `runs`, `run_config` (configs of
+//! simulated runs), `run_jobs` (started, stopped), `history`, `live`,
 //! `machines`, `products`, `tools`, `calibrations`, `programs` (`program` as stored, `program_job`
 //! makes one; with `changed` and `drawn`: what differs, what is drawn); `page` (files compiled in),
 //! `server`. One more route is a function in its file with a line in `server::router` and one in
@@ -23,6 +25,7 @@ mod child;
 mod documents;
 mod drawn;
 mod files;
+mod health;
 mod history;
 mod hub;
 mod jobs;
@@ -37,16 +40,19 @@ mod products;
 mod program;
 mod program_job;
 mod programs;
+mod run_config;
+mod run_jobs;
 mod runs;
 mod server;
 mod settings;
 mod state;
+mod store_check;
 mod tls;
 mod tools;
 mod workshop;
 
 #[cfg(test)]
-pub(crate) use runs::named_file;
+pub(crate) use run_config::named_file;
 pub(crate) use server::{ServeError, Server};
 pub(crate) use settings::{ServeSettings, Tokens};
 pub(crate) use tls::Tls;

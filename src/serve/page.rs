@@ -22,12 +22,15 @@ macro_rules! file {
 }
 
 /// All of them. uPlot 1.6.32 (MIT, © Leon Sorokin) comes with its licence.
-pub(super) static FILES: [PageFile; 14] = [
+pub(super) static FILES: [PageFile; 17] = [
     file!("/", HTML, "index.html"),
     file!("/base.js", SCRIPT, "base.js"),
     file!("/picture.js", SCRIPT, "picture.js"),
     file!("/live.js", SCRIPT, "live.js"),
     file!("/runs.js", SCRIPT, "runs.js"),
+    file!("/form.js", SCRIPT, "form.js"),
+    file!("/compare.js", SCRIPT, "compare.js"),
+    file!("/health.js", SCRIPT, "health.js"),
     file!("/history.js", SCRIPT, "history.js"),
     file!("/setup.js", SCRIPT, "setup.js"),
     file!("/gauge.js", SCRIPT, "gauge.js"),

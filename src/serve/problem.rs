@@ -1,5 +1,8 @@
 //! A refusal as the API has it: a status and a sentence.
 
+use std::io;
+use std::path::Path;
+
 use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
@@ -33,6 +36,16 @@ impl Problem {
     /// 422: a value that is not accepted.
     pub(super) fn refused(words: impl std::fmt::Display) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, words)
+    }
+
+    /// 507 where there is no room (a full disk, a quota, a limit of the file's length), else 500:
+    /// a file that cannot be written.
+    pub(super) fn unwritten(path: &Path, error: &io::Error) -> Self {
+        use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+        let has_no_room = matches!(error.kind(), StorageFull | QuotaExceeded | FileTooLarge);
+        let status =
+            if has_no_room { StatusCode::INSUFFICIENT_STORAGE } else { StatusCode::INTERNAL_SERVER_ERROR };
+        Self::new(status, format!("{}: cannot be written: {error}; nothing was stored", path.display()))
     }
 
     /// 500: a disk or a store that fails.

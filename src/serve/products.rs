@@ -167,6 +167,15 @@ pub(super) async fn contour(
     off_thread(move || documents::get::<Product>(&state, &name)?.contour(&state).map(Json)).await
 }
 
+/// A product.
+#[utoipa::path(get, path = "/api/products/{name}", responses((status = 200, body = Product), (status = 404, body = Words)))]
+pub(super) async fn show(
+    Extract(state): Extract<Shared>,
+    Path(name): Path<String>,
+) -> Result<Json<Product>, Problem> {
+    off_thread(move || documents::get(&state, &name).map(Json)).await
+}
+
 /// Takes a product out; programs that were made stay.
 #[utoipa::path(delete, path = "/api/products/{name}", responses((status = 204), (status = 404, body = Words)))]
 pub(super) async fn remove(

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use axum::extract::DefaultBodyLimit;
 use axum::http::StatusCode;
-use axum::routing::{MethodRouter, delete, get, post, put};
+use axum::routing::{MethodRouter, get, post, put};
 use axum::{Json, Router, middleware};
 use thiserror::Error;
 use tokio::net::TcpListener;
@@ -18,19 +18,23 @@ use tower_http::timeout::TimeoutLayer;
 use utoipa::OpenApi;
 
 use super::calibrations::LARGEST_CALIBRATION;
+use super::health::Health;
 use super::hub::Hub;
 use super::jobs::Jobs;
 use super::making::Making;
 use super::picture_file::PictureFile;
 use super::problem::Problem;
 use super::products::LARGEST_MODEL;
-use super::runs::LONGEST_CONFIG;
+use super::run_config::LONGEST_CONFIG;
 use super::settings::ServeSettings;
 use super::state::{MOST_STREAMS, Shared, State};
 use super::tls::TlsListener;
 use super::tools::LARGEST_IMAGE;
 use super::workshop::Workshop;
-use super::{access, calibrations, files, history, live, machines, page, products, programs, runs, tools};
+use super::{
+    access, calibrations, files, history, live, machines, page, products, programs, run_config, run_jobs,
+    runs, tools,
+};
 
 /// Time that an answer may take; a day out of ten million stations takes less than a tenth of it.
 const ANSWERED: Duration = Duration::from_secs(30);
@@ -75,24 +79,32 @@ pub(crate) struct Server {
         runs::list,
         runs::show,
         runs::report,
-        runs::jobs,
-        runs::start,
-        runs::resume,
-        runs::stop,
+        run_jobs::jobs,
+        run_jobs::job,
+        run_jobs::start,
+        run_jobs::resume,
+        run_jobs::stop,
+        run_config::schema,
+        run_config::values,
         history::history,
         history::checked,
+        history::state,
         calibrations::list,
         calibrations::add,
         calibrations::simulated,
         live::live,
+        live::events,
         live::picture,
+        live::gauge,
         products::list,
         products::add,
+        products::show,
         products::model,
         products::contour,
         products::remove,
         tools::list,
         tools::add,
+        tools::show,
         tools::image,
         tools::overlay,
         tools::remove,
@@ -117,14 +129,18 @@ fn watched() -> Router<Shared> {
     });
     files
         .route("/api/openapi.json", get(|| async { Json(Documented::openapi()) }))
-        .route("/api/runs", get(runs::list).post(runs::start))
+        .route("/api/runs", get(runs::list).post(run_jobs::start))
         .route("/api/runs/{run}", get(runs::show))
         .route("/api/runs/{run}/report", get(runs::report))
-        .route("/api/runs/{run}/resume", post(runs::resume))
-        .route("/api/runs/{run}/stop", post(runs::stop))
-        .route("/api/jobs", get(runs::jobs))
+        .route("/api/runs/{run}/resume", post(run_jobs::resume))
+        .route("/api/runs/{run}/stop", post(run_jobs::stop))
+        .route("/api/jobs", get(run_jobs::jobs))
+        .route("/api/jobs/{run}", get(run_jobs::job))
+        .route("/api/config", get(run_config::schema).post(run_config::values))
         .route("/api/history", get(history::history))
         .route("/api/store", get(history::checked))
+        .route("/api/store/state", get(history::state))
+        .route("/api/gauge", get(live::gauge))
         .route("/api/live/picture", get(live::picture))
 }
 
@@ -133,10 +149,10 @@ fn made() -> Router<Shared> {
     Router::new()
         .route("/api/calibrations", get(calibrations::list))
         .route("/api/products", get(products::list).post(products::add))
-        .route("/api/products/{name}", delete(products::remove))
+        .route("/api/products/{name}", get(products::show).delete(products::remove))
         .route("/api/products/{name}/contour", get(products::contour))
         .route("/api/tools", get(tools::list).post(tools::add))
-        .route("/api/tools/{name}", delete(tools::remove))
+        .route("/api/tools/{name}", get(tools::show).delete(tools::remove))
         .route("/api/tools/{name}/overlay", get(tools::overlay))
         .route("/api/machines", get(machines::list).post(machines::add))
         .route("/api/machines/{name}", get(machines::show).put(machines::change).delete(machines::remove))
@@ -167,6 +183,7 @@ fn router(state: Shared) -> Router {
         .layer(TimeoutLayer::with_status_code(StatusCode::SERVICE_UNAVAILABLE, ANSWERED));
     Router::new()
         .route("/api/live", get(live::live))
+        .route("/api/events", get(live::events))
         .merge(answers)
         .fallback(|| async { Problem::absent("no such page; the routes are in /api/openapi.json") })
         .layer(RequestBodyLimitLayer::new(LONGEST_CONFIG))
@@ -224,6 +241,8 @@ impl Server {
                 documents: Mutex::new(()),
                 streams: Arc::new(Semaphore::new(MOST_STREAMS)),
                 checking: Arc::new(Semaphore::new(1)),
+                checked: Mutex::default(),
+                health: Health::default(),
                 ends,
             });
             files::clear_jobs(&state);

@@ -4,11 +4,13 @@ use std::sync::{Arc, Mutex};
 
 use tokio::sync::{Semaphore, watch};
 
+use super::health::Health;
 use super::hub::Hub;
 use super::jobs::Jobs;
 use super::making::Making;
 use super::picture_file::PictureFile;
 use super::settings::ServeSettings;
+use super::store_check::Checked;
 use super::workshop::Workshop;
 
 /// Open event streams at most: each holds a connection for as long as its page is open.
@@ -29,6 +31,10 @@ pub(super) struct State {
     pub streams: Arc<Semaphore>,
     /// One place: a check reads all of the store, which takes seconds of a large one.
     pub checking: Arc<Semaphore>,
+    /// The last check, with the file as it was then.
+    pub checked: Mutex<Option<Checked>>,
+    /// Window and drift of the source that is watched.
+    pub health: Health,
     /// Becomes true at the end.
     pub ends: watch::Receiver<bool>,
 }

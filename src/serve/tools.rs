@@ -150,6 +150,15 @@ pub(super) async fn add(
     .await
 }
 
+/// A tool.
+#[utoipa::path(get, path = "/api/tools/{name}", responses((status = 200, body = Insert), (status = 404, body = Words)))]
+pub(super) async fn show(
+    Extract(state): Extract<Shared>,
+    Path(name): Path<String>,
+) -> Result<Json<Insert>, Problem> {
+    off_thread(move || documents::get(&state, &name).map(Json)).await
+}
+
 /// Takes a tool out; programs that were made stay.
 #[utoipa::path(delete, path = "/api/tools/{name}", responses((status = 204), (status = 404, body = Words)))]
 pub(super) async fn remove(

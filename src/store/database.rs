@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use rusqlite::{Connection, ErrorCode, OpenFlags, Transaction, TransactionBehavior};
+use rusqlite::{Connection, ErrorCode, OpenFlags, Transaction, TransactionBehavior, ffi};
 
 use super::error::StoreError;
 use super::schema::{APPLICATION_ID, MIGRATIONS, newest};
@@ -120,6 +120,15 @@ pub(super) fn classified(path: &Path, error: &rusqlite::Error) -> StoreError {
             StoreError::Busy { path, seconds: BUSY_S }
         }
         Some(ErrorCode::DiskFull) => StoreError::Full { path },
+        Some(ErrorCode::ReadOnly) => StoreError::Unwritable {
+            path,
+            cause: "its file, its folder or their disk is read-only; make it writable or name another with --store",
+        },
+        Some(ErrorCode::CannotOpen) => StoreError::Unwritable {
+            path,
+            cause: "its folder is absent or this user has no right to it; make it or name another with --store",
+        },
+        Some(ErrorCode::SystemIoFailure) => disk(path, error),
         Some(ErrorCode::NotADatabase) => StoreError::Foreign { path, what: "no SQLite database".into() },
         Some(ErrorCode::DatabaseCorrupt) => StoreError::Database {
             path,
@@ -127,6 +136,23 @@ pub(super) fn classified(path: &Path, error: &rusqlite::Error) -> StoreError {
         },
         _ => StoreError::Database { path, cause: error.to_string() },
     }
+}
+
+/// What the disk refused: SQLite has writing, syncing and reading as extended codes.
+fn disk(path: PathBuf, error: &rusqlite::Error) -> StoreError {
+    let extended = error.sqlite_error().map(|e| e.extended_code);
+    let (what, likely) = match extended {
+        // also EFBIG: SQLite names ENOSPC and EDQUOT alone as full
+        Some(ffi::SQLITE_IOERR_WRITE | ffi::SQLITE_IOERR_TRUNCATE) => {
+            ("written", "a limit of the file's length (ulimit -f) or a fault of the disk")
+        }
+        Some(ffi::SQLITE_IOERR_FSYNC | ffi::SQLITE_IOERR_DIR_FSYNC) => ("synced", "a fault of the disk"),
+        Some(ffi::SQLITE_IOERR_SHMSIZE | ffi::SQLITE_IOERR_SHMOPEN | ffi::SQLITE_IOERR_SHMMAP) => {
+            ("locked", "a full disk, or one that shares no memory between processes")
+        }
+        _ => ("read", "a fault of the disk"),
+    };
+    StoreError::Disk { path, what, cause: format!("{likely}: {error}") }
 }
 
 #[cfg(test)]
@@ -158,6 +184,27 @@ mod tests {
         assert!(matches!(full, StoreError::Full { .. }), "{full}");
         assert_eq!(store.counts().unwrap().passes, 1);
         assert!(store.check(None).unwrap().findings.is_empty());
+    }
+
+    #[test]
+    fn failures_of_the_disk_are_told_apart() {
+        let failed = |code: std::ffi::c_int| {
+            let error = rusqlite::Error::SqliteFailure(rusqlite::ffi::Error::new(code), None);
+            super::classified(std::path::Path::new("s.sqlite"), &error).to_string()
+        };
+        use rusqlite::ffi;
+        for (code, words) in [
+            (ffi::SQLITE_FULL, "the disk is full"),
+            (ffi::SQLITE_READONLY, "read-only"),
+            (ffi::SQLITE_CANTOPEN, "its folder is absent"),
+            (ffi::SQLITE_IOERR_WRITE, "ulimit -f"),
+            (ffi::SQLITE_IOERR_FSYNC, "synced"),
+            (ffi::SQLITE_IOERR_READ, "was read"),
+            (ffi::SQLITE_CORRUPT, "is damaged"),
+        ] {
+            let said = failed(code);
+            assert!(said.contains(words) && said.contains("s.sqlite"), "{code}: {said}");
+        }
     }
 
     #[test]

@@ -39,6 +39,24 @@ pub(crate) enum StoreError {
         /// The file.
         path: PathBuf,
     },
+    /// It may not be written.
+    #[error("{}: cannot be written: {cause}; nothing was stored", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// Why: rights, a disk that is read-only.
+        cause: &'static str,
+    },
+    /// The disk refuses.
+    #[error("{}: the disk failed while it was {what} ({cause}); nothing of this pass was stored", path.display())]
+    Disk {
+        /// The file.
+        path: PathBuf,
+        /// What was done.
+        what: &'static str,
+        /// What is likely, and the library's words.
+        cause: String,
+    },
     /// The pass is there with other values.
     #[error("{}: pass {pass} of run {run} is stored with other values; a store is never overwritten: give another \
              file, or another seed or config", path.display())]

@@ -3,6 +3,7 @@
 use rusqlite::{OptionalExtension as _, params};
 use serde::Serialize;
 
+use super::audit;
 use super::database::Store;
 use super::error::StoreError;
 use super::row::{EntryKind, StationToStore};
@@ -124,6 +125,14 @@ impl Store {
             rows.collect::<rusqlite::Result<Vec<_>>>()
         };
         read().map_err(|e: rusqlite::Error| self.failure(&e))
+    }
+
+    /// Number and hash of the newest row of the audit.
+    ///
+    /// # Errors
+    /// As [`Self::stations_between`].
+    pub(crate) fn newest_row(&self) -> Result<(i64, String), StoreError> {
+        audit::head(&self.db).map_err(|e| self.failure(&e))
     }
 
     /// How much it holds.

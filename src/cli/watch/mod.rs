@@ -287,6 +287,7 @@ fn shown_as(args: &WatchArgs, calibration: Option<&Calibration>) -> ShownAs {
     ShownAs {
         json: args.json,
         judges: args.tolerance.is_some(),
+        limits_mm: args.tolerance.map(|tolerance| <[f64; 2]>::from(tolerance.limits_mm())),
         settles: args.settle_s.is_some(),
         unit: if calibration.is_some() { "mm" } else { "px" },
     }

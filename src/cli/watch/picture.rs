@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 use crate::cli::failure::Failure;
 use crate::frame::FrameView;
 use crate::gauge::{Edge, FrameEdges};
+use crate::measurement::Measurement;
 
 /// Most columns: a page is seldom wider, and 512 × 2048 are compressed in ten milliseconds.
 const MOST_COLUMNS: usize = 512;
@@ -33,6 +34,49 @@ pub(super) struct Pictured<'a> {
     pub(super) view: FrameView<'a>,
     /// Its edges; none where it was refused.
     pub(super) edges: Option<&'a FrameEdges>,
+    /// What makes diameters of their distances.
+    pub(super) scale: PictureScale,
+}
+
+/// What makes diameters of distances of edges.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PictureScale {
+    /// Pitch of columns, mm; 1 px in pixels.
+    pub(super) pitch: f64,
+    /// Diameter over its distance in pixels, as the frame's largest diameter has it: with scale, slope
+    /// of the axis, temperature and pin.
+    pub(super) per_px: f64,
+    /// Standard uncertainty that all columns share beside the edges.
+    pub(super) u_common: f64,
+    /// Coverage factor.
+    pub(super) k: f64,
+    /// `mm` or `px`.
+    pub(super) unit: &'static str,
+}
+
+impl PictureScale {
+    /// That of a measured frame; `pitch` in mm per px, or 1 in pixels.
+    pub(super) fn of(measurement: &Measurement, pitch: f64) -> Self {
+        let in_px = Self { pitch: 1.0, per_px: 1.0, u_common: 0.0, k: 2.0, unit: "px" };
+        let Some(mm) = &measurement.diameter else { return in_px };
+        let per_px = measurement.largest.as_ref().map(|px| mm.diameter.d_mm / px.diameter_px);
+        Self {
+            pitch,
+            per_px: per_px.filter(|scale| scale.is_finite()).unwrap_or(pitch),
+            u_common: mm.diameter.u_common_mm,
+            k: mm.coverage_factor,
+            unit: "mm",
+        }
+    }
+
+    /// Diameter and U in a column; none in a gap.
+    fn diameter(&self, edges: &FrameEdges, column: usize) -> Option<[f64; 2]> {
+        let width_px = edges.width_px(column)?;
+        let (top, bottom) = (edges.top.get(column)?, edges.bottom.get(column)?);
+        let u_px = [top.u_own_px, top.u_shared_px, bottom.u_own_px, bottom.u_shared_px];
+        let squares = u_px.iter().map(|&u| (self.per_px * f64::from(u)).powi(2)).sum::<f64>();
+        Some([self.per_px * width_px, self.k * (squares + self.u_common.powi(2)).sqrt()])
+    }
 }
 
 /// A frame on its way to the file.
@@ -144,10 +188,20 @@ fn sampled(frame: Pictured<'_>) -> Sampled {
         None => [Vec::new(), Vec::new()],
     };
     let number = frame.number;
-    let head = json!({
+    let profile: Vec<Option<[f64; 2]>> = frame
+        .edges
+        .map_or_else(Vec::new, |edges| (0..columns).map(|k| frame.scale.diameter(edges, k * step)).collect());
+    let of = |which: usize| -> Vec<Option<f64>> {
+        // nine digits are an ångström of a millimetre: half of the bytes
+        profile.iter().map(|at| at.map(|values| (values[which] * 1e7).round() * 1e-7)).collect()
+    };
+    let unit = frame.scale.unit;
+    let mut head = json!({
         "frame": number, "rows": rows, "columns": all, "column_step": step, "top_px": top, "bottom_px": bottom,
-        "grey_full_scale": frame.view.full_scale(),
+        "grey_full_scale": frame.view.full_scale(), "unit": unit, "pitch": frame.scale.pitch,
     });
+    head[format!("d_{unit}")] = json!(of(0));
+    head[format!("expanded_u_{unit}")] = json!(of(1));
     Sampled { head, columns, grey }
 }
 
@@ -160,9 +214,9 @@ fn rounded(px: f64) -> f64 {
 mod tests {
     use serde_json::Value;
 
-    use super::{Picture, Pictured};
+    use super::{Picture, PictureScale, Pictured};
     use crate::frame::{FrameView, PixelFormat, Pixels};
-    use crate::gauge::{Edge, FrameEdges};
+    use crate::gauge::{Edge, EdgeState, FrameEdges};
     use crate::profile::Reason;
 
     #[test]
@@ -177,11 +231,12 @@ mod tests {
             bottom: vec![edge(1.5); columns],
             ..FrameEdges::default()
         };
+        let scale = PictureScale { pitch: 0.02, per_px: 0.021, u_common: 1e-4, k: 2.0, unit: "mm" };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("now.bin");
         let mut picture = Picture::begin(&path).unwrap();
         while !path.exists() {
-            picture.show(0.0, Pictured { number: 7, view, edges: Some(&edges) });
+            picture.show(0.0, Pictured { number: 7, view, edges: Some(&edges), scale });
             std::thread::yield_now();
         }
         drop(picture);
@@ -192,9 +247,23 @@ mod tests {
         // gaps are no edges
         let top = head["top_px"].as_array().unwrap();
         assert!(top.len() == 342 && top.iter().all(Value::is_null), "{head}");
+        assert!(head["d_mm"].as_array().unwrap().iter().all(Value::is_null), "{head}");
         let shown = image::load_from_memory(&bytes[4 + length..]).unwrap().into_luma8();
         assert_eq!(shown.dimensions(), (342, 3));
         let expected = |row: f64, column: f64| ((row * 1000.0 + 3.0 * column) * 255.0 / 4095.0).round() as u8;
         assert_eq!(shown.get_pixel(100, 2).0[0], expected(2.0, 100.0));
+    }
+    #[test]
+    fn a_diameter_of_a_column_has_what_its_edges_and_the_frame_do_not_know() {
+        let edge =
+            |row_px| Edge { row_px, u_own_px: 0.03, u_shared_px: 0.04, chi2: 1.0, state: EdgeState::Good };
+        let edges =
+            FrameEdges { top: vec![edge(10.0); 3], bottom: vec![edge(110.0); 3], ..FrameEdges::default() };
+        let scale = PictureScale { pitch: 0.02, per_px: 0.02, u_common: 0.001, k: 2.0, unit: "mm" };
+        let [d, u] = scale.diameter(&edges, 1).unwrap();
+        // two edges of .05 px at 20 um/px are 1.414 um, with 1 um beside: 1.732 um
+        assert!((d - 0.02 * edges.width_px(1).unwrap()).abs() < 1e-12, "{d}");
+        assert!((u - 2.0 * 3e-6_f64.sqrt()).abs() < 1e-9, "{u}");
+        assert_eq!(scale.diameter(&edges, 3), None);
     }
 }

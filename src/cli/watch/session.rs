@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::course::Course;
 use super::frame_value::{alarm_of, diameters_along, is_empty, is_settled, seen};
 use super::live_conditions::TakenConditions;
-use super::picture::Pictured;
+use super::picture::{PictureScale, Pictured};
 use super::session_settings::{Beside, SessionSettings};
 use super::setup_page::PageOf;
 use super::shown::{Missed, Now, Shown, ShownFrame};
@@ -223,7 +223,8 @@ impl<'a> Session<'a> {
         if picture.is_due(t_s) {
             let view = frame.view();
             let view = if self.settings.vertical { view.transposed() } else { view };
-            picture.show(t_s, Pictured { number, view, edges: self.stream.edges() });
+            let scale = PictureScale::of(self.stream.measurement(), self.settings.scale);
+            picture.show(t_s, Pictured { number, view, edges: self.stream.edges(), scale });
         }
     }
 

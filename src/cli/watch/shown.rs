@@ -62,6 +62,8 @@ pub(super) struct ShownAs {
     pub(super) json: bool,
     /// Whether they are judged.
     pub(super) judges: bool,
+    /// Lower and upper limit of the tolerance, mm, where one is given.
+    pub(super) limits_mm: Option<[f64; 2]>,
     /// Whether diameters have to settle.
     pub(super) settles: bool,
     /// `mm` or `px`.
@@ -72,6 +74,7 @@ pub(super) struct ShownAs {
 pub(super) struct Shown {
     json: bool,
     judges: bool,
+    limits_mm: Option<[f64; 2]>,
     settles: bool,
     unit: &'static str,
     saved: Option<Saved>,
@@ -81,8 +84,8 @@ pub(super) struct Shown {
 impl Shown {
     /// Results on stdout, and all of them in a folder where that is wanted.
     pub(super) fn new(shown: ShownAs, saved: Option<Saved>) -> Self {
-        let ShownAs { json, judges, settles, unit } = shown;
-        Self { json, judges, settles, unit, saved, now: progress::line() }
+        let ShownAs { json, judges, limits_mm, settles, unit } = shown;
+        Self { json, judges, limits_mm, settles, unit, saved, now: progress::line() }
     }
 
     /// Whether stdout has JSON.
@@ -118,7 +121,11 @@ impl Shown {
     /// A frame.
     pub(super) fn frame(&mut self, frame: &ShownFrame<'_>) {
         if self.json || self.saved.is_some() {
-            self.line(&frame_line(frame));
+            let mut line = frame_line(frame);
+            if let Some(limits_mm) = self.limits_mm {
+                line["limits_mm"] = json!(limits_mm);
+            }
+            self.line(&line);
         }
     }
 

@@ -46,13 +46,14 @@ function askToken() {
 const said = (error) => { problem.textContent = error ? String(error.message || error) : ""; };
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-// A line with a band of ±U below and above it, over x with its unit.
-function plot(place, x, value, band, { xLabel, yLabel, digits }) {
+// A line with a band of ±U below and above it, over x with its unit; `lines` are further ones (limits, other passes).
+function plot(place, x, value, band, { xLabel, yLabel, digits, lines = [] }) {
   const series = [
     { label: xLabel },
     { label: yLabel, stroke: colour("--line"), width: 2, points: { show: x.length < 60 }, value: (_, v) => number(v, digits) },
     { label: "+U", stroke: "transparent", value: (_, v) => number(v, digits), points: { show: false } },
     { label: "−U", stroke: "transparent", value: (_, v) => number(v, digits), points: { show: false } },
+    ...lines.map(({ label, stroke, dash }) => ({ label, stroke, dash, width: 1, points: { show: false }, value: (_, v) => number(v, digits) })),
   ];
   const up = value.map((v, k) => (v === null || band[k] === null ? null : v + band[k]));
   const down = value.map((v, k) => (v === null || band[k] === null ? null : v - band[k]));
@@ -62,7 +63,7 @@ function plot(place, x, value, band, { xLabel, yLabel, digits }) {
     scales: { x: { time: false } },
     series, bands: [{ series: [2, 3], fill: colour("--band") }],
     axes: [{ ...axis, label: xLabel }, { ...axis, label: yLabel, size: 84, values: (_, all) => all.map((v) => number(v, digits)) }],
-  }, [x, value, up, down], place);
+  }, [x, value, up, down, ...lines.map((line) => line.values)], place);
   const resize = () => shown.setSize({ width: Math.max(place.clientWidth, 280), height: 260 });
   window.addEventListener("resize", resize);
   return { set: (data) => shown.setData(data), end: () => { window.removeEventListener("resize", resize); shown.destroy(); } };

@@ -5,12 +5,12 @@ let leave = () => {};
 
 async function show() {
   const [page, argument] = (location.hash.slice(1) || "live").split("/");
-  const pages = { live, runs, run, products, tools, machines, programs, program, history, gauge };
+  const pages = { live, runs, run, compare, products, tools, machines, programs, program, history, gauge };
   leave();
   leave = () => {};
   said();
   for (const link of document.querySelectorAll("nav a")) {
-    if (link.hash === "#" + ({ run: "runs", program: "programs" }[page] || page)) link.setAttribute("aria-current", "page");
+    if (link.hash === "#" + ({ run: "runs", compare: "runs", program: "programs" }[page] || page)) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   }
   document.title = `${page} – shadowgauge`;

@@ -29,10 +29,12 @@ function picture() {
   const canvas = element("canvas", { class: "frame", tabindex: "0", role: "img", "aria-label": "The newest frame with both edges. Left and right arrow: another column." });
   const text = element("p", { class: "under" }, "no frame yet");
   const place = element("div", { class: "plot", role: "img", "aria-label": "Grey profile of the column under the cursor and its derivative" });
+  const run = element("div", { class: "plot", role: "img", "aria-label": "Diameter along z in the newest frame, with its expanded uncertainty" });
   const frame = element("section", { class: "frame-place" }, text, canvas);
+  const along = element("section", {}, element("h2", {}, "Along z"), run);
   const whole = element("section", {}, element("h2", {}, "Column under the cursor"), place);
   const grey = document.createElement("canvas");
-  let now = null, column = null, shown = null, timer = 0, ended = false, busy = false;
+  let now = null, column = null, shown = null, profiled = null, timer = 0, ended = false, busy = false;
 
   function draw() {
     if (!now) return;
@@ -58,6 +60,11 @@ function picture() {
     }
   }
 
+  function valueAt(head) {
+    const d = head[`d_${head.unit}`]?.[column] ?? null, u = head[`expanded_u_${head.unit}`]?.[column] ?? null;
+    return d === null ? ", no diameter" : `, D ${number(d, 4)} ± ${number(u, 4)} ${head.unit} (U)`;
+  }
+
   // Grey values of a column in 8 bits, as the picture has them, and their central difference.
   function profile() {
     if (!now || column === null) return;
@@ -69,7 +76,7 @@ function picture() {
     for (let row = 0; row < head.rows; row += 1) { rows.push(row); values.push(pixels[4 * row]); }
     const slope = values.map((v, k) => (k === 0 || k === values.length - 1 ? null : (values[k + 1] - values[k - 1]) / 2));
     const [top, bottom] = [head.top_px[column] ?? null, head.bottom_px[column] ?? null];
-    text.textContent = `frame ${head.frame}, column ${column * head.column_step} of ${head.columns}: edges at ${number(top, 3)} and ${number(bottom, 3)} px`;
+    text.textContent = `frame ${head.frame}, column ${column * head.column_step} of ${head.columns}: edges at ${number(top, 3)} and ${number(bottom, 3)} px${valueAt(head)}`;
     if (shown) return shown.setData([rows, values, slope]);
     const axis = { stroke: colour("--ink"), grid: { stroke: colour("--shade") }, ticks: { stroke: colour("--rule") } };
     shown = new uPlot({
@@ -77,6 +84,15 @@ function picture() {
       series: [{ label: "row / px" }, { label: "grey (of 255)", stroke: colour("--line"), width: 1.5 }, { label: "derivative / px⁻¹", scale: "slope", stroke: colour("--open"), width: 1.5 }],
       axes: [{ ...axis, label: "row / px" }, { ...axis, label: "grey (of 255)" }, { ...axis, scale: "slope", side: 1, label: "derivative / px⁻¹", grid: { show: false } }],
     }, [rows, values, slope], place);
+  }
+
+  // Diameters along z with U, z from the middle of the field; of a refused frame none.
+  function drawAlong() {
+    const { head } = now, unit = head.unit, middle = (head.columns - 1) / 2;
+    const d = head[`d_${unit}`] ?? [], u = head[`expanded_u_${unit}`] ?? [];
+    const z = d.map((_, k) => (k * head.column_step - middle) * head.pitch);
+    if (profiled) return profiled.set([z, d, d.map((v, k) => (v === null ? null : v + u[k])), d.map((v, k) => (v === null ? null : v - u[k]))]);
+    if (d.some((v) => v !== null)) profiled = plot(run, z, d, u, { xLabel: `z from the middle of the field / ${unit}`, yLabel: `D / ${unit}`, digits: unit === "mm" ? 4 : 2 });
   }
 
   const choose = (to) => {
@@ -107,11 +123,12 @@ function picture() {
       if (column === null) column = Math.floor(read.image.width / 2);
       draw();
       profile();
+      drawAlong();
     } catch { text.textContent = "no connection to the server"; canvas.classList.add("stale"); } finally { busy = false; }
   }
   timer = setInterval(next, 250);
   next();
   const resized = () => { draw(); shown?.setSize({ width: Math.max(place.clientWidth, 280), height: 260 }); };
   window.addEventListener("resize", resized);
-  return { frame, profile: whole, end: () => { ended = true; clearInterval(timer); window.removeEventListener("resize", resized); shown?.destroy(); } };
+  return { frame, along, profile: whole, end: () => { ended = true; clearInterval(timer); window.removeEventListener("resize", resized); shown?.destroy(); profiled?.end(); } };
 }

@@ -78,14 +78,32 @@ const readingWords = (r) => {
   return Object.entries(v).map(([key, x]) => `${key} ${typeof x === "number" ? number(x, 1) : JSON.stringify(x)}`).join(", ");
 };
 
+// What of a reading tells its wear: VBB of a flank, else the mean radius of a nose; with its U.
+function wearHistory(t) {
+  const of = [["flank", "vbb_um", "u_vbb_um", 1, "VBB / µm"], ["nose", "mean_radius_mm", "u_mean_radius_mm", 1e3, "mean radius of the nose / µm"]];
+  for (const [kind, key, u, scale, title] of of) {
+    const all = t.readings.filter((r) => r.kind === kind && typeof r.values[key] === "number");
+    if (all.length < 2) continue;
+    const place = element("div", { class: "plot", role: "img", "aria-label": `${title} of ${t.name} by reading` });
+    const draw = () => plot(place, all.map((_, k) => k + 1), all.map((r) => scale * r.values[key]), all.map((r) => (typeof r.values[u] === "number" ? 2 * scale * r.values[u] : null)), { xLabel: "reading", yLabel: title, digits: 2 });
+    return { place, title: `Wear: ${title}`, draw };
+  }
+  return null;
+}
+
 async function tools() {
   const list = element("div"), place = element("div");
+  let wear = null;
   const show = (t) => {
-    const last = t.readings.length - 1;
+    const last = t.readings.length - 1, image = element("div"), history = wearHistory(t);
+    const look = (k) => image.replaceChildren(t.readings[k]?.overlay ? element("img", { class: "overlay", alt: `${t.readings[k].kind} of ${t.name} of ${t.readings[k].utc.slice(0, 19)}Z with what was found`, src: `api/tools/${t.name}/overlay?reading=${k}` }) : element("p", {}, last < 0 ? "No image yet." : "This reading has no picture."));
+    look(last);
+    wear?.end();
     place.replaceChildren(element("h2", {}, t.name),
-      table(["measured", "image", "µm/px", "result"], t.readings.map((r) => row(r.utc, r.kind, String(r.um_per_px), readingWords(r))).reverse()),
-      last >= 0 && t.readings[last].overlay ? element("img", { class: "overlay", alt: `${t.readings[last].kind} of ${t.name} with what was found`, src: `api/tools/${t.name}/overlay?reading=${last}` }) : element("p", {}, "No image yet."),
+      table(["measured", "image", "µm/px", "result", ""], t.readings.map((r, k) => row(r.utc, r.kind, String(r.um_per_px), readingWords(r), element("button", { type: "button", "aria-label": `Show the image of ${r.utc}`, onclick: () => look(k) }, "Image"))).reverse()),
+      image, ...(history ? [element("h3", {}, history.title), history.place] : []),
       element("details", {}, element("summary", {}, "Tool (TOML)"), element("pre", { tabindex: "0", role: "region", "aria-label": "Tool (TOML)" }, t.tool)));
+    wear = history?.draw() ?? null;
   };
   const of = element("select", { id: "image-tool", required: "" });
   const load = async () => {
@@ -112,7 +130,7 @@ async function tools() {
   main.replaceChildren(element("h1", {}, "Tools"), list, place,
     element("details", {}, element("summary", {}, "Measure an image"), sending(measure, load, "Measure", ...field("Tool", of), ...field("What it shows", kind), ...field("Scale / µm per px", scale), ...field("Image (32 MiB at most)", image))),
     element("details", {}, element("summary", {}, "Add a tool"), sending(add, load, "Add tool", ...field("Name", n), ...field("Tool (TOML)", t), ...field("Its nose, where it was measured elsewhere (JSON of tool nose)", nose))));
-  return () => {};
+  return () => wear?.end();
 }
 
 async function machines() {
