@@ -245,10 +245,10 @@ mod tests {
     #[test]
     fn a_stored_calibration_that_cannot_be_read_is_listed_with_why() {
         let today: Date = "2026-12-02".parse().unwrap();
-        for document in ["{\"version\": 999}", "no JSON"] {
+        for (document, why) in [("{\"version\": 999}", "version 999"), ("no JSON", "not a calibration")] {
             let listed = ListedCalibration::of((Utc(0), document.to_owned()), today);
             let shown = serde_json::to_value(listed).unwrap();
-            assert!(!shown["unreadable"].as_str().unwrap().is_empty(), "{shown}");
+            assert!(shown["unreadable"].as_str().unwrap().contains(why), "{shown}");
             assert_eq!(
                 (shown["id"].as_str().map(str::len), shown["scale_um_per_px"].is_null()),
                 (Some(64), true)

@@ -115,3 +115,39 @@ fn a_config_has_values_for_its_form_and_why_it_would_be_refused() {
     assert_eq!(look("no toml at all").status, 422);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is stored");
 }
+
+#[test]
+fn two_servers_on_one_store_lose_nothing_of_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = folder.path().join("store.sqlite");
+    let servers = [0, 1].map(|_| Server::start(&["--store", text(&store)]));
+    let machine = std::fs::read_to_string("configs/tool/machine.toml").unwrap();
+    std::thread::scope(|scope| {
+        for (k, server) in servers.iter().enumerate() {
+            let machine = &machine;
+            scope.spawn(move || {
+                for j in 0..5 {
+                    let name = format!("m{k}{j}");
+                    let body = json!({ "name": name, "dialect": "linuxcnc", "data": machine });
+                    let answer = server.post("/api/machines", &body);
+                    assert_eq!(answer.status, 201, "{name}: {}", answer.body);
+                }
+            });
+        }
+    });
+    for server in &servers {
+        assert_eq!(server.get("/api/machines").json().as_array().unwrap().len(), 10);
+        let found = server.get("/api/store").json();
+        assert_eq!((&found["findings"], &found["audit_rows"]), (&json!([]), &json!(10)), "{found}");
+    }
+    let refused = said_of_a_foreign_store(&folder.path().join("foreign.sqlite"));
+    assert!(refused.contains("is no store"), "{refused}");
+}
+
+/// What `serve` says of a store that is a file of another program.
+fn said_of_a_foreign_store(path: &std::path::Path) -> String {
+    std::fs::write(path, "a text of another program").unwrap();
+    let refused = super::shadowgauge(["serve", "--listen", "127.0.0.1:0", "--store", text(path)]);
+    assert_eq!(refused.status.code(), Some(2));
+    super::said(&refused)
+}

@@ -70,6 +70,12 @@ pub struct Calibration {
     pub camera: Option<Box<CameraBinding>>,
 }
 
+/// The version of a file, whatever else is in it.
+#[derive(Deserialize)]
+struct StatedVersion {
+    version: u32,
+}
+
 impl Calibration {
     /// Weighted least squares over two masters or more and all their frames.
     ///
@@ -245,7 +251,17 @@ impl Calibration {
     /// # Errors
     /// Refuses what is no JSON of this version and what has impossible values.
     pub fn read(from: impl Read) -> Result<Self, CalibrationError> {
-        let calibration: Self = serde_json::from_reader(from.take(16 << 20))?;
+        let mut bytes = Vec::new();
+        from.take(16 << 20).read_to_end(&mut bytes).map_err(serde_json::Error::io)?;
+        let calibration: Self = serde_json::from_slice(&bytes).map_err(|error| {
+            // a file of another version need not have the keys of this one
+            match serde_json::from_slice::<StatedVersion>(&bytes) {
+                Ok(StatedVersion { version }) if version != CALIBRATION_VERSION => {
+                    CalibrationError::Version { found: version }
+                }
+                _ => error.into(),
+            }
+        })?;
         if calibration.version != CALIBRATION_VERSION {
             return Err(CalibrationError::Version { found: calibration.version });
         }
