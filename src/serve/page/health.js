@@ -19,7 +19,9 @@ function driftWords(h) {
 function health() {
   const figures = element("dl"), light = element("div", { class: "plot", role: "img", "aria-label": "Darkest place of the window by the minute, % of the median" });
   const none = element("p", { class: "muted" }, "The course by the minute begins with the second minute of a source.");
-  const whole = element("section", {}, element("h2", {}, "Window and drift"), figures, none);
+  // the plot has its place from the beginning: nothing below it moves when it comes
+  light.append(none);
+  const whole = element("section", {}, element("h2", {}, "Window and drift"), figures, light);
   let shown = null;
   async function load() {
     const h = await api("gauge");
@@ -31,7 +33,7 @@ function health() {
     figures.replaceChildren(...rows.flatMap(([t, v]) => [element("dt", {}, t), element("dd", {}, v)]));
     const seen = h.minutes.filter((m) => m.darkest_percent !== null);
     if (seen.length < 2 || !whole.isConnected) return;
-    if (!shown) { none.replaceWith(light); }
+    none.remove();
     const x = seen.map((m) => (Date.parse(m.utc) - Date.parse(seen.at(-1).utc)) / 60000);
     const lines = [seen.map((m) => m.darkest_percent), seen.map((m) => m.contaminated_percent), seen.map((m) => m.u_drift_um)];
     if (shown) return shown.setData([x, ...lines]);
