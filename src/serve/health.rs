@@ -1,4 +1,5 @@
-//! Window and drift of a source that is watched: what its lines have of them, now and by the minute.
+//! Window and drift of a source that is watched: what its lines have of them, now and by the
+//! minute.
 //!
 //! The window: light outside of the part against an even one once a second (against the calibrated
 //! flat, where there is one: what has changed since the calibration), and the columns that frames
@@ -31,8 +32,8 @@ pub(super) struct WindowHealth {
     pub brightest_percent: f64,
     /// Tiles that lie wholly in the light.
     pub tiles: u64,
-    /// Whether it is light after the calibrated flat: what has changed since then. Without one it is
-    /// also the unevenness of the lamp.
+    /// Whether it is light after the calibrated flat: what has changed since then. Without one the
+    /// unevenness of the lamp is in it.
     pub of_flat: bool,
 }
 
@@ -182,7 +183,7 @@ impl Taken {
         minute.frames += 1;
         minute.u_drift_um = u_drift_um;
         let flags = line["flags"].as_object();
-        // of a refused frame all columns have the reason of the frame, which says nothing of the window
+        // all columns of a refused frame have its reason, which says nothing of the window
         if is_valid {
             minute.columns += line["columns"].as_u64().unwrap_or(0);
             let contaminated = flags.and_then(|flags| flags.get("contaminated")?.as_u64());

@@ -7,8 +7,8 @@
 //! is resumed.
 //!
 //! Bottom to top: `problem` (refusals with their status), `tls`, `settings` (what is served, to
-//! whom), `child`, `hub` (live lines to all readers, newest wins), `health` (window and drift of the
-//! source), `store_check` (the last check of the store), `jobs` (runs that were started),
+//! whom), `child`, `hub` (live lines to all readers, newest wins), `health` (window and drift of
+//! the source), `store_check` (the last check of the store), `jobs` (runs that were started),
 //! `workshop` (where programs and readings are made, `making` of them), `picture_file` (the newest
 //! frame), `state` (all of these), `access` (who may do what, headers), `files` (uploads by their
 //! digest), `documents` (what the store has by name); the routes `runs`, `run_config` (configs of

@@ -43,8 +43,8 @@ pub(super) struct Pictured<'a> {
 pub(super) struct PictureScale {
     /// Pitch of columns, mm; 1 px in pixels.
     pub(super) pitch: f64,
-    /// Diameter over its distance in pixels, as the frame's largest diameter has it: with scale, slope
-    /// of the axis, temperature and pin.
+    /// Diameter over its distance in pixels, as the frame's largest diameter has it: with scale,
+    /// slope of the axis, temperature and pin.
     pub(super) per_px: f64,
     /// Standard uncertainty that all columns share beside the edges.
     pub(super) u_common: f64,
