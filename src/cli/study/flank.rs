@@ -49,10 +49,13 @@ pub(crate) struct StudyFlankArgs {
 /// Exit 2 for a model or a size that is refused.
 pub(crate) fn run(args: &StudyFlankArgs) -> CommandResult {
     let Some(model) = model::read(&args.model)? else {
-        return Err(Failure::refuse("--model paper states no uncertainty to compare with; give forest or a file"));
+        return Err(Failure::refuse(
+            "--model paper states no uncertainty to compare with; give forest or a file",
+        ));
     };
     let csv = args.csv.as_deref().map(|p| OutputFile::claim(p, [])).transpose()?;
-    let plan = FlankPlan { model: model.as_ref(), size: args.size, um_per_px: args.um_per_px, seed: args.seed };
+    let plan =
+        FlankPlan { model: model.as_ref(), size: args.size, um_per_px: args.um_per_px, seed: args.seed };
     if let Some(tools) = args.tools {
         return judged(args, &plan, (tools, csv));
     }
