@@ -164,7 +164,7 @@ pub(super) struct SimulatedSetup {
     config: String,
 }
 
-/// Calibrations, the newest first (100 at most); of one that cannot be read `unreadable` says why.
+/// Calibrations, the newest first (100 at most); `unreadable` has why one cannot be read.
 #[utoipa::path(get, path = "/api/calibrations", responses((status = 200, body = Vec<ListedCalibration>), (status = 404, body = Words)))]
 pub(super) async fn list(Extract(state): Extract<Shared>) -> Result<Json<Vec<ListedCalibration>>, Problem> {
     off_thread(move || {

@@ -183,7 +183,7 @@ impl Taken {
         minute.frames += 1;
         minute.u_drift_um = u_drift_um;
         let flags = line["flags"].as_object();
-        // all columns of a refused frame have its reason, which says nothing of the window
+        // all columns of a refused frame have its reason, which is none of the window
         if is_valid {
             minute.columns += line["columns"].as_u64().unwrap_or(0);
             let contaminated = flags.and_then(|flags| flags.get("contaminated")?.as_u64());

@@ -1,7 +1,7 @@
 //! Rendered flanks, measured: errors of VBB and VBBmax beside their stated uncertainties.
 //!
-//! In: a model of the land, the size of the images, a seed. Out: a [`FlankRow`] a flank; [`summary`] joins
-//! them. `worn_flanks` draws flanks about the limits of a worn edge.
+//! In: a model of the land, the size of the images, a seed. Out: a [`FlankRow`] a flank;
+//! [`summary`] joins them. `worn_flanks` draws flanks about the limits of a worn edge.
 
 use rayon::prelude::*;
 use serde::Serialize;

@@ -223,6 +223,13 @@ const EXAMPLES: &[Examples] = &[
         &["shadowgauge study machine-coverage configs/machine_coverage.toml --machines 100"],
     ),
     (
+        "study flank",
+        &[
+            "shadowgauge study flank --model flanks.forest --flanks 50 --csv out/flanks.csv",
+            "shadowgauge study flank --model flanks.forest --size 640x480 --um-per-px 3.5 --tools 1000 --json",
+        ],
+    ),
+    (
         "study tool",
         &[
             "shadowgauge study tool --out out/study_tool",

@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 
 /// Name and reason of every study that is not of independent scenes.
-pub(crate) const REASONS: [(&str, &str); 16] = [
+pub(crate) const REASONS: [(&str, &str); 17] = [
     (
         "controllers",
         "a shaft of it leaves passes of every controller, which no row of a table holds; --shafts and --seed take parts of it",
@@ -11,6 +11,7 @@ pub(crate) const REASONS: [(&str, &str); 16] = [
     ("correlation", "it reads one table of readings and draws no scenes"),
     ("deflection", "it computes one line of compliance and draws no scenes"),
     ("factor", "it computes size errors from the compliance and draws no scenes"),
+    ("flank", "its scenes follow a seed: --seed and --flanks or --tools take parts of them"),
     ("head", "it computes heads from their configs alone and draws no scenes"),
     ("in-process", "it is one job, whose passes follow one another"),
     ("limits", "every threshold is tried on the same scenes, which one process draws and keeps"),

@@ -87,7 +87,8 @@ fn at(curve: &Curve, t: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A cambered edge of which three quarters are worn by 60 µm: the quarter that is not bounds it.
+    /// A cambered edge of which three quarters are worn by 60 µm: the quarter that is not bounds
+    /// it.
     #[test]
     fn a_quarter_that_is_not_worn_bounds_the_trace() {
         let places: Vec<f64> = (0..400).map(|k| f64::from(k) / 399.0).collect();

@@ -119,9 +119,10 @@ limits! {
     /// Share of the stretches that lie on it at least: six of forty, twice what a parabola passes
     /// through in any case.
     envelope_share: f64 = 0.15;
-    /// Share of the stretches that the largest sagitta has to gain: as many as a parabola passes
-    /// through beyond a straight line, four times.
-    envelope_bend: f64 = 0.1;
+    /// Share of the stretches that the largest sagitta has to gain: about its vertex such a
+    /// parabola stays within `envelope_um` of any straight stretch over a third of the edge, a
+    /// flatter one over more.
+    envelope_bend: f64 = 0.5;
     /// Rounds of reweighting of the reference curve. Tuned: see tests of flanks.
     edge_rounds: usize = 12;
     /// Log-odds of one pixel are worth no more: neighbours share what they are classified by.
