@@ -407,6 +407,19 @@ fn a_flank_from_its_image_to_a_verdict_a_history_and_a_forecast() {
     assert!(network.contains("absent.onnx") && network.contains("FILE.onnx"), "{network}");
     #[cfg(not(feature = "onnx"))]
     assert!(network.contains("--features onnx"), "{network}");
+    // tools about the limits, a row each; images without labels state no errors
+    let (tools, empty) = (at("tools.csv"), at("empty"));
+    let small = ["--size", "360x240", "--um-per-px", "8", "--tools", "2", "--csv", &tools];
+    let said = good(&[&["study", "flank", "--model", &forest], &small[..]].concat());
+    assert!(said.starts_with("2 tools about VBB 300 and VBBmax 600 µm"), "{said}");
+    let table = std::fs::read_to_string(&tools).unwrap();
+    assert!(table.lines().count() == 3 && table.contains(",blunt,verdict"), "{table}");
+    std::fs::create_dir(&empty).unwrap();
+    std::fs::copy(&image, folder.path().join("empty/alone.png")).unwrap();
+    let flanks = flanks.to_str().unwrap();
+    let call = ["tool", "train", flanks, "--um-per-px", "4", "--out", &at("no.forest"), "--test", &empty];
+    assert!(refused(&call, 2).contains("--test: no labelled image"));
+    assert!(!folder.path().join("no.forest").exists());
     // the paper's way has the same keys and no uncertainty, or sees no bright land
     let output = tried(&["--model", "paper", "--json"]);
     match output.status.code() {

@@ -6,9 +6,10 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::gauge::flank::{CornerSide, FlankMeasurement, FlankSettings, LandModel, measure_flank};
+use crate::gauge::flank::{FlankMeasurement, FlankSettings, LandModel, measure_flank};
 use crate::render::RenderError;
 use crate::render::flank::{FlankScene, FlankTruth, below_edge_um, render_flank};
+use crate::tool::wear::WearVerdict;
 
 /// 97.5 % of the normal distribution, for intervals of 95 %.
 const K95: f64 = 1.96;
@@ -53,6 +54,10 @@ pub(crate) struct FlankRow {
     pub flags: String,
     /// Why it is refused.
     pub refused: Option<String>,
+    /// Whether it is truly blunt, of a tool that is judged.
+    pub blunt: Option<bool>,
+    /// The verdict, of a tool that is judged and measured.
+    pub verdict: Option<WearVerdict>,
 }
 
 impl FlankRow {
@@ -60,7 +65,7 @@ impl FlankRow {
     pub(crate) fn of(scene: &FlankScene, seed: u64, model: &dyn LandModel) -> Result<Self, RenderError> {
         let (frame, _, truth) = render_flank(scene, seed)?;
         let full_scale = frame.view().full_scale().unwrap_or(f32::INFINITY);
-        let settings = settings(scene.um_per_px, full_scale);
+        let settings = FlankSettings { full_scale, ..FlankSettings::at_scale(scene.um_per_px) };
         let row = Self::true_of(&truth, seed);
         Ok(match measure_flank(&frame.view(), &settings, model) {
             Ok(found) => row.with(&found, scene),
@@ -102,20 +107,6 @@ impl FlankRow {
     /// Error and u of VBBmax, µm.
     pub(crate) fn vbb_max(&self) -> Option<(f64, f64)> {
         Some((self.vbb_max_um? - self.true_vbb_max_um, self.u_vbb_max_um?))
-    }
-}
-
-/// Settings of a flank without a corner.
-fn settings(um_per_px: f64, full_scale: f32) -> FlankSettings {
-    FlankSettings {
-        um_per_px,
-        u_scale: 0.0,
-        viewing_deg: 0.0,
-        u_viewing_deg: 0.0,
-        nose_radius_mm: None,
-        corner: CornerSide::None,
-        baseline: None,
-        full_scale,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Worn edges about the limits of ISO 3685, judged: how many that are blunt pass as sharp.
 //!
-//! In: a plan of flanks, limits. Out: a [`JudgedFlank`] a tool and [`BluntBin`]s by the stated
+//! In: a plan of flanks, limits. Out: a [`FlankRow`] a tool and [`BluntBin`]s by the stated
 //! uncertainty. A verdict of 95 % lets at most 5 % of truly blunt edges pass in every bin if u is
 //! true.
 
@@ -16,17 +16,6 @@ use crate::tool::wear::{Land, WearLimits, WearVerdict};
 const BINS: usize = 4;
 /// Widths are drawn to this share on both sides of their limit: several u.
 const ABOUT: f64 = 0.12;
-
-/// A tool with its verdict.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct JudgedFlank {
-    /// Whether it is truly blunt.
-    pub blunt: bool,
-    /// The verdict; none of a flank that is refused.
-    pub verdict: Option<WearVerdict>,
-    /// The measurement.
-    pub row: FlankRow,
-}
 
 /// Truly blunt tools of a bin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -72,14 +61,14 @@ fn judged(
     scene: &FlankScene,
     seed: u64,
     (plan, limits): (&FlankPlan<'_>, &WearLimits),
-) -> Result<JudgedFlank, RenderError> {
+) -> Result<FlankRow, RenderError> {
     let row = FlankRow::of(scene, seed, plan.model)?;
     let blunt = row.true_vbb_um > limits.vbb_um || row.true_vbb_max_um > limits.vbb_max_um;
     let land = row.vbb().zip(row.vbb_max()).map(|(mean, most)| Land {
         vbb_um: (row.true_vbb_um + mean.0, mean.1),
         vbb_max_um: (row.true_vbb_max_um + most.0, most.1),
     });
-    Ok(JudgedFlank { verdict: land.map(|l| l.verdict(limits)), blunt, row })
+    Ok(FlankRow { verdict: land.map(|l| l.verdict(limits)), blunt: Some(blunt), ..row })
 }
 
 /// Draws, measures and judges so many tools; `done` is called after each.
@@ -90,7 +79,7 @@ pub(crate) fn run(
     plan: &FlankPlan<'_>,
     limits: &WearLimits,
     (count, done): (usize, &(dyn Fn() + Sync)),
-) -> Result<Vec<JudgedFlank>, RenderError> {
+) -> Result<Vec<FlankRow>, RenderError> {
     let one = |k: usize| {
         let seed = plan.seed.wrapping_add(k as u64);
         let tool = judged(&scene(plan, seed, limits), seed, (plan, limits));
@@ -101,26 +90,26 @@ pub(crate) fn run(
 }
 
 /// Bins of equal numbers by the stated u of VBB.
-pub(crate) fn bins(tools: &[JudgedFlank], limits: &WearLimits) -> Vec<BluntBin> {
-    let mut measured: Vec<(&JudgedFlank, f64)> =
-        tools.iter().filter_map(|t| t.row.u_vbb_um.map(|u| (t, u))).collect();
+pub(crate) fn bins(tools: &[FlankRow], limits: &WearLimits) -> Vec<BluntBin> {
+    let mut measured: Vec<(&FlankRow, f64)> =
+        tools.iter().filter_map(|t| t.u_vbb_um.map(|u| (t, u))).collect();
     measured.sort_by(|a, b| a.1.total_cmp(&b.1));
     let size = measured.len().div_ceil(BINS).max(1);
     measured.chunks(size).map(|bin| blunt_bin(bin, limits)).collect()
 }
 
-fn blunt_bin(bin: &[(&JudgedFlank, f64)], limits: &WearLimits) -> BluntBin {
-    let passed = |t: &JudgedFlank| t.blunt && t.verdict == Some(WearVerdict::Sharp);
-    let beyond = |t: &JudgedFlank| {
+fn blunt_bin(bin: &[(&FlankRow, f64)], limits: &WearLimits) -> BluntBin {
+    let passed = |t: &FlankRow| t.blunt == Some(true) && t.verdict == Some(WearVerdict::Sharp);
+    let beyond = |t: &FlankRow| {
         let over =
             |true_um: f64, limit_um: f64, u_um: Option<f64>| true_um > limit_um + 4.0 * u_um.unwrap_or(0.0);
-        over(t.row.true_vbb_um, limits.vbb_um, t.row.u_vbb_um)
-            || over(t.row.true_vbb_max_um, limits.vbb_max_um, t.row.u_vbb_max_um)
+        over(t.true_vbb_um, limits.vbb_um, t.u_vbb_um)
+            || over(t.true_vbb_max_um, limits.vbb_max_um, t.u_vbb_max_um)
     };
     BluntBin {
         to_u_um: bin.last().map_or(0.0, |b| b.1),
         measured: bin.len(),
-        blunt: bin.iter().filter(|b| b.0.blunt).count(),
+        blunt: bin.iter().filter(|b| b.0.blunt == Some(true)).count(),
         passed: bin.iter().filter(|b| passed(b.0)).count(),
         beyond: bin.iter().filter(|b| passed(b.0) && beyond(b.0)).count(),
     }

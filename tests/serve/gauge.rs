@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::small_job::{ONE_PASS, TWO_PASSES};
 use super::{Server, text};
 
-/// The gauge's health once it fulfils something.
+/// Window and drift of the source once they fulfil a condition.
 fn health_that(server: &Server, fulfils: impl Fn(&Value) -> bool) -> Value {
     let until = Instant::now() + Duration::from_secs(60);
     loop {

@@ -68,17 +68,21 @@ pub(crate) fn run(args: &TrainArgs) -> CommandResult {
             labelled.len()
         )));
     }
+    let others = test.map(|paths| all(args, &paths)).transpose()?;
+    if others.as_ref().is_some_and(Vec::is_empty) {
+        // no errors are not errors of 0
+        return Err(Failure::refuse(
+            "--test: no labelled image in which the edge is found, by which errors could be stated",
+        ));
+    }
     if let Some(dir) = &args.strips {
         strips::write(dir, &labelled)?;
     }
     let growth = Growth { seed: args.seed, ..Growth::default() };
     let pixels = drawn(&labelled, growth.seed);
     let mut forest = train(&pixels, &growth);
-    let (vb, vb_max) = match test {
-        Some(paths) => {
-            let others = all(args, &paths)?;
-            rms(&others.par_iter().map(|one| errors_um(&forest, one)).collect::<Vec<_>>())
-        }
+    let (vb, vb_max) = match &others {
+        Some(others) => rms(&others.par_iter().map(|one| errors_um(&forest, one)).collect::<Vec<_>>()),
         None => rms(&left_out(&labelled, &pixels, &growth)),
     };
     forest.facts.trained_on =

@@ -35,3 +35,20 @@ pub(crate) struct FlankSettings {
     /// Grey value from which a pixel is saturated; infinite where none is known.
     pub full_scale: f32,
 }
+
+impl FlankSettings {
+    /// Of a flank seen at right angles, without a corner, a baseline or a full scale, at an exact
+    /// scale in µm per px.
+    pub(crate) fn at_scale(um_per_px: f64) -> Self {
+        Self {
+            um_per_px,
+            u_scale: 0.0,
+            viewing_deg: 0.0,
+            u_viewing_deg: 0.0,
+            nose_radius_mm: None,
+            corner: CornerSide::None,
+            baseline: None,
+            full_scale: f32::INFINITY,
+        }
+    }
+}

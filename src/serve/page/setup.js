@@ -78,7 +78,7 @@ const readingWords = (r) => {
   return Object.entries(v).map(([key, x]) => `${key} ${typeof x === "number" ? number(x, 1) : JSON.stringify(x)}`).join(", ");
 };
 
-// What of a reading tells its wear: VBB of a flank, else the mean radius of a nose; with its U.
+// What of a reading shows its wear: VBB of a flank, else the mean radius of a nose; with its U.
 function wearHistory(t) {
   const of = [["flank", "vbb_um", "u_vbb_um", 1, "VBB / µm"], ["nose", "mean_radius_mm", "u_mean_radius_mm", 1e3, "mean radius of the nose / µm"]];
   for (const [kind, key, u, scale, title] of of) {

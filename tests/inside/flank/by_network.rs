@@ -1,8 +1,8 @@
 //! A network that takes what is bright for land, on the lands for which that is right.
 
-use super::{by_paper, settings};
-use shadowgauge::gauge::flank::measure_flank;
+use super::by_paper;
 use shadowgauge::gauge::flank::network::Network;
+use shadowgauge::gauge::flank::{FlankSettings, measure_flank};
 use shadowgauge::measurement::flank::FlankImage;
 use shadowgauge::render::flank::render_flank;
 use shadowgauge::tool::wear::{WearLimits, WearVerdict};
@@ -16,7 +16,7 @@ fn network(name: &str) -> Network {
 fn a_bright_land_is_measured_by_a_network_with_its_stated_errors() {
     let scene = by_paper::scene();
     let (frame, _, truth) = render_flank(&scene, 5).unwrap();
-    let settings = settings(scene.um_per_px);
+    let settings = FlankSettings::at_scale(scene.um_per_px);
     let found = measure_flank(&frame.view(), &settings, &network("threshold")).unwrap();
     // the texture of the flank passes the threshold here and there; the paper's way has 10 µm
     assert!((found.vbb.um - truth.vb_um).abs() < 10.0, "{} {}", found.vbb.um, truth.vb_um);
@@ -31,7 +31,8 @@ fn a_bright_land_is_measured_by_a_network_with_its_stated_errors() {
 fn a_network_without_stated_errors_proves_nothing() {
     let scene = by_paper::scene();
     let (frame, _, _) = render_flank(&scene, 5).unwrap();
-    let found = measure_flank(&frame.view(), &settings(scene.um_per_px), &network("bare")).unwrap();
+    let found =
+        measure_flank(&frame.view(), &FlankSettings::at_scale(scene.um_per_px), &network("bare")).unwrap();
     assert!(found.flags.contains(&"no_uncertainty"), "{:?}", found.flags);
     let image = FlankImage::new("000000".to_owned(), &found, &WearLimits::default());
     assert!(image.vbb_um > 0.0 && image.u_vbb_um.is_none() && image.u_vbb_max_um.is_none());

@@ -1,7 +1,6 @@
 //! Rendered flanks against their truth, by the shipped forest.
 
-use super::settings;
-use shadowgauge::gauge::flank::{measure_flank, shipped};
+use shadowgauge::gauge::flank::{FlankSettings, measure_flank, shipped};
 use shadowgauge::render::flank::{FlankScene, render_flank};
 
 #[test]
@@ -17,7 +16,8 @@ fn the_shipped_forest_is_small_and_of_rendered_flanks() {
 fn the_default_flank_is_measured_within_its_expanded_uncertainty() {
     let scene = FlankScene::default();
     let (frame, _, truth) = render_flank(&scene, 11).unwrap();
-    let found = measure_flank(&frame.view(), &settings(scene.um_per_px), &shipped().unwrap()).unwrap();
+    let found =
+        measure_flank(&frame.view(), &FlankSettings::at_scale(scene.um_per_px), &shipped().unwrap()).unwrap();
     let off = found.vbb.um - truth.vb_um;
     assert!(off.abs() < 2.0 * found.vbb.u_um.max(scene.um_per_px), "{off} {:?}", found.vbb);
 }
@@ -29,7 +29,7 @@ fn the_viewing_angle_is_taken_into_account() {
     let scene = FlankScene::default();
     let (frame, _, _) = render_flank(&scene, 11).unwrap();
     let forest = shipped().unwrap();
-    let mut oblique = settings(scene.um_per_px);
+    let mut oblique = FlankSettings::at_scale(scene.um_per_px);
     let straight = measure_flank(&frame.view(), &oblique, &forest).unwrap();
     (oblique.viewing_deg, oblique.u_viewing_deg) = (20.0, 1.0);
     let found = measure_flank(&frame.view(), &oblique, &forest).unwrap();

@@ -3,11 +3,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::settings;
 use shadowgauge::frame::{FrameView, PixelFormat, Pixels};
 use shadowgauge::gauge::flank::forest::training::Growth;
 use shadowgauge::gauge::flank::{
-    FlankMeasurement, Labelled, Raster, drawn, errors_um, locate, measure_flank, shipped, train,
+    FlankMeasurement, FlankSettings, Labelled, Raster, drawn, errors_um, locate, measure_flank, shipped,
+    train,
 };
 
 /// Their scale, µm per px (README of the images).
@@ -95,7 +95,7 @@ fn measured(image: &Raster, um_per_px: f64) -> FlankMeasurement {
     let pixels: Vec<u8> = image.values.iter().map(|v| v.round().clamp(0.0, 255.0) as u8).collect();
     let (rows, columns) = (image.rows, image.columns);
     let view = FrameView::new(Pixels::U8(&pixels), PixelFormat::Mono8, rows, columns, columns).unwrap();
-    measure_flank(&view, &settings(um_per_px), &shipped().unwrap()).unwrap()
+    measure_flank(&view, &FlankSettings::at_scale(um_per_px), &shipped().unwrap()).unwrap()
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! What shows no flank, or no whole land, gives no number.
 
-use super::settings;
 use shadowgauge::frame::{FrameView, PixelFormat, Pixels};
 use shadowgauge::gauge::flank::{FlankError, FlankSettings, measure_flank, shipped};
 use shadowgauge::render::flank::{FlankScene, render_flank};
@@ -8,7 +7,7 @@ use shadowgauge::render::flank::{FlankScene, render_flank};
 fn measured(pixels: &[u8], columns: usize) -> Result<(), FlankError> {
     let rows = pixels.len() / columns;
     let view = FrameView::new(Pixels::U8(pixels), PixelFormat::Mono8, rows, columns, columns).unwrap();
-    measure_flank(&view, &settings(2.4), &shipped().unwrap()).map(|_| ())
+    measure_flank(&view, &FlankSettings::at_scale(2.4), &shipped().unwrap()).map(|_| ())
 }
 
 #[test]
@@ -29,7 +28,7 @@ fn a_land_that_leaves_the_field_is_refused() {
     scene.edge.depth_um = 2000.0;
     scene.rows = 300;
     let (frame, _, _) = render_flank(&scene, 2).unwrap();
-    let found = measure_flank(&frame.view(), &settings(scene.um_per_px), &shipped().unwrap());
+    let found = measure_flank(&frame.view(), &FlankSettings::at_scale(scene.um_per_px), &shipped().unwrap());
     assert!(matches!(found, Err(FlankError::LeavesField { .. })), "{found:?}");
 }
 
@@ -41,7 +40,7 @@ fn glare_over_the_land_is_refused() {
     (scene.surface.land, scene.surface.streaks, scene.surface.adhesion) = (1.0, 0.0, 0.0);
     (scene.surface.flank, scene.surface.texture, scene.surface.glare) = (1.0, 0.6, 5.0);
     let (frame, _, _) = render_flank(&scene, 2).unwrap();
-    let settings = FlankSettings { full_scale: 255.0, ..settings(scene.um_per_px) };
+    let settings = FlankSettings { full_scale: 255.0, ..FlankSettings::at_scale(scene.um_per_px) };
     let found = measure_flank(&frame.view(), &settings, &shipped().unwrap());
     assert!(matches!(found, Err(FlankError::Glare { .. })), "{:?}", found.map(|f| (f.vbb, f.flags)));
 }

@@ -1,8 +1,7 @@
 //! Forests from rendered flanks: the same bytes again, and what the trees disagree about is in u.
 
-use super::settings;
 use shadowgauge::gauge::flank::forest::{file, training::Growth};
-use shadowgauge::gauge::flank::{Labelled, Raster, drawn, locate, measure_flank, train};
+use shadowgauge::gauge::flank::{FlankSettings, Labelled, Raster, drawn, locate, measure_flank, train};
 use shadowgauge::render::flank::{FlankScene, render_flank};
 
 const UM_PER_PX: f64 = 4.0;
@@ -34,7 +33,7 @@ fn what_trees_disagree_about_is_in_the_models_row() {
     let mut single = forest.clone();
     single.second.truncate(1);
     let (frame, _, _) = render_flank(&FlankScene::default(), 11).unwrap();
-    let of = |forest| measure_flank(&frame.view(), &settings(2.415), forest).unwrap();
+    let of = |forest| measure_flank(&frame.view(), &FlankSettings::at_scale(2.415), forest).unwrap();
     assert!(of(&forest).budget.model_um > 0.0);
     assert_eq!(of(&single).budget.model_um, 0.0);
 }
