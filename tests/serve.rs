@@ -7,6 +7,8 @@ mod bounds;
 mod browser;
 #[path = "serve/gauge.rs"]
 mod gauge;
+#[path = "serve/kept.rs"]
+mod kept;
 #[path = "support/program.rs"]
 mod program;
 #[path = "support/small_job.rs"]

@@ -20,6 +20,10 @@ use super::state::Shared;
 
 /// Age from which a frame is no reading of now, as `watch` has it by default.
 const STALE: Duration = Duration::from_secs(1);
+/// Frames that wait while one is measured: a page's trend is to have every frame, and browsers on
+/// the same two cores held an event back for 43 ms at most (`benches/serve/load.sh`), two frames at
+/// 50 a second, of which each takes 4 ms of a core.
+const WAITING: u8 = 3;
 /// Pause before a source that has ended is watched again.
 const AGAIN: Duration = Duration::from_secs(2);
 
@@ -31,8 +35,11 @@ pub(super) async fn watch(state: Shared) {
         arguments.extend(["--picture".to_owned(), picture.path().to_string_lossy().into_owned()]);
     }
     // what the gauge is set up by, once a second: the pages show it
-    if !more.iter().any(|argument| argument == "--setup") {
+    if !is_stated(more, "--setup") {
         arguments.push("--setup".to_owned());
+    }
+    if !is_stated(more, "--waiting") {
+        arguments.extend(["--waiting".to_owned(), WAITING.to_string()]);
     }
     arguments.extend(more.iter().cloned());
     let mut ends = state.ends.clone();
@@ -47,6 +54,11 @@ pub(super) async fn watch(state: Shared) {
             _ = ends.changed() => return,
         }
     }
+}
+
+/// Whether an option is among these, as `--name` or `--name=value`.
+fn is_stated(arguments: &[String], option: &str) -> bool {
+    arguments.iter().any(|argument| argument.split('=').next() == Some(option))
 }
 
 /// Watches once; why it ended.

@@ -17,5 +17,7 @@ macro_rules! job {
 
 /// Of one pass.
 pub const ONE_PASS: &str = job!("[11.5]", "11.5");
+/// Of five passes.
+pub const FIVE_PASSES: &str = job!("[11.8, 11.6, 11.4, 11.2, 11.0]", "11.0");
 /// Of two passes.
 pub const TWO_PASSES: &str = job!("[11.5, 11.0]", "11.0");

@@ -132,6 +132,12 @@ pub(crate) struct WatchArgs {
     /// invalid or not good as 16-bit PNG in frames/, as the source gave them, with frames.csv.
     #[arg(long, value_name = "DIR")]
     save: Option<PathBuf>,
+    /// Frames that may wait while one is measured, 1 to 64; of a source that does not wait the oldest
+    /// is left out beyond them. More lose none while the machine is busy for a moment, and a
+    /// result is older by as many frames where the gauge is slower than the camera. Unless given 1
+    /// where the newest frame is measured, 4 where every one is, 64 with --encoder.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]
+    waiting: Option<u8>,
     /// Keeps the newest frame with its edges in this file, five times a second, for a page that
     /// shows it (docs/serve.md).
     #[arg(long, value_name = "FILE")]
@@ -188,6 +194,17 @@ impl Watched {
     }
 }
 
+/// Frames that wait while one is measured.
+fn waiting(args: &WatchArgs, policy: Policy) -> usize {
+    let most = match policy {
+        Policy::Block => WAITING,
+        // a bound source delivers the frames of a turn together
+        _ if args.encoder.is_given() => OF_A_TURN,
+        _ => 1,
+    };
+    args.waiting.map_or(most, usize::from)
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -217,13 +234,7 @@ pub(crate) fn run(args: &WatchArgs) -> CommandResult {
     #[cfg(feature = "mcap")]
     let (watched, recording) = recorded(watched, args.record.as_deref())?;
     let stop = interrupt::requested();
-    let waiting = match watched.policy {
-        Policy::Block => WAITING,
-        // a bound source delivers the frames of a turn together
-        _ if args.encoder.is_given() => OF_A_TURN,
-        _ => 1,
-    };
-    let settings = LiveSettings { policy: watched.policy, waiting, held: 1 };
+    let settings = LiveSettings { policy: watched.policy, waiting: waiting(args, watched.policy), held: 1 };
     // what is recorded are the frames as the source gives them
     let producer = bound(watched.producer, encoder, watched.policy != Policy::Block);
     let mut live = Live::new(producer, settings).map_err(Failure::fail)?;
