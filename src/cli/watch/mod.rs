@@ -132,8 +132,8 @@ pub(crate) struct WatchArgs {
     /// invalid or not good as 16-bit PNG in frames/, as the source gave them, with frames.csv.
     #[arg(long, value_name = "DIR")]
     save: Option<PathBuf>,
-    /// Frames that may wait while one is measured, 1 to 64; of a source that does not wait the oldest
-    /// is left out beyond them. More lose none while the machine is busy for a moment, and a
+    /// Frames that may wait while one is measured, 1 to 64; of a source that does not wait the
+    /// oldest is left out beyond them. More lose none while the machine is busy for a moment, and a
     /// result is older by as many frames where the gauge is slower than the camera. Unless given 1
     /// where the newest frame is measured, 4 where every one is, 64 with --encoder.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]

@@ -3,14 +3,17 @@
 //!
 //! In: probabilities of land below the reference. Out: [`CONTEXT`] rasters of the same size: the
 //! smoothed probability at the pixel, above, below and along the edge, its means between the edge
-//! and the pixel and below it, and the distance from the border that it gives alone.
+//! and the pixel and below it, the distances from the border that it gives alone (the median over
+//! 80 µm on each side, and over 400 µm), and the depth over that of the wider one: lands are of
+//! nearly even width, and where glare, a shadow or adhering material hides a stretch of the border
+//! the others show how deep it lies.
 
 use super::features::{mean_of, sums_down};
 use super::limits::FlankLimits;
 use super::raster::{Raster, quantile};
 
 /// Features from the first trees.
-pub(crate) const CONTEXT: usize = 12;
+pub(crate) const CONTEXT: usize = 14;
 /// The context of every pixel; `border` is the first trees' border in every column, rows.
 pub(crate) fn context(probability: &Raster, border: &[usize]) -> Vec<Raster> {
     let soft = probability.blurred(1.5, 3.0);
@@ -28,7 +31,11 @@ pub(crate) fn context(probability: &Raster, border: &[usize]) -> Vec<Raster> {
         let last = probability.rows;
         all.push(mean_of(&total, move |row| ((row + 1).min(last - 1), (row + 1 + rows).min(last))));
     }
-    all.push(distance(probability, border));
+    let limits = FlankLimits::get();
+    all.push(distance(probability, &medians(border, limits.context_columns), limits.context_rows));
+    let wide = medians(border, limits.context_wide_columns);
+    all.push(distance(probability, &wide, limits.context_wide_rows));
+    all.push(relative(probability, &wide));
     all
 }
 
@@ -37,16 +44,31 @@ fn moved(of: &Raster, by: i64) -> Raster {
     Raster { values: (0..of.rows).flat_map(|row| of.row(from(row)).to_vec()).collect(), ..*of }
 }
 
-/// Rows from the running median of the first border, as far as `context_rows`.
-fn distance(like: &Raster, border: &[usize]) -> Raster {
-    let limits = FlankLimits::get();
-    let (beside, most) = (limits.context_columns, limits.context_rows as f32);
-    let mut out = Raster::new(like.rows, like.columns);
-    for column in 0..like.columns {
+/// Running median of a border over so many columns on each side.
+fn medians(border: &[usize], beside: usize) -> Vec<f32> {
+    let of = |column: usize| {
         let about = column.saturating_sub(beside)..(column + beside + 1).min(border.len());
-        let middle = quantile(border[about].iter().map(|b| *b as f32).collect(), 0.5);
-        for row in 0..like.rows {
-            out.values[row * like.columns + column] = (row as f32 - middle).clamp(-most, most);
+        quantile(border[about].iter().map(|b| *b as f32).collect(), 0.5)
+    };
+    (0..border.len()).map(of).collect()
+}
+
+/// Rows from a border, as far as `most`.
+fn distance(like: &Raster, border: &[f32], most: usize) -> Raster {
+    let most = most as f32;
+    filled(like, |row, column| (row - border[column]).clamp(-most, most))
+}
+
+/// Depth over that of a border, at most 4; a border at the edge counts as five rows deep.
+fn relative(like: &Raster, border: &[f32]) -> Raster {
+    filled(like, |row, column| (row / border[column].max(5.0)).min(4.0))
+}
+
+fn filled(like: &Raster, value: impl Fn(f32, usize) -> f32) -> Raster {
+    let mut out = Raster::new(like.rows, like.columns);
+    for row in 0..like.rows {
+        for column in 0..like.columns {
+            out.values[row * like.columns + column] = value(row as f32, column);
         }
     }
     out

@@ -21,9 +21,19 @@ pub(crate) struct TracedEdge {
     pub depth_um: Vec<f64>,
 }
 
+/// What the air's grey values do on the way to the edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Air {
+    /// They keep their level.
+    Even,
+    /// They go on changing as far above it: what stands behind the edge is out of focus and changes
+    /// slowly, but may do so by more than the noise.
+    Changing,
+}
+
 /// Follows the edge through a strip that was cut about the straight line.
-pub(crate) fn trace(strip: &Raster, frame: &Frame) -> TracedEdge {
-    let depart = departure(strip, frame);
+pub(crate) fn trace(strip: &Raster, frame: &Frame, air: Air) -> TracedEdge {
+    let depart = departure(strip, frame, air);
     let window = (20.0 / frame.row_um()) as usize;
     let rows = strip.rows;
     let column = |c: usize| {
@@ -63,21 +73,56 @@ fn half_way(strip: &Raster, frame: &Frame, path: &[usize]) -> Vec<f64> {
 }
 
 /// How far pixels depart from the air: −1 none, up to 1.5.
-fn departure(strip: &Raster, frame: &Frame) -> Raster {
+fn departure(strip: &Raster, frame: &Frame, air: Air) -> Raster {
     let limits = FlankLimits::get();
     let near = (limits.air_um / frame.row_um()) as usize;
     let air_rows = frame.above.saturating_sub(near).max(1);
     let smooth = strip.blurred(0.0, 12.0);
-    let mut out = Raster::new(strip.rows, strip.columns);
-    let level = |c: usize| quantile((0..air_rows).map(|r| smooth.at(r, c)).collect(), 0.5);
-    let levels: Vec<f32> = (0..strip.columns).map(level).collect();
-    let off = |r: usize, c: usize| (strip.at(r, c) - levels[c]).abs();
-    let scatter = (0..air_rows).flat_map(|r| (0..strip.columns).map(move |c| (r, c))).map(|(r, c)| off(r, c));
+    let levels: Vec<AirLevel> =
+        (0..strip.columns).map(|c| AirLevel::of(&smooth, c, (air_rows, air))).collect();
+    let off = |r: usize, c: usize| levels[c].off(strip.at(r, c), r.min(air_rows));
+    // about the median, so that a course of the air that is not straight counts as scatter
+    let about = |r: usize, c: usize| (strip.at(r, c) - levels[c].middle).abs();
+    let scatter =
+        (0..air_rows).flat_map(|r| (0..strip.columns).map(move |c| (r, c))).map(|(r, c)| about(r, c));
     let sigma = (MEDIAN_TO_SD as f32 * quantile(scatter.collect(), 0.5)).max(1e-6);
+    let mut out = Raster::new(strip.rows, strip.columns);
     for (k, value) in out.values.iter_mut().enumerate() {
         *value = (off(k / strip.columns, k % strip.columns) / (4.0 * sigma) - 1.0).clamp(-1.0, 1.5);
     }
     out
+}
+
+/// Grey value of the air in a column: its median, and a straight course over the rows where it
+/// changes; what lies between both is air.
+struct AirLevel {
+    middle: f32,
+    upper: f32,
+    lower: f32,
+    half: f32,
+}
+
+impl AirLevel {
+    /// From the medians of so many rows, and of the upper and the lower half of them.
+    fn of(smooth: &Raster, column: usize, (rows, air): (usize, Air)) -> Self {
+        let half = (rows / 2).max(1);
+        let median =
+            |rows: std::ops::Range<usize>| quantile(rows.map(|r| smooth.at(r, column)).collect(), 0.5);
+        let middle = median(0..rows);
+        let [upper, lower] = match air {
+            Air::Even => [middle; 2],
+            Air::Changing => [median(0..half), median(rows.saturating_sub(half)..rows)],
+        };
+        Self { middle, upper, lower, half: half as f32 }
+    }
+
+    /// Distance of a grey value from what the air may have at a row.
+    fn off(&self, value: f32, row: usize) -> f32 {
+        let t = (row as f32 + 0.5 - 0.5 * self.half) / self.half;
+        let straight = self.upper + t * (self.lower - self.upper);
+        let (least, most) = (straight.min(self.middle), straight.max(self.middle));
+        (least - value).max(value - most).max(0.0)
+    }
 }
 
 /// A reference curve as fitted.

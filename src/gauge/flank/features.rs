@@ -10,7 +10,7 @@ use super::strip::Frame;
 /// Standard deviations of the scales, rows of the strip.
 pub(crate) const SCALES: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 /// Features a pixel.
-pub(crate) const FEATURES: usize = 44;
+pub(crate) const FEATURES: usize = 52;
 
 /// The features of a strip: one raster a feature.
 pub(crate) fn features(strip: &Raster, frame: &Frame) -> Vec<Raster> {
@@ -33,7 +33,54 @@ pub(crate) fn features(strip: &Raster, frame: &Frame) -> Vec<Raster> {
         all.push(deviation);
     }
     all.extend(compared(strip, &detail, frame));
+    all.extend(directions(strip, frame));
     all
+}
+
+/// Direction of the texture by the structure tensor (Förstner, Gülch 1987) at a pixel, above and
+/// below it, as cos 2θ and sin 2θ over the share that has a direction; and how far the directions
+/// differ: the streaks of a land run otherwise than the grinding lines.
+fn directions(strip: &Raster, frame: &Frame) -> Vec<Raster> {
+    let fine = strip.blurred(1.0, 1.0);
+    // columns lie twice as far apart as rows
+    let down = difference_of(&fine, (1, 0), 1.0);
+    let along = difference_of(&fine, (0, 1), 0.5);
+    let product = |of: fn(f32, f32) -> f32| Raster {
+        values: along.values.iter().zip(&down.values).map(|(a, d)| of(*a, *d)).collect(),
+        ..*strip
+    };
+    let tensor = [product(|a, d| a * a - d * d), product(|a, d| 2.0 * a * d), product(|a, d| a * a + d * d)];
+    let here = tensor.each_ref().map(|t| t.blurred(6.0, 6.0));
+    let sums = tensor.each_ref().map(|t| sums_down(&t.blurred(0.0, 6.0)));
+    let [over, under] = [sums.each_ref().map(|t| above(t, frame)), sums.each_ref().map(|t| below(t, 60))];
+    let [here, over, under] = [here, over, under].map(|[c, s, e]| [of_energy(&c, &e), of_energy(&s, &e)]);
+    let differences = [apart(&here, &under), apart(&over, &under)];
+    here.into_iter().chain(over).chain(under).chain(differences).collect()
+}
+
+/// Half of the difference of the pixels beside one, times a factor.
+fn difference_of(of: &Raster, (rows, columns): (usize, usize), factor: f32) -> Raster {
+    let mut out = Raster::new(of.rows, of.columns);
+    for row in 0..of.rows {
+        for column in 0..of.columns {
+            let before = of.at(row.saturating_sub(rows), column.saturating_sub(columns));
+            let behind = of.at((row + rows).min(of.rows - 1), (column + columns).min(of.columns - 1));
+            out.values[row * of.columns + column] = 0.5 * factor * (behind - before);
+        }
+    }
+    out
+}
+
+/// A part of the tensor over its trace; a gradient of a hundredth a row counts as none.
+fn of_energy(part: &Raster, energy: &Raster) -> Raster {
+    let of = |(p, e): (&f32, &f32)| p / (e + 1e-4);
+    Raster { values: part.values.iter().zip(&energy.values).map(of).collect(), ..*part }
+}
+
+/// Distance of two directions as vectors of the double angle.
+fn apart(a: &[Raster; 2], b: &[Raster; 2]) -> Raster {
+    let of = |k: usize| (a[0].values[k] - b[0].values[k]).hypot(a[1].values[k] - b[1].values[k]);
+    Raster { values: (0..a[0].values.len()).map(of).collect(), ..a[0] }
 }
 
 /// Means above and below a pixel of grey values, of their detail and of its share in them, and how

@@ -142,12 +142,13 @@ impl Drawn {
 
 /// Pixels of every flank at several scales, each drawn by the seed and its own number.
 pub(crate) fn drawn(labelled: &[Labelled], seed: u64) -> Vec<Vec<Drawn>> {
-    let scales = FlankTrainingLimits::scales();
+    let limits = FlankTrainingLimits::get();
+    let scales = limits.scales(labelled.len());
+    let share = limits.share(labelled.len()) / scales.len() as f64;
     let one = |(k, one): (usize, &Labelled)| {
         let seed = seed.wrapping_mul(1_000_003).wrapping_add(k as u64);
         let at = |(i, by): (usize, &f64)| {
             let seed = seed.wrapping_add((i as u64) << 32);
-            let share = 1.0 / scales.len() as f64;
             if *by == 1.0 { one.draw(seed, share) } else { one.scaled(*by).draw(seed, share) }
         };
         scales.iter().enumerate().map(at).collect()

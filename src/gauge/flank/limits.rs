@@ -149,6 +149,11 @@ limits! {
     /// Largest distance from that border which the second trees distinguish, rows: 80 µm, beyond
     /// which it is no border's.
     context_rows: usize = 40;
+    /// Columns on each side over which the median of that border goes at its widest: 400 µm, twice
+    /// what one reflex or lump hides, a quarter of a worn edge.
+    context_wide_columns: usize = 100;
+    /// Largest distance from that wider median which the second trees distinguish, rows: 300 µm.
+    context_wide_rows: usize = 150;
     /// Groups of trees whose disagreement is the model's: of 16 trees four each, which classify
     /// nearly as well as all.
     tree_groups: usize = 4;
@@ -160,9 +165,15 @@ limits! {
     /// Pixels that are drawn from an image near its border: as many of a class as there are, since
     /// the border's place follows from the odds of both.
     pixels: usize = 6000;
+    /// Pixels that are drawn near borders in all, so that many images give fewer each: their trees
+    /// fit the cache, and pixels of one image resemble each other more than those of two.
+    all_pixels: usize = 500_000;
     /// Pixels that are drawn from what is farther below: a third of those near (`pixels`), since
     /// the border's place does not follow from them.
     far_pixels: usize = 2000;
+    /// Flanks that hold all widths: ten a factor of 1.3 over the two decades of widths that are
+    /// rendered.
+    many_flanks: usize = 100;
     /// Least depth below the land that is near its border, rows: as deep as a land of 24 µm, since
     /// as many rows as a narrower one has would show little of what lies below.
     near_rows: usize = 12;
@@ -174,9 +185,14 @@ limits! {
 }
 
 impl FlankTrainingLimits {
-    /// Scales at which a flank is shown: lands twice as wide and half as wide look alike, and a
-    /// dozen flanks hold few widths.
-    pub(crate) fn scales() -> [f64; 4] {
-        [1.0, 0.4, 0.65, 1.5]
+    /// Scales at which a flank of so many is shown: lands twice as wide and half as wide look
+    /// alike, and a dozen flanks hold few widths.
+    pub(crate) fn scales(&self, flanks: usize) -> &'static [f64] {
+        if flanks < self.many_flanks { &[1.0, 0.4, 0.65, 1.5] } else { &[1.0] }
+    }
+
+    /// Share of the pixels that the limits state which an image of so many gives.
+    pub(crate) fn share(&self, flanks: usize) -> f64 {
+        (self.all_pixels as f64 / (self.pixels * flanks.max(1)) as f64).min(1.0)
     }
 }

@@ -1,6 +1,6 @@
 //! A flank found in its image: the reference curve and the strip along it.
 
-use super::edge::{reference, trace};
+use super::edge::{Air, reference, trace};
 use super::error::FlankError;
 use super::lift::lifted;
 use super::limits::FlankLimits;
@@ -47,11 +47,16 @@ pub(crate) fn locate(image: &Raster, um_per_px: f64, shape: Option<&[f64]>) -> R
     // the second round follows an edge that bends out of the first strip's middle
     for round in 0..2 {
         let (strip, _) = frame.cut(sampled);
-        let mut traced = trace(&strip, &frame);
-        for (k, depth) in traced.depth_um.iter_mut().enumerate() {
-            *depth += frame.reference_px(frame.s_px(k as f64)) * um_per_px;
-        }
-        let found = reference(&traced, &frame, shape)
+        // of both courses of the air that along which the edge is the smoother curve
+        let curves = [Air::Even, Air::Changing].into_iter().filter_map(|air| {
+            let mut traced = trace(&strip, &frame, air);
+            for (k, depth) in traced.depth_um.iter_mut().enumerate() {
+                *depth += frame.reference_px(frame.s_px(k as f64)) * um_per_px;
+            }
+            reference(&traced, &frame, shape)
+        });
+        let found = curves
+            .min_by(|a, b| a.u_um.total_cmp(&b.u_um))
             .ok_or_else(|| FlankError::Reference("no smooth curve passes along the edge".to_owned()))?;
         frame.curve = found.curve;
         u_reference_um = found.u_um;

@@ -11,7 +11,8 @@ fn spread(random: &mut Pcg64, low: f64, high: f64) -> f64 {
 }
 
 impl FlankScene {
-    /// A scene of a seed: any light and texture, wear from 15 µm to three tenths of the height.
+    /// A scene of a seed: any texture in front light, wear from 15 µm to three tenths of the
+    /// height.
     pub(crate) fn drawn(seed: u64, (columns, rows): (u32, u32), um_per_px: f64) -> Self {
         let random = &mut Pcg64::seed_from_u64(seed);
         let vb_um = spread(random, 15.0, 0.3 * f64::from(rows) * um_per_px.min(3.0));
@@ -50,15 +51,19 @@ impl FlankScene {
     }
 }
 
+/// Surfaces in front light: the flank well exposed, what stands behind the edge darker (of nine
+/// real images the air has 0.55 of the flank's grey value in the median), the land lighter or
+/// darker than the flank by a factor, since it lies at another angle to the light.
 fn surface(random: &mut Pcg64, width_um: f64) -> FlankSurface {
-    let flank = spread(random, 0.15, 0.6);
+    let flank = spread(random, 0.25, 0.6);
+    let factor = if random.random_bool(0.6) { spread(random, 1.3, 2.2) } else { spread(random, 0.4, 0.75) };
     FlankSurface {
-        air: random.random_range(0.05..0.25),
+        air: flank * random.random_range(0.1..0.6),
         flank,
         texture: random.random_range(0.25..0.9),
         grinding_deg: random.random_range(30.0..150.0),
         grinding_um: spread(random, 6.0, 40.0),
-        land: spread(random, 0.06, 0.8),
+        land: (flank * factor).min(0.9),
         streaks: random.random_range(0.05..0.5),
         streak_deg: if random.random_bool(0.5) {
             random.random_range(-6.0..6.0)
@@ -73,7 +78,8 @@ fn surface(random: &mut Pcg64, width_um: f64) -> FlankSurface {
         adhesion_level: spread(random, 0.15, 0.9),
         adhesion_grain: random.random_range(0.2..1.2),
         sparkles: spread(random, 0.01, 0.2),
-        shade: random.random_range(0.1..0.9),
+        // the spread of real flanks' grey values, of which texture is a part
+        shade: random.random_range(0.1..0.5),
         glare: if random.random_bool(0.4) { random.random_range(0.0..0.8) } else { 0.0 },
         glare_at_um: random.random_range(0.1..0.7) * width_um,
     }

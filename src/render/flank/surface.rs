@@ -44,6 +44,12 @@ impl Surface<'_> {
         (0.6 + 0.9 * rough(s / um, 0.5, self.seed ^ stream)).clamp(0.0, 1.0)
     }
 
+    /// Light that a place receives, of flank and land alike, over its median.
+    fn illumination(&self, s: f64, v: f64) -> f64 {
+        // `rough` spreads by 0.35
+        (self.scene.surface.shade / 0.35 * rough(s / 700.0, v / 700.0, self.seed ^ 44)).exp()
+    }
+
     fn flank(&self, s: f64, v: f64) -> f64 {
         let surface = &self.scene.surface;
         let (sin, cos) = surface.grinding_deg.to_radians().sin_cos();
@@ -54,8 +60,7 @@ impl Surface<'_> {
         // facets that happen to lie in the direction of the light; `corner` is even over −1 to 1
         let cell = corner((s / 5.0).floor() as i64, (v / 5.0).floor() as i64, self.seed ^ 43);
         let sparkle = if cell > 1.0 - 2.0 * surface.sparkles { 1.2 } else { 0.0 };
-        // `rough` spreads by 0.35
-        let shade = (surface.shade / 0.35 * rough(s / 700.0, v / 700.0, self.seed ^ 44)).exp();
+        let shade = self.illumination(s, v);
         let glare = surface.glare * (-0.5 * ((s - surface.glare_at_um) / 220.0).powi(2)).exp();
         let facet = if v > self.scene.edge.depth_um { 0.5 } else { 1.0 };
         let texture = 1.0 + surface.texture * (0.9 * lines + 0.8 * grain + sparkle);
@@ -79,9 +84,11 @@ impl Surface<'_> {
             rough(s / 120.0, v / 50.0, self.seed ^ 57) + 0.5 * (t - 0.5) > 0.65 - 1.6 * surface.adhesion;
         if adheres && surface.adhesion > 0.0 {
             let lumps = rough(s / 25.0, v / 18.0, self.seed ^ 58);
-            return surface.adhesion_level * (1.0 + surface.adhesion_grain * (grains + 0.8 * lumps)).max(0.1);
+            let level = surface.adhesion_level * self.illumination(s, v);
+            return level * (1.0 + surface.adhesion_grain * (grains + 0.8 * lumps)).max(0.1);
         }
-        (surface.land * shade * (1.0 + surface.streaks * streaks + 0.08 * grains)).max(0.0) + line
+        let level = surface.land * shade * (1.0 + surface.streaks * streaks + 0.08 * grains);
+        (level.max(0.0) + line) * self.illumination(s, v)
     }
 }
 
