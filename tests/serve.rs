@@ -93,6 +93,29 @@ impl Server {
     }
 }
 
+impl Server {
+    /// What a path answers once it fulfils something.
+    fn once(&self, path: &str, fulfils: impl Fn(&Value) -> bool) -> Value {
+        let until = Instant::now() + Duration::from_secs(180);
+        loop {
+            let found = self.get(path).json();
+            if fulfils(&found) {
+                return found;
+            }
+            assert!(Instant::now() < until, "{found}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// The events of a stream as they come.
+    fn events(&self, path: &str) -> impl Iterator<Item = Value> {
+        let mut stream = self.connect();
+        write!(stream, "GET {path} HTTP/1.1\r\nHost: {}\r\n\r\n", self.host).unwrap();
+        let lines = BufReader::new(stream).lines().map_while(Result::ok);
+        lines.filter_map(|line| serde_json::from_str(line.strip_prefix("data: ")?).ok())
+    }
+}
+
 fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
@@ -242,12 +265,7 @@ fn live_lines_come_as_they_are_measured_and_a_dead_source_reads_invalid() {
     std::fs::write(&config, SMALL).unwrap();
     let source = format!("sim:{}", text(&config));
     let server = Server::start(&["--source", &source, "--", "--um-per-px", "50"]);
-    let mut stream = server.connect();
-    write!(stream, "GET /api/live HTTP/1.1\r\nHost: {}\r\n\r\n", server.host).unwrap();
-    let lines = BufReader::new(stream).lines().map_while(Result::ok);
-    let data = lines.filter_map(|line| line.strip_prefix("data: ").map(str::to_owned));
-    let frame =
-        data.filter_map(|line| serde_json::from_str::<Value>(&line).ok()).find(|v| v["valid"] == true);
+    let frame = server.events("/api/live").find(|v| v["valid"] == true);
     let frame = frame.expect("no frame with a diameter came");
     // what the page reads of a line is in it
     let script = server.get("/live.js").body;
@@ -255,10 +273,7 @@ fn live_lines_come_as_they_are_measured_and_a_dead_source_reads_invalid() {
         assert!(frame[key].is_number() && script.contains(&format!("line.{key}")), "{key}: {frame}");
     }
     let dead = Server::start(&["--source", text(&folder.path().join("absent")), "--", "--um-per-px", "50"]);
-    let mut stream = dead.connect();
-    write!(stream, "GET /api/events HTTP/1.1\r\nHost: {}\r\n\r\n", dead.host).unwrap();
-    let lines = BufReader::new(stream).lines().map_while(Result::ok);
-    let line = lines.filter_map(|line| line.strip_prefix("data: ").map(str::to_owned)).next().unwrap();
+    let line = dead.events("/api/events").next().unwrap().to_string();
     assert!(line.contains("\"invalid\"") && line.contains("absent"), "{line}");
 }
 

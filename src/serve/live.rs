@@ -30,18 +30,8 @@ const AGAIN: Duration = Duration::from_secs(2);
 /// Watches the source again and again until the server ends.
 pub(super) async fn watch(state: Shared) {
     let Some((source, more)) = &state.settings.source else { return };
-    let mut arguments = vec!["watch".to_owned(), source.clone(), "--json".to_owned()];
-    if let Some(picture) = &state.picture {
-        arguments.extend(["--picture".to_owned(), picture.path().to_string_lossy().into_owned()]);
-    }
-    // what the gauge is set up by, once a second: the pages show it
-    if !is_stated(more, "--setup") {
-        arguments.push("--setup".to_owned());
-    }
-    if !is_stated(more, "--waiting") {
-        arguments.extend(["--waiting".to_owned(), WAITING.to_string()]);
-    }
-    arguments.extend(more.iter().cloned());
+    let picture = state.picture.as_ref().map(|picture| picture.path().to_string_lossy().into_owned());
+    let arguments = arguments(source, picture, more);
     let mut ends = state.ends.clone();
     loop {
         let why = tokio::select! {
@@ -54,6 +44,23 @@ pub(super) async fn watch(state: Shared) {
             _ = ends.changed() => return,
         }
     }
+}
+
+/// What the source is watched with.
+fn arguments(source: &str, picture: Option<String>, more: &[String]) -> Vec<String> {
+    let mut all = vec!["watch".to_owned(), source.to_owned(), "--json".to_owned()];
+    if let Some(picture) = picture {
+        all.extend(["--picture".to_owned(), picture]);
+    }
+    // what the gauge is set up by, once a second: the pages show it
+    if !is_stated(more, "--setup") {
+        all.push("--setup".to_owned());
+    }
+    if !is_stated(more, "--waiting") {
+        all.extend(["--waiting".to_owned(), WAITING.to_string()]);
+    }
+    all.extend(more.iter().cloned());
+    all
 }
 
 /// Whether an option is among these, as `--name` or `--name=value`.

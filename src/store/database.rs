@@ -44,11 +44,11 @@ impl Store {
     /// As [`Self::open`], and a file that is absent.
     pub(crate) fn read(path: &Path) -> Result<Self, StoreError> {
         if !path.is_file() {
-            return Err(StoreError::Foreign { path: path.into(), what: "there is no such file".into() });
+            return Err(StoreError::Absent { path: path.into(), what: "there is no such file".into() });
         }
         let store = Self::connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY, "")?;
         match store.recognise()? {
-            0 => Err(StoreError::Foreign { path: path.into(), what: "it is empty".into() }),
+            0 => Err(StoreError::Absent { path: path.into(), what: "it is empty".into() }),
             _ => Ok(store),
         }
     }

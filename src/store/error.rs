@@ -15,6 +15,14 @@ pub(crate) enum StoreError {
         /// What it is.
         what: String,
     },
+    /// There is nothing to read.
+    #[error("{}: is no store to read: {what}; right would be a file that --store has made", path.display())]
+    Absent {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        what: String,
+    },
     /// A newer program has written it.
     #[error("{}: has schema {found}, this program knows schemas up to {known}: read it with the newer program", path.display())]
     Newer {
@@ -93,7 +101,11 @@ impl StoreError {
     pub(crate) fn is_refusal(&self) -> bool {
         matches!(
             self,
-            Self::Foreign { .. } | Self::Newer { .. } | Self::Contradiction { .. } | Self::Busy { .. }
+            Self::Foreign { .. }
+                | Self::Absent { .. }
+                | Self::Newer { .. }
+                | Self::Contradiction { .. }
+                | Self::Busy { .. }
         )
     }
 }

@@ -1,25 +1,12 @@
 //! The *Gauge* page's data: window and drift of a source, calibrations, the store's last check; and
 //! configs of runs as a form has them.
 
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
 use super::small_job::{ONE_PASS, TWO_PASSES};
 use super::{Server, text};
-
-/// Window and drift of the source once they fulfil a condition.
-fn health_that(server: &Server, fulfils: impl Fn(&Value) -> bool) -> Value {
-    let until = Instant::now() + Duration::from_secs(60);
-    loop {
-        let found = server.get("/api/gauge").json();
-        if fulfils(&found) {
-            return found;
-        }
-        assert!(Instant::now() < until, "{found}");
-        std::thread::sleep(Duration::from_millis(100));
-    }
-}
 
 #[test]
 fn window_and_drift_of_a_source_are_shown_and_a_source_without_a_zero_has_no_drift() {
@@ -31,7 +18,7 @@ fn window_and_drift_of_a_source_are_shown_and_a_source_without_a_zero_has_no_dri
     let source = format!("sim:{}", text(&config));
     let zeroed = ["--zero", text(&zeros), "--zero-interval-s", "7200", "--zero-um-per-h", "1.2"];
     let server = Server::start(&[&["--source", &source, "--", "--um-per-px", "50"][..], &zeroed].concat());
-    let found = health_that(&server, |found| found["window"].is_object() && found["drift"].is_object());
+    let found = server.once("/api/gauge", |found| found["window"].is_object() && found["drift"].is_object());
     // limits of ± 1.2 µm after an hour: 1.2/√3 µm (a rectangular distribution, GUM 4.3.7)
     let u_um = found["drift"]["u_drift_um"].as_f64().unwrap();
     assert!((0.69..0.72).contains(&u_um), "{found}");
@@ -42,7 +29,7 @@ fn window_and_drift_of_a_source_are_shown_and_a_source_without_a_zero_has_no_dri
     assert!(found["is_now"] == true && !found["minutes"].as_array().unwrap().is_empty(), "{found}");
     drop(server);
     let plain = Server::start(&["--source", &source, "--", "--um-per-px", "50"]);
-    let found = health_that(&plain, |found| found["window"].is_object());
+    let found = plain.once("/api/gauge", |found| found["window"].is_object());
     assert!(found["drift"].is_null(), "{found}");
     let none = Server::start(&[]).get("/api/gauge").json();
     assert!(none["is_now"] == false && none["window"].is_null() && none["minutes"] == json!([]), "{none}");

@@ -1,28 +1,14 @@
 //! What a person stops and starts again: runs that are resumed, recordings that are watched.
 
-use std::io::{BufRead as _, BufReader, Write as _};
+use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
 use super::program;
 use super::small_job::{FIVE_PASSES, TWO_PASSES};
 use super::{Server, text};
-
-/// The status of a run once it fulfils something.
-fn job_that(server: &Server, run: &str, fulfils: impl Fn(&Value) -> bool) -> Value {
-    let until = Instant::now() + Duration::from_secs(180);
-    loop {
-        let job = server.get(&format!("/api/jobs/{run}")).json();
-        if fulfils(&job) {
-            return job;
-        }
-        assert!(Instant::now() < until, "{job}");
-        std::thread::sleep(Duration::from_millis(20));
-    }
-}
 
 /// A run is stopped after its first pass and resumed: every pass is in its folder and in the store
 /// once, and the report is there.
@@ -33,9 +19,9 @@ fn a_run_that_is_stopped_keeps_its_passes_and_is_resumed() {
     let server = Server::start(&["--runs", text(folder.path()), "--store", text(&store)]);
     let started = server.post("/api/runs", &json!({ "run": "part", "config": FIVE_PASSES }));
     assert_eq!(started.status, 202, "{}", started.body);
-    job_that(&server, "part", |job| job["passes"].as_u64() >= Some(1));
+    server.once("/api/jobs/part", |job| job["passes"].as_u64() >= Some(1));
     assert_eq!(server.post("/api/runs/part/stop", &json!({})).status, 202);
-    let stopped = job_that(&server, "part", |job| job["running"] == false);
+    let stopped = server.once("/api/jobs/part", |job| job["running"] == false);
     let kept = stopped["passes"].as_u64().unwrap();
     assert!((1..5).contains(&kept), "stopped amid its passes: {stopped}");
     assert_eq!(server.get("/api/runs/part").json()["passes"].as_array().map(Vec::len), Some(kept as usize));
@@ -43,7 +29,7 @@ fn a_run_that_is_stopped_keeps_its_passes_and_is_resumed() {
     assert_eq!(server.post("/api/runs/part/stop", &json!({})).status, 409, "it does not run any more");
     let resumed = server.post("/api/runs/part/resume", &json!({}));
     assert_eq!(resumed.status, 202, "{}", resumed.body);
-    let ended = job_that(&server, "part", |job| job["running"] == false && job["passes"] == 5);
+    let ended = server.once("/api/jobs/part", |job| job["running"] == false && job["passes"] == 5);
     assert_eq!(ended["exit"], 0, "{ended}");
     assert_eq!(server.get("/api/runs/part/report").status, 200);
     let state = server.get("/api/store").json();
@@ -78,11 +64,7 @@ fn a_recording_is_watched_and_reads_invalid_once_it_has_ended() {
     let folder = tempfile::tempdir().unwrap();
     let (source, recorded) = recorded(folder.path());
     let server = Server::start(&["--source", &source, "--", "--um-per-px", "50"]);
-    let mut stream = server.connect();
-    write!(stream, "GET /api/live HTTP/1.1\r\nHost: {}\r\n\r\n", server.host).unwrap();
-    let lines = BufReader::new(stream).lines().map_while(Result::ok);
-    let data = lines.filter_map(|line| line.strip_prefix("data: ").map(str::to_owned));
-    let mut events = data.filter_map(|line| serde_json::from_str::<Value>(&line).ok());
+    let mut events = server.events("/api/live");
     let is_it = |v: &Value| v["sequence"] == recorded["sequence"] && v["valid"] == true;
     let frame = events.find(is_it).expect("the recorded frame did not come");
     assert_eq!(frame["max_diameter_mm"], recorded["max_diameter_mm"]);

@@ -391,3 +391,29 @@ fn opened_path(args: &WatchArgs, read: &Reading) -> Result<Watched, Failure> {
     };
     Ok(Watched { producer: Box::new(StoredProducer::new(frames)), policy, of: None })
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+
+    use super::*;
+
+    #[derive(clap::Parser)]
+    struct Command {
+        #[command(flatten)]
+        args: WatchArgs,
+    }
+
+    #[test]
+    fn as_many_frames_wait_as_are_stated_or_as_suits_the_source() {
+        let of = |more: &[&str], policy: Policy| {
+            let all = ["watch", "incoming"].iter().chain(more);
+            waiting(&Command::try_parse_from(all).unwrap_or_else(|e| panic!("{e}")).args, policy)
+        };
+        assert_eq!(of(&[], Policy::DropOldest), 1);
+        assert_eq!(of(&[], Policy::Block), WAITING);
+        for policy in [Policy::DropOldest, Policy::Block] {
+            assert_eq!(of(&["--waiting", "3"], policy), 3);
+        }
+    }
+}

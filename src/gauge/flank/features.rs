@@ -43,8 +43,8 @@ pub(crate) fn features(strip: &Raster, frame: &Frame) -> Vec<Raster> {
 fn directions(strip: &Raster, frame: &Frame) -> Vec<Raster> {
     let fine = strip.blurred(1.0, 1.0);
     // columns lie twice as far apart as rows
-    let down = difference_of(&fine, (1, 0), 1.0);
-    let along = difference_of(&fine, (0, 1), 0.5);
+    let down = difference(&fine, (1, 0)).map(|d| 0.5 * d);
+    let along = difference(&fine, (0, 1)).map(|d| 0.25 * d);
     let product = |of: fn(f32, f32) -> f32| Raster {
         values: along.values.iter().zip(&down.values).map(|(a, d)| of(*a, *d)).collect(),
         ..*strip
@@ -56,19 +56,6 @@ fn directions(strip: &Raster, frame: &Frame) -> Vec<Raster> {
     let [here, over, under] = [here, over, under].map(|[c, s, e]| [of_energy(&c, &e), of_energy(&s, &e)]);
     let differences = [apart(&here, &under), apart(&over, &under)];
     here.into_iter().chain(over).chain(under).chain(differences).collect()
-}
-
-/// Half of the difference of the pixels beside one, times a factor.
-fn difference_of(of: &Raster, (rows, columns): (usize, usize), factor: f32) -> Raster {
-    let mut out = Raster::new(of.rows, of.columns);
-    for row in 0..of.rows {
-        for column in 0..of.columns {
-            let before = of.at(row.saturating_sub(rows), column.saturating_sub(columns));
-            let behind = of.at((row + rows).min(of.rows - 1), (column + columns).min(of.columns - 1));
-            out.values[row * of.columns + column] = 0.5 * factor * (behind - before);
-        }
-    }
-    out
 }
 
 /// A part of the tensor over its trace; a gradient of a hundredth a row counts as none.
@@ -122,25 +109,22 @@ fn deviation(square: &Raster, mean: &Raster) -> Raster {
 
 /// Difference of places one standard deviation above and below.
 fn difference_down(mean: &Raster, sigma: f64) -> Raster {
-    let by = (sigma.round() as usize).max(1);
-    let mut out = Raster::new(mean.rows, mean.columns);
-    for row in 0..mean.rows {
-        let (a, b) = (row.saturating_sub(by), (row + by).min(mean.rows - 1));
-        for column in 0..mean.columns {
-            out.values[row * mean.columns + column] = mean.at(b, column) - mean.at(a, column);
-        }
-    }
-    out
+    difference(mean, ((sigma.round() as usize).max(1), 0))
 }
 
 /// Size of the difference of places before and behind.
 fn difference_along(mean: &Raster, sigma: f64) -> Raster {
-    let by = ((0.5 * sigma).round() as usize).max(1);
-    let mut out = Raster::new(mean.rows, mean.columns);
-    for row in 0..mean.rows {
-        for column in 0..mean.columns {
-            let (a, b) = (column.saturating_sub(by), (column + by).min(mean.columns - 1));
-            out.values[row * mean.columns + column] = (mean.at(row, b) - mean.at(row, a)).abs();
+    difference(mean, (0, ((0.5 * sigma).round() as usize).max(1))).map(f32::abs)
+}
+
+/// Difference of places so many rows below or columns behind, and as many above or before.
+fn difference(of: &Raster, (rows, columns): (usize, usize)) -> Raster {
+    let mut out = Raster::new(of.rows, of.columns);
+    for row in 0..of.rows {
+        let (a, b) = (row.saturating_sub(rows), (row + rows).min(of.rows - 1));
+        for column in 0..of.columns {
+            let (left, right) = (column.saturating_sub(columns), (column + columns).min(of.columns - 1));
+            out.values[row * of.columns + column] = of.at(b, right) - of.at(a, left);
         }
     }
     out
@@ -179,4 +163,40 @@ pub(super) fn mean_of(total: &Raster, range: impl Fn(usize) -> (usize, usize)) -
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::super::reference::EdgeLine;
+    use super::*;
+
+    /// Stripes whose gradient points at 0, 30, 90 and 140 degrees, in a land of other stripes below
+    /// it: cos 2θ and sin 2θ at a pixel, and the distance of both directions, |2 sin(θ₁ − θ₂)|.
+    #[test]
+    fn directions_are_those_of_the_stripes() {
+        let line = EdgeLine { from: DVec2::ZERO, along: DVec2::X, normal: DVec2::Y, length_px: 240.0 };
+        let frame = Frame::about(line, 2.0, (40.0, 360.0));
+        let border = frame.above + 60;
+        for (deg, other_deg) in [(0.0_f32, 90.0_f32), (30.0, 120.0), (90.0, 30.0), (140.0, 100.0)] {
+            let mut strip = Raster::new(frame.above + frame.below, 120);
+            for (k, value) in strip.values.iter_mut().enumerate() {
+                // a column is two rows wide
+                let (row, along) = ((k / 120) as f32, 2.0 * (k % 120) as f32);
+                let at = if k / 120 < border { deg } else { other_deg }.to_radians();
+                *value = 1.0 + 0.5 * (0.35 * (along * at.cos() + row * at.sin())).sin();
+            }
+            let all = directions(&strip, &frame);
+            let (pixel, twice) = ((border - 30) * 120 + 60, 2.0 * deg.to_radians());
+            for (found, expected) in
+                [(all[0].values[pixel], twice.cos()), (all[1].values[pixel], twice.sin())]
+            {
+                assert!((found - expected).abs() < 0.1, "{deg}: {found} {expected}");
+            }
+            let apart = all[7].values[(border - 2) * 120 + 60];
+            let expected = 2.0 * (deg - other_deg).to_radians().sin().abs();
+            assert!((apart - expected).abs() < 0.2, "{deg} {other_deg}: {apart} {expected}");
+        }
+    }
 }

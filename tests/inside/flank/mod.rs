@@ -5,6 +5,7 @@
 mod by_network;
 mod by_paper;
 mod drawn;
+mod edges;
 mod feature;
 mod found;
 mod parts;

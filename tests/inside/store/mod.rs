@@ -193,6 +193,8 @@ fn what_was_pruned_is_no_finding_and_stays_in_the_audit() {
 #[test]
 fn other_files_and_newer_stores_are_refused() {
     let folder = tempfile::tempdir().unwrap();
+    let absent = Store::read(&folder.path().join("absent.sqlite")).unwrap_err().to_string();
+    assert!(absent.contains("no such file") && !absent.contains("an absent file"), "{absent}");
     let text = folder.path().join("notes.txt");
     std::fs::write(&text, "no database at all, only a text of some length".repeat(30)).unwrap();
     let other = folder.path().join("other.sqlite");
