@@ -407,6 +407,9 @@ fn a_flank_from_its_image_to_a_verdict_a_history_and_a_forecast() {
     assert!(network.contains("absent.onnx") && network.contains("FILE.onnx"), "{network}");
     #[cfg(not(feature = "onnx"))]
     assert!(network.contains("--features onnx"), "{network}");
+    // without a model the forest that the program brings along
+    let shipped = document(&["--json"]);
+    assert!(shipped["images"][0]["u_vbb_um"].as_f64() > Some(0.0), "{shipped}");
     // tools about the limits, a row each; images without labels state no errors
     let (tools, empty) = (at("tools.csv"), at("empty"));
     let small = ["--size", "360x240", "--um-per-px", "8", "--tools", "2", "--csv", &tools];

@@ -50,7 +50,9 @@ impl Edge {
 
     /// Combined standard uncertainty of this one edge, px.
     pub fn u_px(&self) -> f64 {
-        f64::from(self.u_own_px).hypot(f64::from(self.u_shared_px))
+        // squares of single precision neither overflow nor vanish in double precision
+        let (own, shared) = (f64::from(self.u_own_px), f64::from(self.u_shared_px));
+        (own * own + shared * shared).sqrt()
     }
 
     /// The reason reported for a column of two edges: that of a gap takes precedence over an

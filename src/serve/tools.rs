@@ -217,8 +217,7 @@ pub(super) async fn image(
 fn arguments(kind: ImageKind, scale: &str, has_baseline: bool) -> Vec<&str> {
     let shared = ["--um-per-px", scale, "--json", "--overlay", "overlay.png"];
     if kind == ImageKind::Flank {
-        // the forest is a file of `tool train` and not shipped: the gradient path of paper 004
-        return [&["tool", "flank", "image", "--model", "paper"][..], &shared].concat();
+        return [&["tool", "flank", "image"][..], &shared].concat();
     }
     let nose = ["tool", "nose", "image", "--tool", "tool.toml"];
     let baseline: &[&str] = if has_baseline { &["--baseline", "baseline.json"] } else { &[] };

@@ -154,6 +154,9 @@ limits! {
     context_wide_columns: usize = 100;
     /// Largest distance from that wider median which the second trees distinguish, rows: 300 µm.
     context_wide_rows: usize = 150;
+    /// Flank that is seen below a land at least, over the land's width: its border is known from
+    /// both sides, and of a land that ends just inside of the field more lies outside.
+    least_below: f64 = 0.25;
     /// Groups of trees whose disagreement is the model's: of 16 trees four each, which classify
     /// nearly as well as all.
     tree_groups: usize = 4;

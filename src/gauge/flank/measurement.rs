@@ -150,15 +150,16 @@ impl FlankBudget {
     }
 }
 
-/// Refuses a land that reaches the border of the image, or the depth that is looked at.
+/// Refuses a land that reaches the border of the image or the depth that is looked at, or comes so
+/// close that too little of the flank is seen below it.
 fn leaves_field(flank: &Located, found: &Land, worn: (usize, usize)) -> Result<(), FlankError> {
-    let frame = &flank.frame;
+    let (frame, limits) = (&flank.frame, FlankLimits::get());
     for k in worn.0..=worn.1 {
         let rows = flank.inside[k].saturating_sub(frame.above);
         let end_um = rows as f64 * frame.row_um();
-        if found.depth_um[k] >= FlankLimits::get().least_land_um
-            && found.depth_um[k] + 4.0 * frame.row_um() > end_um
-        {
+        let depth_um = found.depth_um[k];
+        let below_um = (limits.least_below * depth_um).max(4.0 * frame.row_um());
+        if depth_um >= limits.least_land_um && depth_um + below_um > end_um {
             let p = frame.place(k as f64, found.depth_um[k]);
             return Err(FlankError::LeavesField { row: p.y, column: p.x });
         }

@@ -19,8 +19,8 @@ limits! {
     looked_at: usize = 64;
 }
 
-/// Pixels either side of the edge, the length of an array: three standard deviations of the widest
-/// blur, 8 px.
+/// Most pixels either side of the edge, the length of an array: three standard deviations of the
+/// widest blur, 8 px.
 const REACH: i32 = 24;
 
 /// Uncertainty of the blur at a column over that of its mean along the field: a line through the
@@ -46,14 +46,18 @@ fn of_side(edges: &FrameEdges, side: usize, line: &[Edge], used: &[usize]) -> (f
     let (dark, contrast) = (figures.dark[side], figures.light[side] - figures.dark[side]);
     let variance = figures.noise.map(|n| n * n);
     let (mut lever, mut information, mut count) = (0.0, 0.0, 0.0);
+    let sigma_px = figures.sigma_px[side];
+    // beyond seven standard deviations the squares of the derivatives are below 1e-20 of their sum
+    let reach = ((7.0 * sigma_px).ceil() as i32).clamp(1, REACH);
     let mut samples = [EdgeSample::default(); 2 * REACH as usize + 1];
+    let samples = &mut samples[..2 * reach as usize + 1];
     for column in used.iter().step_by(used.len().div_ceil(limits.looked_at).max(1)) {
         let row = line[*column].row_px;
         // From the shadow to the light: upwards at the upper edge.
         let phase = if side == 0 { row.round() - row } else { row - row.round() };
-        edge_samples(f64::from(-REACH), phase, figures.sigma_px[side], &mut samples);
+        edge_samples(f64::from(-reach), phase, sigma_px, samples);
         let (mut xx, mut xs, mut ss) = (0.0, 0.0, 0.0);
-        for s in &samples {
+        for s in samples.iter() {
             let weight =
                 contrast * contrast / (variance[0] + (variance[1] - variance[0]) * s.value).max(1e-12);
             xx += weight * s.by_position * s.by_position;

@@ -4,7 +4,6 @@ use shadowgauge::gauge::flank::{FlankSettings, measure_flank, shipped};
 use shadowgauge::render::flank::{FlankScene, render_flank};
 
 #[test]
-#[ignore = "no forest is shipped yet"]
 fn the_shipped_forest_is_small_and_of_rendered_flanks() {
     let forest = shipped().unwrap();
     assert!(forest.facts.trained_on.contains("rendered"), "{:?}", forest.facts);
@@ -12,7 +11,6 @@ fn the_shipped_forest_is_small_and_of_rendered_flanks() {
 }
 
 #[test]
-#[ignore = "no forest is shipped yet"]
 fn the_default_flank_is_measured_within_its_expanded_uncertainty() {
     let scene = FlankScene::default();
     let (frame, _, truth) = render_flank(&scene, 11).unwrap();
@@ -24,7 +22,6 @@ fn the_default_flank_is_measured_within_its_expanded_uncertainty() {
 
 /// Widths of a flank seen at an angle appear shortened by its cosine.
 #[test]
-#[ignore = "no forest is shipped yet"]
 fn the_viewing_angle_is_taken_into_account() {
     let scene = FlankScene::default();
     let (frame, _, _) = render_flank(&scene, 11).unwrap();

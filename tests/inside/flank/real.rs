@@ -99,7 +99,6 @@ fn measured(image: &Raster, um_per_px: f64) -> FlankMeasurement {
 }
 
 #[test]
-#[ignore = "no forest is shipped yet"]
 fn a_picture_turned_mirrored_dimmed_or_reduced_keeps_its_vbb_within_u() {
     let Some(images) = images() else { return };
     let image = grey(&images[4]);
@@ -123,7 +122,6 @@ fn a_picture_turned_mirrored_dimmed_or_reduced_keeps_its_vbb_within_u() {
 
 /// Against the masks, by the forest of rendered flanks: U of the widths over the columns of a mask.
 #[test]
-#[ignore = "no forest is shipped yet"]
 fn the_shipped_forest_covers_real_lands_by_its_u() {
     let Some(images) = images() else { return };
     let mut missed = Vec::new();

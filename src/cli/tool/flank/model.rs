@@ -9,8 +9,7 @@ use crate::gauge::flank::{CONTEXT, FEATURES, LandModel, shipped};
 /// What stands for a model on the command line; `None` is the paper's way.
 ///
 /// # Errors
-/// Exit 2 for a file that is no model, or one that this program is built without; 3 where no
-/// forest is shipped.
+/// Exit 2 for a file that is no model, or one that this program is built without.
 pub(in crate::cli) fn read(name: &str) -> Result<Option<Box<dyn LandModel>>, Failure> {
     match name {
         "paper" => Ok(None),

@@ -97,13 +97,18 @@ impl BlurEstimate {
         (column * BLOCKS / columns.max(1)).min(BLOCKS - 1)
     }
 
+    /// Columns of a block: those c with c·BLOCKS/columns = block.
+    pub(crate) fn columns(block: usize, columns: usize) -> std::ops::Range<usize> {
+        let first = |block: usize| (block * columns).div_ceil(BLOCKS);
+        first(block)..first(block + 1)
+    }
+
     /// End of the columns from `from` on that have the same blur.
     pub(crate) fn end_of_run(&self, from: usize, columns: usize) -> usize {
         let block = Self::block(from, columns);
         let own = self.sigma[block].to_bits();
         let other = (block..BLOCKS).find(|b| self.sigma[*b].to_bits() != own);
-        // The first column of a block: the least c with c·BLOCKS/columns ≥ block.
-        other.map_or(columns, |b| (b * columns).div_ceil(BLOCKS)).max(from + 1)
+        other.map_or(columns, |b| Self::columns(b, columns).start).max(from + 1)
     }
 
     /// Keeps the blur of all blocks within its bounds.

@@ -13,7 +13,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::blur::{BLOCKS, BlurEstimate, BlurLimits, BlurSums, middle, sample};
 use super::column_fit::ColumnJob;
-use super::scoring::{dot, normalise};
+use super::scoring::dot_above;
 use super::scoring_table::Table;
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::image::window_layout::PHASE_REACH;
@@ -89,7 +89,6 @@ impl BlurTrack {
         job: &ColumnJob<'_>,
         columns: std::ops::Range<usize>,
         Placed { line, slope }: Placed<'_>,
-        normalised: &mut [f32],
     ) {
         if !self.follows || columns.is_empty() {
             return;
@@ -102,7 +101,7 @@ impl BlurTrack {
             for column in sample(block, count, final_per_block).filter(|c| columns.contains(c)) {
                 let edge = &line[column];
                 if edge.is_usable() && slope[column].abs() <= steepest as f32 {
-                    add_column(sum, job, column, edge, normalised);
+                    add_column(sum, job, column, edge);
                 }
             }
         }
@@ -152,7 +151,7 @@ impl BlurTrack {
     }
 }
 
-fn add_column(sum: &mut BlurSums, job: &ColumnJob<'_>, column: usize, edge: &Edge, normalised: &mut [f32]) {
+fn add_column(sum: &mut BlurSums, job: &ColumnJob<'_>, column: usize, edge: &Edge) {
     let (windows, table) = (job.windows, job.table);
     let Ok(centre) = windows.centre[column] else { return };
     let x = f64::from(windows.side.sign()) * (edge.row_px - f64::from(centre));
@@ -164,12 +163,11 @@ fn add_column(sum: &mut BlurSums, job: &ColumnJob<'_>, column: usize, edge: &Edg
     let (first, length) = table.core();
     let Ok(moved) = usize::try_from(first as i64 + whole as i64) else { return };
     let Some(window) = windows.of(column).get(moved..moved + length) else { return };
-    let core = &mut normalised[..length];
-    normalise(window, dark, light - dark, core);
     let phase = table.phase(x);
-    let of_core = |weights: &[f32]| dot(core, &weights[first..first + length]);
-    let step = of_core(phase.weights) - phase.scalars.offset;
-    let score = of_core(phase.blur_scores) - phase.blur.offset - step * phase.blur.position;
+    // The edge was placed by its last step from this phase; `blur_shift` has moved it since.
+    let step = x + phase.scalars.lever * job.blur_shift - phase.scalars.phase;
+    let seen = dot_above(window, dark, &phase.blur_scores[first..first + length]) / (light - dark);
+    let score = seen - phase.blur.offset - step * phase.blur.position;
     let information = phase.blur.information(phase.scalars);
     sum.score += f64::from(score - information * job.blur_shift);
     sum.information += f64::from(information);
@@ -191,12 +189,15 @@ impl TrackView<'_> {
     fn move_edges(&self, delta: &[f64; BLOCKS], line: &mut [Edge]) {
         let columns = line.len();
         let sign = f64::from(self.windows.side.sign());
-        for (column, edge) in line.iter_mut().enumerate() {
-            let Ok(centre) = self.windows.centre[column] else { continue };
-            let x = sign * (edge.row_px - f64::from(centre));
-            let phase = if x.abs() > f64::from(PHASE_REACH) { x - x.round() } else { x };
-            let lever = f64::from(self.table.scalars(self.table.index(phase as f32)).lever);
-            edge.row_px -= sign * lever * delta[BlurEstimate::block(column, columns)];
+        for (block, delta) in delta.iter().enumerate() {
+            for column in BlurEstimate::columns(block, columns) {
+                let Ok(centre) = self.windows.centre[column] else { continue };
+                let edge = &mut line[column];
+                let x = sign * (edge.row_px - f64::from(centre));
+                let phase = if x.abs() > f64::from(PHASE_REACH) { x - x.round() } else { x };
+                let lever = f64::from(self.table.scalars(self.table.index(phase as f32)).lever);
+                edge.row_px -= sign * lever * delta;
+            }
         }
     }
 }

@@ -89,6 +89,18 @@ pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
     sums.total()
 }
 
+/// Σ (a − level)·b.
+#[inline(always)]
+pub(crate) fn dot_above(a: &[f32], level: f32, b: &[f32]) -> f32 {
+    let mut sums = Lanes::ZERO;
+    let (a, b) = (a[..b.len()].as_chunks::<8>().0, b.as_chunks::<8>().0);
+    for (a, b) in a.iter().zip(b) {
+        let above = Lanes::load(a).with(Lanes(f32x4::splat(level), f32x4::splat(level)), |a, l| a - l);
+        sums = sums.with(above.with(Lanes::load(b), |a, b| a * b), |s, p| s + p);
+    }
+    sums.total()
+}
+
 /// Σ (a − b)²·w.
 #[inline(always)]
 fn weighted_square(a: &[f32], b: &[f32], w: &[f32]) -> f32 {

@@ -193,11 +193,17 @@ impl SideFit<'_> {
         let normalised = &mut self.buffers.normalised;
         normalised.resize(width, 0.0);
         let mut expected = self.by.expected.map(Expected::test);
+        let level_slope = BlurLimits::get().level_slope;
+        let is_level = scan.slope.iter().all(|slope| slope.abs() < level_slope);
         let mut from = 0;
         let mut fitted = self.by.nothing_yet(model);
         while from < columns {
             let sigma = model.sigma_at(scan, from);
-            let to = end_of_run(model, scan, from, sigma);
+            let to = if is_level {
+                model.blur.end_of_run(from, columns)
+            } else {
+                end_of_sloped_run(model, scan, from, sigma)
+            };
             let table = self.tables.find(TableKey { sigma, kappa, width, free_levels });
             fitted.freedom = f64::from(table.freedom);
             let job = ColumnJob {
@@ -213,7 +219,7 @@ impl SideFit<'_> {
                 contrast,
             };
             score_columns(&job, from..to, normalised, line);
-            fitted.shown.add(&job, from..to, Placed { line, slope: &scan.slope }, normalised);
+            fitted.shown.add(&job, from..to, Placed { line, slope: &scan.slope });
             if let Some(expected) = &mut expected {
                 expected.judge(&job, from..to, normalised, line);
             }
@@ -242,14 +248,9 @@ fn own_shadow(scan: &ScanWindows, levels: &SideLevels, floats: &mut Vec<f32>) ->
     (shadow, levels.light.mean as f32 - shadow)
 }
 
-/// End of the columns from `from` on that share a blur.
-fn end_of_run(model: &EdgeModel, scan: &ScanWindows, from: usize, sigma: f64) -> usize {
-    let columns = scan.windows.centre.len();
-    let (level_slope, same_blur) = (BlurLimits::get().level_slope, TableLimits::get().same_blur);
-    let level = |slope: &f32| slope.abs() < level_slope;
-    if scan.slope.iter().all(level) {
-        return model.blur.end_of_run(from, columns);
-    }
+/// End of the columns from `from` on that share a blur along the column, on an edge with a slope.
+fn end_of_sloped_run(model: &EdgeModel, scan: &ScanWindows, from: usize, sigma: f64) -> usize {
+    let (columns, same_blur) = (scan.windows.centre.len(), TableLimits::get().same_blur);
     (from + 1..columns)
         .find(|c| (model.sigma_at(scan, *c) - sigma).abs() >= same_blur * sigma)
         .unwrap_or(columns)
