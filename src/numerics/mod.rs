@@ -1,7 +1,7 @@
 //! Mathematics without state, for every module: distributions, lines (also through points that are
 //! uncertain both ways), neighbours in a list, normal
 //! equations, splines (smoothing, penalised, through all samples), polynomials, a neural net,
-//! robust statistics, a median network.
+//! robust statistics, a median network, a Gaussian over an image.
 //!
 //! In: numbers and slices of them. Out: numbers, or a fit that can be evaluated. No type here has a
 //! unit, keeps state between calls or depends on another module, and the same arguments give the
@@ -16,6 +16,7 @@ pub(crate) mod both_uncertain;
 pub(crate) mod chebyshev;
 pub(crate) mod cubic_spline;
 pub(crate) mod distributions;
+pub(crate) mod gaussian;
 pub(crate) mod line;
 pub(crate) mod median_network;
 pub(crate) mod neighbours;

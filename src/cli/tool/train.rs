@@ -19,8 +19,8 @@ use crate::source::{Channel, listing};
 const GROUPS: usize = 5;
 
 /// Largest distance of a land's upper border from the edge that is found, µm: masks drawn by hand
-/// and edges that are chipped lie within it, another line of the body does not. Images by which
-/// errors are stated count with any: what the wrong edge costs is an error of the measurement.
+/// and edges that are chipped lie within it, another line of the body does not. What is farther off
+/// is not learnt from and counts among the errors: the wrong edge is one of the measurement.
 const MOST_OFF_UM: f64 = 25.0;
 
 /// Arguments of `tool train`.
@@ -61,7 +61,7 @@ pub(crate) fn run(args: &TrainArgs) -> CommandResult {
     let paths = pictures(&args.dir)?;
     let test = args.test.as_deref().map(pictures).transpose()?;
     let out = OutputFile::claim(&args.out, paths.iter().chain(test.iter().flatten()).cloned())?;
-    let labelled = all(args, &paths, MOST_OFF_UM)?;
+    let (labelled, aside) = parted(all(args, &paths)?);
     if labelled.len() < 2 {
         return Err(Failure::refuse(format!(
             "{}: {} labelled images, at least 2 are needed: NAME.json of Labelme or NAME_land.png beside each image",
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &TrainArgs) -> CommandResult {
             labelled.len()
         )));
     }
-    let others = test.map(|paths| all(args, &paths, f64::INFINITY)).transpose()?;
+    let others = test.map(|paths| all(args, &paths)).transpose()?;
     if others.as_ref().is_some_and(Vec::is_empty) {
         // no errors are not errors of 0
         return Err(Failure::refuse(
@@ -82,9 +82,13 @@ pub(crate) fn run(args: &TrainArgs) -> CommandResult {
     let growth = Growth { seed: args.seed, ..Growth::default() };
     let pixels = drawn(&labelled, growth.seed);
     let mut forest = train(&pixels, &growth);
+    let of_all = |(_, one): &(PathBuf, Labelled)| errors_um(&forest, one);
     let (vb, vb_max) = match &others {
-        Some(others) => rms(&others.par_iter().map(|one| errors_um(&forest, one)).collect::<Vec<_>>()),
-        None => rms(&left_out(&labelled, &pixels, &growth)),
+        Some(others) => rms(&others.par_iter().map(of_all).collect::<Vec<_>>()),
+        None => {
+            let of_aside = aside.par_iter().map(|one| errors_um(&forest, one));
+            rms(&[left_out(&labelled, &pixels, &growth), of_aside.collect()].concat())
+        }
     };
     forest.facts.trained_on =
         args.trained_on.clone().unwrap_or_else(|| format!("{} labelled images", labelled.len()));
@@ -106,15 +110,34 @@ fn pictures(dir: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(images.into_iter().filter(|p| !stem(p).ends_with("_land")).collect())
 }
 
-/// Those of the images that have a land and an edge, at most so far apart.
-fn all(args: &TrainArgs, paths: &[PathBuf], most_off_um: f64) -> Result<Vec<Labelled>, Failure> {
-    let each: Vec<Option<Labelled>> =
-        paths.par_iter().map(|path| one(args, path, most_off_um)).collect::<Result<_, _>>()?;
+/// Those of the images that have a land and an edge.
+fn all(args: &TrainArgs, paths: &[PathBuf]) -> Result<Vec<(PathBuf, Labelled)>, Failure> {
+    let named = |path: &PathBuf| Ok(one(args, path)?.map(|labelled| (path.clone(), labelled)));
+    let each: Vec<Option<(PathBuf, Labelled)>> =
+        paths.par_iter().map(named).collect::<Result<_, Failure>>()?;
     Ok(each.into_iter().flatten().collect())
 }
 
+/// Flanks that are learnt from, and those whose edge is not the land's.
+fn parted(all: Vec<(PathBuf, Labelled)>) -> (Vec<Labelled>, Vec<Labelled>) {
+    let (mut learnt, mut aside) = (Vec::new(), Vec::new());
+    for (path, labelled) in all {
+        match labelled.off_edge_um().filter(|off| off.abs() > MOST_OFF_UM) {
+            Some(off_um) => {
+                tracing::warn!(
+                    "{} is not learnt from: its land begins {off_um:.0} µm from the edge that is found, {MOST_OFF_UM} µm at most are; its error counts",
+                    path.display()
+                );
+                aside.push(labelled);
+            }
+            None => learnt.push(labelled),
+        }
+    }
+    (learnt, aside)
+}
+
 /// A labelled image; none where neither file stands beside it.
-fn one(args: &TrainArgs, path: &Path, most_off_um: f64) -> Result<Option<Labelled>, Failure> {
+fn one(args: &TrainArgs, path: &Path) -> Result<Option<Labelled>, Failure> {
     let named = |path: &Path, e: &dyn std::fmt::Display| Failure::fail(format!("{}: {e}", path.display()));
     let (labels, mask) = (path.with_extension("json"), {
         let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
@@ -148,17 +171,7 @@ fn one(args: &TrainArgs, path: &Path, most_off_um: f64) -> Result<Option<Labelle
         grey_mask(&grey, full)
     };
     match locate(&image, args.um_per_px, None) {
-        Ok(flank) => {
-            let labelled = Labelled::new(flank, &land);
-            if let Some(off_um) = labelled.off_edge_um().filter(|off| off.abs() > most_off_um) {
-                tracing::warn!(
-                    "{} is left out: its land begins {off_um:.0} µm from the edge that is found; at most {most_off_um} µm are learnt from",
-                    path.display()
-                );
-                return Ok(None);
-            }
-            Ok(Some(labelled))
-        }
+        Ok(flank) => Ok(Some(Labelled::new(flank, &land))),
         Err(e) => {
             // of a flank without an edge nothing is learnt; what remains is counted
             tracing::warn!("{} is left out: {e}", path.display());

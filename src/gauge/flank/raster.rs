@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::error::FlankError;
 use crate::frame::FrameView;
+use crate::numerics::gaussian::blurred;
 
 /// Grey values, row after row.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,9 +16,6 @@ pub(crate) struct Raster {
     /// Values, `rows * columns`.
     pub values: Vec<f32>,
 }
-
-/// Reach of a Gaussian's kernel over its standard deviation: 3e-4 of its weight lies beyond.
-const REACH: f64 = 3.6;
 
 impl Raster {
     /// Of one value.
@@ -70,35 +68,8 @@ impl Raster {
     /// A Gaussian of standard deviations along columns (rows down) and along rows, px; the border's
     /// values go on outside.
     pub(crate) fn blurred(&self, sigma_down: f64, sigma_along: f64) -> Self {
-        self.along(&kernel(sigma_along)).down(&kernel(sigma_down))
-    }
-
-    fn along(&self, kernel: &[f32]) -> Self {
-        let reach = kernel.len() / 2;
-        let mut out = Self::new(self.rows, self.columns);
-        out.values.par_chunks_mut(self.columns).enumerate().for_each(|(row, line)| {
-            let from = self.row(row);
-            let mut padded = Vec::with_capacity(self.columns + 2 * reach);
-            padded.extend(std::iter::repeat_n(from[0], reach));
-            padded.extend_from_slice(from);
-            padded.extend(std::iter::repeat_n(from[self.columns - 1], reach));
-            for (k, value) in line.iter_mut().enumerate() {
-                *value = kernel.iter().zip(&padded[k..]).map(|(a, b)| a * b).sum();
-            }
-        });
-        out
-    }
-
-    fn down(&self, kernel: &[f32]) -> Self {
-        let reach = kernel.len() / 2;
-        let mut out = Self::new(self.rows, self.columns);
-        out.values.par_chunks_mut(self.columns).enumerate().for_each(|(row, line)| {
-            for (k, weight) in kernel.iter().enumerate() {
-                let from = (row + k).saturating_sub(reach).min(self.rows - 1);
-                line.iter_mut().zip(self.row(from)).for_each(|(out, v)| *out += weight * v);
-            }
-        });
-        out
+        let values = blurred(&self.values, (self.rows, self.columns), (sigma_down, sigma_along));
+        Self { values, ..*self }
     }
 
     /// A quantile of every `step`-th value.
@@ -114,13 +85,4 @@ pub(crate) fn quantile(mut values: Vec<f32>, share: f64) -> f32 {
     }
     let k = ((values.len() - 1) as f64 * share.clamp(0.0, 1.0)).round() as usize;
     *values.select_nth_unstable_by(k, f32::total_cmp).1
-}
-
-/// Weights of a Gaussian, sum 1.
-fn kernel(sigma: f64) -> Vec<f32> {
-    let reach = (REACH * sigma).ceil() as i64;
-    let weight = |k: i64| if sigma > 0.0 { (-0.5 * (k as f64 / sigma).powi(2)).exp() } else { 1.0 };
-    let weights: Vec<f64> = (-reach..=reach).map(weight).collect();
-    let sum: f64 = weights.iter().sum();
-    weights.iter().map(|w| (w / sum) as f32).collect()
 }

@@ -120,7 +120,7 @@ impl Cells {
         for (row, line) in self.detail.values.chunks(self.detail.columns).enumerate() {
             let base = normal.y * row as f64 + reach as f64;
             for (column, value) in line.iter().enumerate() {
-                let at = (base + normal.x * column as f64).round() as usize;
+                let at = (base + normal.x * column as f64 + 0.5) as usize;
                 sums[at] += f64::from(*value);
                 counts[at] += 1.0;
             }

@@ -10,6 +10,7 @@ use super::settings::FlankScene;
 use super::surface::Surface;
 use super::wear::land_um;
 use crate::frame::{Buffer, Frame, FrameMeta, PixelFormat};
+use crate::numerics::gaussian::blurred;
 use crate::render::error::RenderError;
 
 /// Samples a pixel along each side: the finest structure, facets of 5 µm, is two pixels.
@@ -45,15 +46,15 @@ pub(crate) fn render_flank(
 ) -> Result<(Frame, Vec<u8>, FlankTruth), RenderError> {
     scene.check()?;
     let (rows, columns) = (scene.rows as usize, scene.columns as usize);
-    let surface = Surface { scene, seed };
     let pose = Pose::of(scene);
+    let surface = Surface { scene, seed, end_slope: pose.end_slope };
     let mut light = vec![0.0_f32; rows * columns];
     light.par_chunks_mut(columns).enumerate().for_each(|(row, line)| {
         for (column, out) in line.iter_mut().enumerate() {
             *out = pixel(&surface, &pose, row, column);
         }
     });
-    let light = blurred(&light, (rows, columns), scene.blur_px);
+    let light = blurred(&light, (rows, columns), (scene.blur_px, scene.blur_px));
     let mut pixels = vec![0_u8; rows * columns];
     pixels.par_chunks_mut(columns).enumerate().for_each(|(row, line)| {
         let mut random = Pcg64::seed_from_u64(seed.wrapping_mul(0x9e37_79b9).wrapping_add(row as u64));
@@ -100,7 +101,7 @@ struct Pose {
     normal: DVec2,
     um_per_px: f64,
     camber_um: f64,
-    end_deg: f64,
+    end_slope: f64,
 }
 
 impl Pose {
@@ -115,7 +116,7 @@ impl Pose {
             normal,
             um_per_px: scene.um_per_px,
             camber_um: scene.edge.camber_um,
-            end_deg: scene.edge.end_deg,
+            end_slope: scene.edge.end_deg.to_radians().tan(),
         }
     }
 
@@ -129,7 +130,7 @@ impl Pose {
 
     /// Where the flank begins at a depth, µm along the edge.
     fn end(&self, v: f64) -> f64 {
-        -v * self.end_deg.to_radians().tan()
+        -v * self.end_slope
     }
 }
 
@@ -150,29 +151,4 @@ fn truth(scene: &FlankScene, pose: &Pose, seed: u64) -> FlankTruth {
         widths_um,
         step_um: TRUTH_UM,
     }
-}
-
-/// A Gaussian over the image.
-fn blurred(light: &[f32], (rows, columns): (usize, usize), sigma: f64) -> Vec<f32> {
-    if sigma <= 0.0 {
-        return light.to_vec();
-    }
-    let reach = (3.6 * sigma).ceil() as i64;
-    let weights: Vec<f64> = (-reach..=reach).map(|k| (-0.5 * (k as f64 / sigma).powi(2)).exp()).collect();
-    let sum: f64 = weights.iter().sum();
-    let weights: Vec<f32> = weights.iter().map(|w| (w / sum) as f32).collect();
-    let pass =
-        |from: &[f32], step: usize, count: usize, place: &(dyn Fn(usize) -> usize + Sync)| -> Vec<f32> {
-            let at = |k: usize| {
-                let (own, base) = (place(k) as i64, k - place(k) * step);
-                let of = |(i, w): (usize, &f32)| {
-                    let other = (own + i as i64 - reach).clamp(0, count as i64 - 1) as usize;
-                    w * from[base + other * step]
-                };
-                weights.iter().enumerate().map(of).sum()
-            };
-            (0..from.len()).into_par_iter().map(at).collect()
-        };
-    let along = pass(light, 1, columns, &|k| k % columns);
-    pass(&along, columns, rows, &|k| k / columns)
 }

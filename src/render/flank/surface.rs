@@ -8,25 +8,32 @@ use super::wear::{chip_um, land_um};
 pub(super) struct Surface<'a> {
     pub(super) scene: &'a FlankScene,
     pub(super) seed: u64,
+    /// Where the flank begins: −µm along the edge by µm below it.
+    pub(super) end_slope: f64,
 }
 
 impl Surface<'_> {
     /// Light of a place `s` µm from the corner along the edge and `v` µm below the new edge.
     pub(super) fn light(&self, s: f64, v: f64) -> f64 {
         let (scene, surface) = (self.scene, &self.scene.surface);
-        let end = -v * scene.edge.end_deg.to_radians().tan();
-        let chipped = chip_um(&scene.wear, s, self.seed);
-        if v < chipped || s < end {
+        if v < 0.0 || s < -v * self.end_slope {
             return self.background(s, v);
         }
         let land = land_um(&scene.wear, s, self.seed);
+        let chipped = chip_um(&scene.wear, s, land, self.seed);
+        if v < chipped {
+            return self.background(s, v);
+        }
         let light = if v < land { self.land(s, v, v / land) } else { self.flank(s, v) };
-        let rim =
-            if land > 0.0 { surface.rim * self.broken(s, 25.0, 21) * bell((v - land) / 3.0) } else { 0.0 };
+        let rim = if land > 0.0 {
+            near(bell((v - land) / 3.0), || surface.rim * self.broken(s, 25.0, 21))
+        } else {
+            0.0
+        };
         // an edge is rounded by some micrometres and shines: a new one throughout, a worn one here
         // and there
         let edge = if land > 0.0 {
-            0.5 * self.broken(s, 40.0, 22) * bell((v - chipped) / 2.5)
+            near(bell((v - chipped) / 2.5), || 0.5 * self.broken(s, 40.0, 22))
         } else {
             bell(v / 4.0)
         };
@@ -77,7 +84,7 @@ impl Surface<'_> {
         let wanders = surface.line_at + 0.3 * rough(s / 400.0, 1.0, self.seed ^ 53);
         let width = surface.line_um * (0.6 + 0.8 * self.broken(s, 200.0, 54));
         let from_line_um = v - wanders * v / t.max(1e-6);
-        let line = surface.line * self.broken(s, 300.0, 55) * bell(from_line_um / width);
+        let line = near(bell(from_line_um / width), || surface.line * self.broken(s, 300.0, 55));
         let grains = noise(s / 6.0, v / 6.0, self.seed ^ 56);
         // what was cut adheres where the land ends rather than at the edge
         let adheres =
@@ -90,6 +97,11 @@ impl Surface<'_> {
         let level = surface.land * shade * (1.0 + surface.streaks * streaks + 0.08 * grains);
         (level.max(0.0) + line) * self.illumination(s, v)
     }
+}
+
+/// What a light adds at a share of it; far from it nothing is to be computed.
+fn near(share: f64, light: impl FnOnce() -> f64) -> f64 {
+    if share > 0.0 { light() * share } else { 0.0 }
 }
 
 fn bell(x: f64) -> f64 {

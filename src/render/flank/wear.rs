@@ -20,8 +20,11 @@ pub(super) fn land_um(wear: &FlankWear, s_um: f64, seed: u64) -> f64 {
     ((wear.vb_um * taper * scatter + corner + notch) * ends).max(0.0)
 }
 
-/// Depth to which the edge has chipped; never more than nine tenths of the land.
-pub(super) fn chip_um(wear: &FlankWear, s_um: f64, seed: u64) -> f64 {
+/// Depth to which the edge above a land has chipped, µm; never more than nine tenths of the land.
+pub(super) fn chip_um(wear: &FlankWear, s_um: f64, land_um: f64, seed: u64) -> f64 {
+    if wear.chipping_um <= 0.0 || land_um <= 0.0 {
+        return 0.0;
+    }
     let chip = wear.chipping_um * (2.0 * rough(s_um / 60.0, 9.0, seed) - 0.5).clamp(0.0, 1.0);
-    chip.min(0.9 * land_um(wear, s_um, seed))
+    chip.min(0.9 * land_um)
 }

@@ -2,6 +2,26 @@
 
 use shadowgauge::gauge::flank::forest::file;
 use shadowgauge::gauge::flank::forest::training::{Growth, Samples, grow};
+use shadowgauge::numerics::gaussian::blurred;
+
+/// A single bright pixel becomes the Gaussian, different along and down; what is even stays even up
+/// to the border.
+#[test]
+fn a_gaussian_over_an_image_is_one() {
+    let (rows, columns, sigmas) = (31, 41, (2.0, 3.0));
+    let mut single = vec![0.0; rows * columns];
+    single[15 * columns + 20] = 1.0;
+    let seen = blurred(&single, (rows, columns), sigmas);
+    let top = seen[15 * columns + 20];
+    for (row, column) in [(15, 20), (12, 20), (15, 27), (20, 14)] {
+        let (down, along) = ((row as f32 - 15.0) / 2.0, (column as f32 - 20.0) / 3.0);
+        let expected = top * (-0.5 * (down * down + along * along)).exp();
+        assert!((seen[row * columns + column] - expected).abs() < 1e-7, "{row} {column}");
+    }
+    assert!((seen.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+    assert!(blurred(&[0.7; 40], (5, 8), sigmas).iter().all(|v| (v - 0.7).abs() < 1e-6));
+    assert_eq!(blurred(&single, (rows, columns), (0.0, 0.0)), single);
+}
 
 /// Two features, one of which decides: above 0.3 a pixel is land.
 fn samples(n: usize) -> Samples {

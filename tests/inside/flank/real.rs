@@ -120,25 +120,34 @@ fn a_picture_turned_mirrored_dimmed_or_reduced_keeps_its_vbb_within_u() {
     }
 }
 
-/// Against the masks, by the forest of rendered flanks: U of the widths over the columns of a mask.
+/// Against the masks, by the forest of rendered flanks: VBB within U but for one of nine, which
+/// eight in a hundred nines exceed whose U is true; VBmax over the mask's columns is printed.
 #[test]
 fn the_shipped_forest_covers_real_lands_by_its_u() {
     let Some(images) = images() else { return };
+    let forest = shipped().unwrap();
     let mut missed = Vec::new();
-    for path in [&images[1], &images[3], &images[8]] {
-        let truth = labelled(path).width_um();
-        let over: Vec<f64> = truth.into_iter().filter(|w| *w > 0.0).collect();
+    let (mut vb_square, mut most_square) = (0.0, 0.0);
+    for path in &images {
+        let labelled = labelled(path);
+        let over: Vec<f64> = labelled.width_um().into_iter().filter(|w| *w > 0.0).collect();
         let vb_um = over.iter().sum::<f64>() / over.len() as f64;
         let found = measured(&grey(path), UM_PER_PX);
+        let off_um = found.vbb.um - vb_um;
+        let (_, most_um) = errors_um(&forest, &labelled);
+        vb_square += off_um * off_um;
+        most_square += most_um * most_um;
         println!(
-            "{}: VBB {:.1} of {vb_um:.1} µm, U {:.1}",
+            "{}: VBB {:.1} of {vb_um:.1} µm, U {:.1}, VBmax off by {most_um:.1} µm",
             path.display(),
             found.vbb.um,
             2.0 * found.vbb.u_um
         );
-        if (found.vbb.um - vb_um).abs() > 2.0 * found.vbb.u_um {
+        if off_um.abs() > 2.0 * found.vbb.u_um {
             missed.push(path);
         }
     }
-    assert!(missed.is_empty(), "{missed:?}");
+    let rms = |square: f64| (square / images.len() as f64).sqrt();
+    println!("VBB off by {:.1} µm rms, VBmax by {:.1}", rms(vb_square), rms(most_square));
+    assert!(missed.len() <= 1, "{missed:?}");
 }

@@ -30,7 +30,7 @@ fn a_land_that_leaves_the_field_is_refused() {
     assert!(matches!(found, Err(FlankError::LeavesField { .. })), "{:?}", found.map(|f| f.vbb));
 }
 
-/// A flank and a land in full light, all of the texture saturated: the border is not seen, whether
+/// A flank and a land in full light, most of the texture saturated: the border is not seen, whether
 /// a land is found or not.
 #[test]
 fn glare_over_the_land_is_refused() {

@@ -80,22 +80,17 @@ fn totals(parts: [f32x4; 4]) -> f32x4 {
 /// Sum of products.
 #[inline(always)]
 pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
-    let mut sums = Lanes::ZERO;
-    // Where the caller's length is a constant the loop unrolls.
-    let (a, b) = (a[..b.len()].as_chunks::<8>().0, b.as_chunks::<8>().0);
-    for (a, b) in a.iter().zip(b) {
-        sums = sums.with(Lanes::load(a).with(Lanes::load(b), |a, b| a * b), |s, p| s + p);
-    }
-    sums.total()
+    dot_above(a, 0.0, b)
 }
 
 /// Σ (a − level)·b.
 #[inline(always)]
 pub(crate) fn dot_above(a: &[f32], level: f32, b: &[f32]) -> f32 {
-    let mut sums = Lanes::ZERO;
+    let (mut sums, level) = (Lanes::ZERO, Lanes(f32x4::splat(level), f32x4::splat(level)));
+    // Where the caller's length is a constant the loop unrolls.
     let (a, b) = (a[..b.len()].as_chunks::<8>().0, b.as_chunks::<8>().0);
     for (a, b) in a.iter().zip(b) {
-        let above = Lanes::load(a).with(Lanes(f32x4::splat(level), f32x4::splat(level)), |a, l| a - l);
+        let above = Lanes::load(a).with(level, |a, level| a - level);
         sums = sums.with(above.with(Lanes::load(b), |a, b| a * b), |s, p| s + p);
     }
     sums.total()
