@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::gauge::flank::{FlankMeasurement, FlankSettings, LandModel, measure_flank};
+use crate::gauge::flank::{FlankMeasurement, FlankSettings, FlankSide, LandModel, measure_flank};
 use crate::render::RenderError;
 use crate::render::flank::{FlankScene, FlankTruth, below_edge_um, render_flank};
 use crate::tool::wear::WearVerdict;
@@ -25,6 +25,8 @@ pub(crate) struct FlankPlan<'a> {
     pub um_per_px: f64,
     /// Seed of the first scene; the others follow.
     pub seed: u64,
+    /// At which side of the edge the flank lies, as far as that is stated.
+    pub side: FlankSide,
 }
 
 /// One flank.
@@ -62,12 +64,13 @@ pub(crate) struct FlankRow {
 
 impl FlankRow {
     /// Measures one scene.
-    pub(crate) fn of(scene: &FlankScene, seed: u64, model: &dyn LandModel) -> Result<Self, RenderError> {
+    pub(crate) fn of(scene: &FlankScene, seed: u64, plan: &FlankPlan<'_>) -> Result<Self, RenderError> {
         let (frame, _, truth) = render_flank(scene, seed)?;
         let full_scale = frame.view().full_scale().unwrap_or(f32::INFINITY);
-        let settings = FlankSettings { full_scale, ..FlankSettings::at_scale(scene.um_per_px) };
+        let at_scale = FlankSettings::at_scale(scene.um_per_px);
+        let settings = FlankSettings { full_scale, side: plan.side, ..at_scale };
         let row = Self::true_of(&truth, seed);
-        Ok(match measure_flank(&frame.view(), &settings, model) {
+        Ok(match measure_flank(&frame.view(), &settings, plan.model) {
             Ok(found) => row.with(&found, scene),
             Err(error) => Self { refused: Some(error.to_string()), ..row },
         })
@@ -121,7 +124,7 @@ pub(crate) fn run(
 ) -> Result<Vec<FlankRow>, RenderError> {
     let one = |k: usize| {
         let seed = plan.seed.wrapping_add(k as u64);
-        let row = FlankRow::of(&FlankScene::drawn(seed, plan.size, plan.um_per_px), seed, plan.model);
+        let row = FlankRow::of(&FlankScene::drawn(seed, plan.size, plan.um_per_px), seed, plan);
         done();
         row
     };

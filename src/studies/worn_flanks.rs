@@ -62,7 +62,7 @@ fn judged(
     seed: u64,
     (plan, limits): (&FlankPlan<'_>, &WearLimits),
 ) -> Result<FlankRow, RenderError> {
-    let row = FlankRow::of(scene, seed, plan.model)?;
+    let row = FlankRow::of(scene, seed, plan)?;
     let blunt = row.true_vbb_um > limits.vbb_um || row.true_vbb_max_um > limits.vbb_max_um;
     let land = row.vbb().zip(row.vbb_max()).map(|(mean, most)| Land {
         vbb_um: (row.true_vbb_um + mean.0, mean.1),

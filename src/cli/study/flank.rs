@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{csv_text, json_text};
 use crate::cli::terminal::progress;
-use crate::cli::tool::flank::model;
+use crate::cli::tool::flank::{model, side::Side};
 use crate::cli::tool::nose::scale;
 use crate::cli::tool::render_flank::size;
 use crate::files::OutputFile;
@@ -32,6 +32,9 @@ pub(crate) struct StudyFlankArgs {
     /// Scale, µm per px.
     #[arg(long, value_name = "S", default_value_t = 2.415, value_parser = scale)]
     um_per_px: f64,
+    /// At which side of the edge the flank lies: below it in all of these scenes.
+    #[arg(long, value_enum, default_value_t = Side::Any)]
+    flank_side: Side,
     /// A row a flank.
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
@@ -54,8 +57,13 @@ pub(crate) fn run(args: &StudyFlankArgs) -> CommandResult {
         ));
     };
     let csv = args.csv.as_deref().map(|p| OutputFile::claim(p, [])).transpose()?;
-    let plan =
-        FlankPlan { model: model.as_ref(), size: args.size, um_per_px: args.um_per_px, seed: args.seed };
+    let plan = FlankPlan {
+        model: model.as_ref(),
+        size: args.size,
+        um_per_px: args.um_per_px,
+        seed: args.seed,
+        side: args.flank_side.into(),
+    };
     if let Some(tools) = args.tools {
         return judged(args, &plan, (tools, csv));
     }

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+use super::flank::side::Side;
 use super::nose::{frames, scale};
 use super::strips;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::files::OutputFile;
 use crate::gauge::flank::forest::file;
 use crate::gauge::flank::forest::training::Growth;
-use crate::gauge::flank::{Drawn, Labelled, Raster, drawn, errors_um, locate, train};
+use crate::gauge::flank::{Drawn, Forest, KnownEdge, Labelled, Raster, drawn, errors_um, locate, train};
 use crate::measurement::flank_labels::{grey_mask, labelme_mask};
 use crate::source::{Channel, listing};
 
@@ -35,6 +36,9 @@ pub(crate) struct TrainArgs {
     /// Scale, µm per px in the plane of the flank.
     #[arg(long, value_name = "S", value_parser = scale)]
     um_per_px: f64,
+    /// At which side of the cutting edge the flanks lie in all images.
+    #[arg(long, value_enum, default_value_t = Side::Any)]
+    flank_side: Side,
     /// File of the model, for `tool flank --model`.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -82,11 +86,11 @@ pub(crate) fn run(args: &TrainArgs) -> CommandResult {
     let growth = Growth { seed: args.seed, ..Growth::default() };
     let pixels = drawn(&labelled, growth.seed);
     let mut forest = train(&pixels, &growth);
-    let of_all = |(_, one): &(PathBuf, Labelled)| errors_um(&forest, one);
+    let of_all = |(_, one): &(PathBuf, Labelled)| error_of(&forest, one);
     let (vb, vb_max) = match &others {
-        Some(others) => rms(&others.par_iter().map(of_all).collect::<Vec<_>>()),
+        Some(others) => rms(&others.par_iter().filter_map(of_all).collect::<Vec<_>>()),
         None => {
-            let of_aside = aside.par_iter().map(|one| errors_um(&forest, one));
+            let of_aside = aside.par_iter().filter_map(|one| error_of(&forest, one));
             rms(&[left_out(&labelled, &pixels, &growth), of_aside.collect()].concat())
         }
     };
@@ -170,7 +174,7 @@ fn one(args: &TrainArgs, path: &Path) -> Result<Option<Labelled>, Failure> {
         }
         grey_mask(&grey, full)
     };
-    match locate(&image, args.um_per_px, None) {
+    match locate(&image, args.um_per_px, KnownEdge { side: args.flank_side.into(), shape: None }) {
         Ok(flank) => Ok(Some(Labelled::new(flank, &land))),
         Err(e) => {
             // of a flank without an edge nothing is learnt; what remains is counted
@@ -187,9 +191,15 @@ fn left_out(labelled: &[Labelled], pixels: &[Vec<Drawn>], growth: &Growth) -> Ve
         let others = pixels.iter().enumerate().filter(|(k, _)| k % groups != group).map(|(_, l)| l);
         let forest = train(others, growth);
         let own = labelled.iter().enumerate().filter(|(k, _)| k % groups == group);
-        own.map(|(_, l)| errors_um(&forest, l)).collect::<Vec<_>>()
+        own.filter_map(|(_, l)| error_of(&forest, l)).collect::<Vec<_>>()
     };
     (0..groups).into_par_iter().flat_map_iter(of).collect()
+}
+
+/// Errors of VB and VBmax, µm; none of a flank that is not measured since another border could be
+/// its edge.
+fn error_of(forest: &Forest, one: &Labelled) -> Option<(f64, f64)> {
+    one.flank.certain().is_ok().then(|| errors_um(forest, one))
 }
 
 /// Root mean squares of errors of VB and VBmax, µm.

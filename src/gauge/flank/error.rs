@@ -45,6 +45,22 @@ pub(crate) enum FlankError {
         /// Where.
         column: f64,
     },
+    /// Two borders of what is in focus, either of which could be the cutting edge.
+    #[error(
+        "two borders could be the cutting edge, about row {row:.0}, column {column:.0} and about row {other_row:.0}, \
+         column {other_column:.0}: state at which side of it the flank lies (--flank-side), or move the tool so that \
+         one border alone is in the image"
+    )]
+    TwoEdges {
+        /// Middle of the likelier one.
+        row: f64,
+        /// Middle of the likelier one.
+        column: f64,
+        /// Middle of the other.
+        other_row: f64,
+        /// Middle of the other.
+        other_column: f64,
+    },
     /// Saturated light hides the land's border.
     #[error(
         "glare over the land: {share:.0} % of its border is saturated, about row {row:.0}, column {column:.0}; at most \

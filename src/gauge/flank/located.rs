@@ -5,7 +5,8 @@ use super::error::FlankError;
 use super::lift::lifted;
 use super::limits::FlankLimits;
 use super::raster::Raster;
-use super::reference::edge_line;
+use super::reference::{EdgeLine, edge_line};
+use super::settings::FlankSide;
 use super::strip::Frame;
 
 /// A rectified flank.
@@ -19,13 +20,40 @@ pub(crate) struct Located {
     pub inside: Vec<usize>,
     /// Standard uncertainty of the reference curve's level, µm.
     pub u_reference_um: f64,
+    /// The line that was taken, and another that could be the edge.
+    rival: Option<[EdgeLine; 2]>,
 }
 
-/// Finds the cutting edge and cuts the strip along it; `shape` is the baseline's curve.
+/// What is known of an edge before it is looked for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct KnownEdge<'a> {
+    /// At which side of it the flank lies.
+    pub side: FlankSide,
+    /// The baseline's curve.
+    pub shape: Option<&'a [f64]>,
+}
+
+impl Located {
+    /// # Errors
+    /// Another border that could be the cutting edge as well.
+    pub(crate) fn certain(&self) -> Result<(), FlankError> {
+        let Some(lines) = self.rival else { return Ok(()) };
+        let [middle, other] = lines.map(|line| line.from + 0.5 * line.length_px * line.along);
+        Err(FlankError::TwoEdges {
+            row: middle.y,
+            column: middle.x,
+            other_row: other.y,
+            other_column: other.x,
+        })
+    }
+}
+
+/// Finds the cutting edge and cuts the strip along it; where two borders could be the edge, along
+/// the likelier one ([`Located::certain`]).
 ///
 /// # Errors
 /// No flank; an image that is too small; an edge without a smooth reference.
-pub(crate) fn locate(image: &Raster, um_per_px: f64, shape: Option<&[f64]>) -> Result<Located, FlankError> {
+pub(crate) fn locate(image: &Raster, um_per_px: f64, known: KnownEdge<'_>) -> Result<Located, FlankError> {
     let limits = FlankLimits::get();
     if image.rows.min(image.columns) < limits.least_side_px {
         let (rows, columns, least) = (image.rows, image.columns, limits.least_side_px);
@@ -41,7 +69,8 @@ pub(crate) fn locate(image: &Raster, um_per_px: f64, shape: Option<&[f64]>) -> R
     } else {
         image
     };
-    let line = lifted(sampled, edge_line(image)?, um_per_px);
+    let edge = edge_line(image, known.side)?;
+    let line = lifted(sampled, edge.line, um_per_px);
     let mut frame = Frame::about(line, um_per_px, (2.0 * limits.above_um, 2.0 * limits.above_um));
     let mut u_reference_um = 0.0;
     // the second round follows an edge that bends out of the first strip's middle
@@ -53,7 +82,7 @@ pub(crate) fn locate(image: &Raster, um_per_px: f64, shape: Option<&[f64]>) -> R
             for (k, depth) in traced.depth_um.iter_mut().enumerate() {
                 *depth += frame.reference_px(frame.s_px(k as f64)) * um_per_px;
             }
-            reference(&traced, &frame, shape)
+            reference(&traced, &frame, known.shape)
         });
         let found = curves
             .min_by(|a, b| a.u_um.total_cmp(&b.u_um))
@@ -75,5 +104,6 @@ pub(crate) fn locate(image: &Raster, um_per_px: f64, shape: Option<&[f64]>) -> R
     frame.above = (limits.above_um / frame.row_um()) as usize;
     frame.below = (limits.depth_um / frame.row_um()) as usize;
     let (strip, inside) = frame.cut(sampled);
-    Ok(Located { frame, strip, inside, u_reference_um })
+    let rival = edge.rival.map(|other| [edge.line, other]);
+    Ok(Located { frame, strip, inside, u_reference_um, rival })
 }

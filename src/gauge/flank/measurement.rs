@@ -3,7 +3,7 @@
 use super::error::FlankError;
 use super::land::Land;
 use super::limits::FlankLimits;
-use super::located::{Located, locate};
+use super::located::{KnownEdge, Located, locate};
 use super::model::{LandModel, ModelErrors};
 use super::raster::{Raster, quantile};
 use super::result::{FlankBudget, FlankMeasurement, Width};
@@ -14,14 +14,17 @@ use crate::frame::FrameView;
 /// Measures a flank by a model of its land, a forest or a network.
 ///
 /// # Errors
-/// No flank, a land that leaves the field, glare over its border; a model that fails.
+/// No flank, or two borders that could be its edge; a land that leaves the field, glare over its
+/// border; a model that fails.
 pub(crate) fn measure_flank(
     view: &FrameView<'_>,
     settings: &FlankSettings,
     model: &dyn LandModel,
 ) -> Result<FlankMeasurement, FlankError> {
     let image = Raster::of(view)?;
-    let flank = locate(&image, settings.um_per_px, settings.baseline.as_deref())?;
+    let known = KnownEdge { side: settings.side, shape: settings.baseline.as_deref() };
+    let flank = locate(&image, settings.um_per_px, known)?;
+    flank.certain()?;
     let found = model.land(&flank.strip, &flank.frame, &flank.inside)?;
     assess(&flank, &found, settings, model.errors())
 }

@@ -43,12 +43,12 @@ pub(crate) use error::FlankError;
 pub(crate) use features::FEATURES;
 pub(crate) use forest::Forest;
 pub(crate) use labelled::{Drawn, Labelled, drawn, errors_um, train};
-pub(crate) use located::locate;
+pub(crate) use located::{KnownEdge, locate};
 pub(crate) use measurement::measure_flank;
 pub(crate) use model::LandModel;
 pub(crate) use raster::Raster;
 pub(crate) use result::{FlankBudget, FlankMeasurement};
-pub(crate) use settings::{CornerSide, FlankSettings};
+pub(crate) use settings::{CornerSide, FlankSettings, FlankSide};
 pub(crate) use strip::normalised;
 
 /// The forest that the program brings along, trained on rendered flanks alone: `tool render-flank

@@ -10,8 +10,9 @@ use imageproc::edges::canny;
 use imageproc::morphology::{close, open};
 
 use super::error::FlankError;
-use super::located::{Located, locate};
+use super::located::{KnownEdge, Located, locate};
 use super::raster::Raster;
+use super::settings::FlankSide;
 use crate::frame::FrameView;
 use crate::gauge::limit::limits;
 
@@ -49,10 +50,15 @@ pub(crate) struct PaperFlank {
 /// Measures a flank by the paper's way.
 ///
 /// # Errors
-/// No flank; no bright region below the edge.
-pub(crate) fn measure_paper_flank(view: &FrameView<'_>, um_per_px: f64) -> Result<PaperFlank, FlankError> {
+/// No flank, or two borders that could be its edge; no bright region below the edge.
+pub(crate) fn measure_paper_flank(
+    view: &FrameView<'_>,
+    um_per_px: f64,
+    side: FlankSide,
+) -> Result<PaperFlank, FlankError> {
     let limits = PaperFlankLimits::get();
-    let flank = locate(&Raster::of(view)?, um_per_px, None)?;
+    let flank = locate(&Raster::of(view)?, um_per_px, KnownEdge { side, shape: None })?;
+    flank.certain()?;
     let edges = borders(&flank);
     let row_um = flank.frame.row_um();
     let begins = flank.frame.above + (limits.begins_um / row_um) as usize;

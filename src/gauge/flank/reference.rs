@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::error::FlankError;
 use super::limits::FlankLimits;
 use super::raster::{Raster, quantile};
+use super::settings::{FlankSide, between_deg};
 
 /// A directed line: the flank lies on the side of `normal`. Places are (column, row), px.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,19 +26,29 @@ pub(crate) struct EdgeLine {
     pub length_px: f64,
 }
 
+/// The edge and, where there is one, another border that it could be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FoundEdge {
+    /// The likeliest line.
+    pub line: EdgeLine,
+    /// Another line of nearly the same weight.
+    pub rival: Option<EdgeLine>,
+}
+
 struct Cells {
     side: usize,
     detail: Raster,
 }
 
-/// Finds the line.
+/// Finds the line; of a flank whose side is known among the directions that it allows.
 ///
 /// # Errors
 /// Nothing in focus; nothing long enough.
-pub(crate) fn edge_line(image: &Raster) -> Result<EdgeLine, FlankError> {
+pub(crate) fn edge_line(image: &Raster, side: FlankSide) -> Result<FoundEdge, FlankError> {
     let limits = FlankLimits::get();
     let cells = Cells::of(image)?;
-    let coarse: Vec<Candidate> = (0..360).into_par_iter().map(|k| cells.best_of(f64::from(k))).collect();
+    let directions = (0..360_u16).into_par_iter().map(f64::from).filter(|deg| side.may_be(*deg));
+    let coarse: Vec<Candidate> = directions.map(|deg| cells.best_of(deg)).collect();
     let best = |of: &[Candidate]| of.iter().copied().max_by(|a, b| a.score.total_cmp(&b.score));
     let top = best(&coarse).map_or(0.0, |c| c.score);
     // the border of a large flank at its side may have more texture beside it than an edge above a
@@ -49,11 +60,10 @@ pub(crate) fn edge_line(image: &Raster) -> Result<EdgeLine, FlankError> {
         let c = best(&fine)?;
         Some((c, cells.extent(&c)))
     });
-    let refined: Vec<(Candidate, (f64, f64))> = refined.collect();
-    // score is a mean along the whole chord of the image; a side of the body is a short edge
-    let weight = |c: &Candidate, of: &(f64, f64)| c.score * (of.1 - of.0).max(0.0).sqrt();
-    let longest = refined.into_iter().max_by(|(a, x), (b, y)| weight(a, x).total_cmp(&weight(b, y)));
-    let (best, (from, to)) = longest.ok_or_else(|| FlankError::NoFlank { why: "no line".to_owned() })?;
+    let mut refined: Vec<Border> = refined.map(|(line, extent)| Border { line, extent }).collect();
+    refined.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
+    let best = *refined.first().ok_or_else(|| FlankError::NoFlank { why: "no line".to_owned() })?;
+    let (from, to) = best.extent;
     if to - from < limits.least_cells {
         let why = format!(
             "the longest border of what is in focus is {:.0} px long, {:.0} are needed",
@@ -62,11 +72,32 @@ pub(crate) fn edge_line(image: &Raster) -> Result<EdgeLine, FlankError> {
         );
         return Err(FlankError::NoFlank { why });
     }
-    let normal = DVec2::from_angle(best.deg.to_radians());
-    let along = -normal.perp();
-    let place =
-        |s: f64| (normal * best.offset + along * s) * cells.side as f64 + 0.5 * (cells.side as f64 - 1.0);
-    Ok(EdgeLine { from: place(from), along, normal, length_px: (to - from) * cells.side as f64 })
+    let apart = |b: &&Border| between_deg(b.line.deg, best.line.deg) > limits.apart_deg;
+    let rival = refined.iter().find(apart).filter(|b| b.weight() >= limits.rival_share * best.weight());
+    let line = |border: &Border| border.edge_line(cells.side as f64);
+    Ok(FoundEdge { line: line(&best), rival: rival.map(line) })
+}
+
+/// A line with the part of it beside which a flank lies, cells.
+#[derive(Clone, Copy, Debug)]
+struct Border {
+    line: Candidate,
+    extent: (f64, f64),
+}
+
+impl Border {
+    /// Score is a mean along the whole chord of the image; a side of the body is a short edge.
+    fn weight(&self) -> f64 {
+        self.line.score * (self.extent.1 - self.extent.0).max(0.0).sqrt()
+    }
+
+    /// In pixels, of cells of so many.
+    fn edge_line(&self, side: f64) -> EdgeLine {
+        let normal = DVec2::from_angle(self.line.deg.to_radians());
+        let along = -normal.perp();
+        let from = (normal * self.line.offset + along * self.extent.0) * side + 0.5 * (side - 1.0);
+        EdgeLine { from, along, normal, length_px: (self.extent.1 - self.extent.0) * side }
+    }
 }
 
 #[derive(Clone, Copy, Debug)]

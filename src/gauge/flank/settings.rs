@@ -14,6 +14,43 @@ pub(crate) enum CornerSide {
     None,
 }
 
+/// At which side of the cutting edge the flank lies in the image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum FlankSide {
+    /// Not known.
+    #[default]
+    Any,
+    /// Below the edge.
+    Below,
+    /// To its right.
+    Right,
+    /// Above it.
+    Above,
+    /// To its left.
+    Left,
+}
+
+impl FlankSide {
+    /// Whether a normal into the flank, degrees from the right of the image downwards, may be of
+    /// this side: within 60 degrees, so that neighbouring sides share what lies between them.
+    pub(crate) fn may_be(self, deg: f64) -> bool {
+        let middle = match self {
+            Self::Any => return true,
+            Self::Right => 0.0,
+            Self::Below => 90.0,
+            Self::Left => 180.0,
+            Self::Above => 270.0,
+        };
+        between_deg(deg, middle) <= 60.0
+    }
+}
+
+/// Angle between two directions, 0 to 180 degrees.
+pub(super) fn between_deg(a: f64, b: f64) -> f64 {
+    let turn = (a - b).rem_euclid(360.0);
+    turn.min(360.0 - turn)
+}
+
 /// Settings of one measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FlankSettings {
@@ -30,6 +67,8 @@ pub(crate) struct FlankSettings {
     pub nose_radius_mm: Option<f64>,
     /// Where the corner lies.
     pub corner: CornerSide,
+    /// At which side of the edge the flank lies.
+    pub side: FlankSide,
     /// Curve of the new edge (`FlankMeasurement::curve`), whose bend is taken over.
     pub baseline: Option<Vec<f64>>,
     /// Grey value from which a pixel is saturated; infinite where none is known.
@@ -37,8 +76,8 @@ pub(crate) struct FlankSettings {
 }
 
 impl FlankSettings {
-    /// Of a flank seen at right angles, without a corner, a baseline or a full scale, at an exact
-    /// scale in µm per px.
+    /// Of a flank seen at right angles at an exact scale in µm per px, without a corner, a side, a
+    /// baseline or a full scale.
     pub(crate) fn at_scale(um_per_px: f64) -> Self {
         Self {
             um_per_px,
@@ -47,6 +86,7 @@ impl FlankSettings {
             u_viewing_deg: 0.0,
             nose_radius_mm: None,
             corner: CornerSide::None,
+            side: FlankSide::Any,
             baseline: None,
             full_scale: f32::INFINITY,
         }

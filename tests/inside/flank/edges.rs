@@ -1,6 +1,6 @@
 //! Cutting edges of rendered flanks before a background that changes on the way to the edge.
 
-use shadowgauge::gauge::flank::{Raster, locate};
+use shadowgauge::gauge::flank::{KnownEdge, Raster, locate};
 use shadowgauge::render::flank::{FlankScene, below_edge_um, render_flank};
 
 /// Scale, µm per px.
@@ -13,7 +13,8 @@ fn a_background_that_changes_does_not_bend_the_reference() {
     for seed in [100_016, 100_036, 100_063] {
         let scene = FlankScene::drawn(seed, (900, 560), UM_PER_PX);
         let (frame, _, _) = render_flank(&scene, seed).unwrap();
-        let found = locate(&Raster::of(&frame.view()).unwrap(), UM_PER_PX, None).unwrap().frame;
+        let found =
+            locate(&Raster::of(&frame.view()).unwrap(), UM_PER_PX, KnownEdge::default()).unwrap().frame;
         let off = |k: usize| below_edge_um(&scene, found.place(k as f64, 0.0)).abs();
         let most_um = (0..found.columns()).map(off).fold(0.0, f64::max);
         assert!(most_um < 6.0, "{seed}: {most_um}");

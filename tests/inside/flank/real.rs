@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use shadowgauge::frame::{FrameView, PixelFormat, Pixels};
 use shadowgauge::gauge::flank::forest::training::Growth;
 use shadowgauge::gauge::flank::{
-    FlankMeasurement, FlankSettings, Labelled, Raster, drawn, errors_um, locate, measure_flank, shipped,
-    train,
+    FlankMeasurement, FlankSettings, KnownEdge, Labelled, Raster, drawn, errors_um, locate, measure_flank,
+    shipped, train,
 };
 
 /// Their scale, µm per px (README of the images).
@@ -35,7 +35,7 @@ fn labelled(path: &Path) -> Labelled {
     let stem = path.file_stem().unwrap().to_string_lossy().into_owned();
     let mask = grey(&path.with_file_name(format!("{stem}_land.png")));
     let mask = mask.map(|v| f32::from(u8::from(v > 127.0)));
-    Labelled::new(locate(&grey(path), UM_PER_PX, None).unwrap(), &mask)
+    Labelled::new(locate(&grey(path), UM_PER_PX, KnownEdge::default()).unwrap(), &mask)
 }
 
 /// Trained on the five lower-numbered, tried on the other four.

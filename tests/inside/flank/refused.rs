@@ -1,7 +1,7 @@
 //! What shows no flank, or no whole land, gives no number.
 
 use shadowgauge::frame::{FrameView, PixelFormat, Pixels};
-use shadowgauge::gauge::flank::{FlankError, FlankSettings, measure_flank, shipped};
+use shadowgauge::gauge::flank::{FlankError, FlankSettings, FlankSide, measure_flank, shipped};
 use shadowgauge::render::flank::{FlankScene, render_flank};
 
 fn measured(pixels: &[u8], columns: usize) -> Result<(), FlankError> {
@@ -17,6 +17,27 @@ fn an_empty_picture_has_no_flank() {
         (0..400_u32 * 300).map(|k| 80 + (k.wrapping_mul(2_654_435_761) >> 29) as u8).collect();
     assert!(matches!(measured(&noise, 400), Err(FlankError::NoFlank { .. })));
     assert!(matches!(measured(&[80; 64 * 64], 64), Err(FlankError::TooSmall { .. })));
+}
+
+/// A side of the body stands out as the edge does: once it was measured instead. Where the flank's
+/// side is stated the edge is found, and the width within its uncertainty.
+#[test]
+fn a_side_of_the_body_is_not_taken_for_the_edge() {
+    for seed in [100_061, 100_076] {
+        let scene = FlankScene::drawn(seed, (900, 560), 2.415);
+        let (frame, _, truth) = render_flank(&scene, seed).unwrap();
+        let by = |side: FlankSide| {
+            let settings = FlankSettings { side, ..FlankSettings::at_scale(scene.um_per_px) };
+            measure_flank(&frame.view(), &settings, &shipped().unwrap())
+        };
+        let FlankError::TwoEdges { row, other_row, .. } = by(FlankSide::Any).unwrap_err() else {
+            panic!("{seed}: refused for another reason");
+        };
+        // the edge itself runs through the upper half
+        assert!(row.min(other_row) < 280.0 && row.max(other_row) > 280.0, "{seed}: {row}, {other_row}");
+        let vbb = by(FlankSide::Below).unwrap().vbb;
+        assert!((vbb.um - truth.vb_um).abs() < 2.0 * vbb.u_um, "{seed}: {vbb:?} of {}", truth.vb_um);
+    }
 }
 
 #[test]

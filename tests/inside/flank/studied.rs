@@ -1,7 +1,7 @@
 //! Studies of rendered flanks: what they state of a forest, and tools about the limits.
 
 use shadowgauge::gauge::flank::forest::training::Growth;
-use shadowgauge::gauge::flank::{Forest, Labelled, Raster, drawn, locate, train};
+use shadowgauge::gauge::flank::{FlankSide, Forest, KnownEdge, Labelled, Raster, drawn, locate, train};
 use shadowgauge::render::flank::{FlankScene, flank_truth, render_flank};
 use shadowgauge::studies::flanks::{self, FlankPlan};
 use shadowgauge::studies::worn_flanks;
@@ -16,7 +16,7 @@ fn small_forest() -> Forest {
         let image = Raster::of(&frame.view()).unwrap();
         let values = mask.iter().map(|m| f32::from(u8::from(*m > 0))).collect();
         let mask = Raster { rows: image.rows, columns: image.columns, values };
-        locate(&image, UM_PER_PX, None).ok().map(|flank| Labelled::new(flank, &mask))
+        locate(&image, UM_PER_PX, KnownEdge::default()).ok().map(|flank| Labelled::new(flank, &mask))
     };
     let all: Vec<Labelled> = (1..4).filter_map(one).collect();
     train(&drawn(&all, 1), &Growth { trees: 4, depth: 5, ..Growth::default() })
@@ -25,7 +25,8 @@ fn small_forest() -> Forest {
 #[test]
 fn flanks_and_their_summary_are_the_same_at_any_number_of_threads() {
     let forest = small_forest();
-    let plan = FlankPlan { model: &forest, size: SIZE, um_per_px: UM_PER_PX, seed: 900 };
+    let plan =
+        FlankPlan { model: &forest, size: SIZE, um_per_px: UM_PER_PX, seed: 900, side: FlankSide::Any };
     let run = || flanks::run(&plan, 4, &|| {}).unwrap();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(run);
     assert_eq!(one, run());
@@ -40,7 +41,7 @@ fn flanks_and_their_summary_are_the_same_at_any_number_of_threads() {
 #[test]
 fn tools_are_drawn_about_their_limits() {
     let (forest, limits) = (small_forest(), WearLimits::default());
-    let plan = FlankPlan { model: &forest, size: (640, 480), um_per_px: 3.5, seed: 1 };
+    let plan = FlankPlan { model: &forest, size: (640, 480), um_per_px: 3.5, seed: 1, side: FlankSide::Any };
     let (mut blunt, mut sharp) = (0, 0);
     for seed in 1..41 {
         let truth = flank_truth(&worn_flanks::scene(&plan, seed, &limits), seed);

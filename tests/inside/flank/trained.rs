@@ -1,7 +1,9 @@
 //! Forests from rendered flanks: the same bytes again, and what the trees disagree about is in u.
 
 use shadowgauge::gauge::flank::forest::{file, training::Growth};
-use shadowgauge::gauge::flank::{FlankSettings, Labelled, Raster, drawn, locate, measure_flank, train};
+use shadowgauge::gauge::flank::{
+    FlankSettings, KnownEdge, Labelled, Raster, drawn, locate, measure_flank, train,
+};
 use shadowgauge::render::flank::{FlankScene, render_flank};
 
 const UM_PER_PX: f64 = 4.0;
@@ -12,7 +14,7 @@ fn labelled(seed: u64) -> Option<Labelled> {
     let image = Raster::of(&frame.view()).unwrap();
     let values = mask.iter().map(|m| f32::from(u8::from(*m > 0))).collect();
     let mask = Raster { rows: image.rows, columns: image.columns, values };
-    locate(&image, UM_PER_PX, None).ok().map(|flank| Labelled::new(flank, &mask))
+    locate(&image, UM_PER_PX, KnownEdge::default()).ok().map(|flank| Labelled::new(flank, &mask))
 }
 
 #[test]

@@ -2,10 +2,12 @@
 
 pub(in crate::cli) mod model;
 mod overlay;
+pub(in crate::cli) mod side;
 mod words;
 
 use std::path::PathBuf;
 
+use self::side::Side;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::json_text;
 use crate::cli::tool::nose::{frames, scale};
@@ -33,6 +35,10 @@ pub(crate) struct FlankArgs {
     /// `tool train`, or a network of yours, FILE.onnx (in a program built with the feature `onnx`).
     #[arg(long, value_name = "MODEL", default_value = "forest")]
     model: String,
+    /// At which side of the cutting edge the flank lies in the image, for images that show another
+    /// border too.
+    #[arg(long, value_enum, default_value_t = Side::Any)]
+    flank_side: Side,
     /// An image of the same edge new: the bend of its edge is that of the reference.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
@@ -197,6 +203,7 @@ impl Instrument {
             u_viewing_deg: args.u_viewing_deg.abs(),
             nose_radius_mm: args.nose_radius_mm,
             corner,
+            side: args.flank_side.into(),
             baseline: None,
             full_scale: f32::INFINITY,
         };
@@ -223,7 +230,8 @@ impl Instrument {
     fn measure(&self, name: String, frame: &Frame) -> Result<Measured, String> {
         let view = frame.view();
         let Some(model) = self.model.as_deref() else {
-            let found = measure_paper_flank(&view, self.settings.um_per_px).map_err(|e| e.to_string())?;
+            let (um_per_px, side) = (self.settings.um_per_px, self.settings.side);
+            let found = measure_paper_flank(&view, um_per_px, side).map_err(|e| e.to_string())?;
             let image = FlankImage::of_paper(name, &found, &self.limits);
             return Ok((image, found.places));
         };
