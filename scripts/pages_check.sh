@@ -29,13 +29,14 @@ if [ -z "$axe" ]; then
   else skipped "checked by axe-core" "npm cannot fetch it, and AXE names no axe.min.js"; fi
 fi
 
-# An image of a nose, and a job of two passes in seconds.
+# Images of a nose and a flank, and a job of two passes in seconds.
 "$bin" tool render configs/tool/insert.toml --out "$out/insert" >/dev/null
+"$bin" tool render-flank configs/tool/flank.toml --out "$out/flank" >/dev/null
 cp configs/small_shaft.toml "$out/job.toml"
 work=$out/work.json
 here=$(pwd)
 case $out in /*) at=$out ;; *) at=$here/$out ;; esac
-printf '{"job": "%s", "nose": "%s", "modes": ["compensated", "batch", "plain"], "calibrations": 3}\n' "$at/job.toml" "$at/insert/frames/000000.png" >"$work"
+printf '{"job": "%s", "nose": "%s", "flank": "%s", "modes": ["compensated", "batch", "plain"], "calibrations": 3}\n' "$at/job.toml" "$at/insert/frames/000000.png" "$at/flank/000000.png" >"$work"
 
 "$bin" serve --listen 127.0.0.1:0 --runs "$out/runs" --store "$out/store.sqlite" --source "sim:configs/small_shaft.toml" -- --um-per-px 30 \
   >"$out/address.txt" 2>"$out/serve.log" &

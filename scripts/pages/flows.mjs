@@ -37,6 +37,7 @@ export async function program(page, { root, work }) {
   }, "Add tool");
   await listed(page, "given");
   if (work.nose) await measure(page, work.nose);
+  if (work.flank) await measureFlank(page, work.flank);
   await go(page, "Machines");
   await add(page, "Add or change a machine", async () => {
     await page.type("#machine-name", "lathe");
@@ -65,6 +66,22 @@ async function measure(page, image) {
   }, "Measure");
   await shows(page, "mean radius");
   await page.until("document.querySelector('img.overlay')?.naturalWidth > 0", "the picture with what was found");
+}
+
+// A flank has a side to state, a nose none.
+async function measureFlank(page, image) {
+  await go(page, "Machines");
+  await go(page, "Tools");
+  await add(page, "Measure an image", async () => {
+    if (await page.value("document.querySelector('#image-side').offsetParent !== null")) fail("a nose is asked for the side of its flank");
+    await page.choose("#image-tool", "finishing");
+    await page.choose("#image-kind", "flank");
+    if (await page.value("document.querySelector('#image-side').offsetParent === null")) fail("a flank's side cannot be stated");
+    await page.choose("#image-side", "below");
+    await page.type("#image-scale", "2.415");
+    await page.upload("#image-file", image);
+  }, "Measure");
+  await shows(page, "vbb_um");
 }
 
 // The text that is downloaded, as a person would type it in, ends where the drawn line does: each place within 1e-4 mm.

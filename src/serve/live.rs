@@ -168,3 +168,23 @@ pub(super) async fn picture(Extract(state): Extract<Shared>) -> Result<impl Into
     .await?;
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::arguments;
+
+    #[test]
+    fn a_source_is_watched_with_its_setup_and_frames_that_wait_unless_something_else_is_stated() {
+        let by = |more: &[&str]| {
+            let more: Vec<String> = more.iter().map(|word| (*word).to_owned()).collect();
+            arguments("camera.toml", Some("p".to_owned()), &more).join(" ")
+        };
+        let given = "watch camera.toml --json --picture p --setup";
+        assert_eq!(by(&["--fps", "50"]), format!("{given} --waiting 3 --fps 50"));
+        assert_eq!(by(&["--waiting=0"]), format!("{given} --waiting=0"));
+        assert_eq!(
+            by(&["--waiting", "8", "--setup"]),
+            "watch camera.toml --json --picture p --waiting 8 --setup"
+        );
+    }
+}

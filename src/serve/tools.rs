@@ -178,6 +178,41 @@ pub(super) struct OfImage {
     kind: ImageKind,
     /// Scale, µm per px.
     um_per_px: f64,
+    /// At which side of its cutting edge a flank lies in its image, where two borders could be it:
+    /// any, below, right, above or left.
+    #[serde(default)]
+    #[param(inline)]
+    flank_side: StatedSide,
+}
+
+/// A side in the image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+enum StatedSide {
+    /// Not stated.
+    #[default]
+    Any,
+    /// Below the edge.
+    Below,
+    /// To its right.
+    Right,
+    /// Above it.
+    Above,
+    /// To its left.
+    Left,
+}
+
+impl StatedSide {
+    /// As `tool flank` takes it.
+    fn word(self) -> &'static str {
+        match self {
+            Self::Any => "any",
+            Self::Below => "below",
+            Self::Right => "right",
+            Self::Above => "above",
+            Self::Left => "left",
+        }
+    }
 }
 
 /// Measures an image of a tool (32 MiB at most) and keeps the reading.
@@ -207,17 +242,17 @@ pub(super) async fn image(
     .await?;
     let scale = of.um_per_px.to_string();
     let has_baseline = folder.path().join("baseline.json").is_file();
-    workshop::run(folder.path(), &arguments(of.kind, &scale, has_baseline)).await?;
+    workshop::run(folder.path(), &arguments(&of, &scale, has_baseline)).await?;
     let reading = off_thread(move || stored(&state, (&who, &name), &of, (&folder, &bytes))).await?;
     drop(places);
     Ok((StatusCode::CREATED, Json(reading)))
 }
 
 /// The command that measures an image.
-fn arguments(kind: ImageKind, scale: &str, has_baseline: bool) -> Vec<&str> {
+fn arguments<'a>(of: &OfImage, scale: &'a str, has_baseline: bool) -> Vec<&'a str> {
     let shared = ["--um-per-px", scale, "--json", "--overlay", "overlay.png"];
-    if kind == ImageKind::Flank {
-        return [&["tool", "flank", "image"][..], &shared].concat();
+    if of.kind == ImageKind::Flank {
+        return [&["tool", "flank", "image", "--flank-side", of.flank_side.word()][..], &shared].concat();
     }
     let nose = ["tool", "nose", "image", "--tool", "tool.toml"];
     let baseline: &[&str] = if has_baseline { &["--baseline", "baseline.json"] } else { &[] };
@@ -279,4 +314,28 @@ pub(super) async fn overlay(
     })
     .await?;
     Ok(([(header::CONTENT_TYPE, "image/png")], png))
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::extract::Query;
+    use axum::http::Uri;
+
+    use super::{OfImage, arguments};
+
+    fn of(query: &str) -> Result<String, String> {
+        let uri: Uri = format!("/images?{query}").parse().unwrap();
+        let Query(of) = Query::<OfImage>::try_from_uri(&uri).map_err(|e| e.to_string())?;
+        Ok(arguments(&of, "2.4", false).join(" "))
+    }
+
+    #[test]
+    fn a_flank_is_measured_at_the_side_of_its_edge_that_is_stated() {
+        let stated = of("kind=flank&um_per_px=2.4&flank_side=above").unwrap();
+        assert!(stated.starts_with("tool flank image --flank-side above --um-per-px 2.4 "), "{stated}");
+        assert!(of("kind=flank&um_per_px=2.4").unwrap().contains("--flank-side any"));
+        assert!(of("kind=flank&um_per_px=2.4&flank_side=up").is_err());
+        // a nose has none
+        assert!(!of("kind=nose&um_per_px=2.4&flank_side=above").unwrap().contains("--flank-side"));
+    }
 }

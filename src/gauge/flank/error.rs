@@ -61,6 +61,19 @@ pub(crate) enum FlankError {
         /// Middle of the other.
         other_column: f64,
     },
+    /// Hardly a border at the stated side, while another stands out.
+    #[error(
+        "no edge {side} which the flank lies stands out as the one about row {row:.0}, column {column:.0} does: state the \
+         side of that one (--flank-side), or leave it out"
+    )]
+    OtherSide {
+        /// The side, in words.
+        side: &'static str,
+        /// Middle of the border that stands out.
+        row: f64,
+        /// Middle of the border that stands out.
+        column: f64,
+    },
     /// Saturated light hides the land's border.
     #[error(
         "glare over the land: {share:.0} % of its border is saturated, about row {row:.0}, column {column:.0}; at most \

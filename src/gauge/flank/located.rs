@@ -22,6 +22,8 @@ pub(crate) struct Located {
     pub u_reference_um: f64,
     /// The line that was taken, and another that could be the edge.
     rival: Option<[EdgeLine; 2]>,
+    /// A border at another side than the one that was stated, which stands out more.
+    pub clearer: Option<EdgeLine>,
 }
 
 /// What is known of an edge before it is looked for.
@@ -38,7 +40,7 @@ impl Located {
     /// Another border that could be the cutting edge as well.
     pub(crate) fn certain(&self) -> Result<(), FlankError> {
         let Some(lines) = self.rival else { return Ok(()) };
-        let [middle, other] = lines.map(|line| line.from + 0.5 * line.length_px * line.along);
+        let [middle, other] = lines.map(|line| line.middle());
         Err(FlankError::TwoEdges {
             row: middle.y,
             column: middle.x,
@@ -105,5 +107,5 @@ pub(crate) fn locate(image: &Raster, um_per_px: f64, known: KnownEdge<'_>) -> Re
     frame.below = (limits.depth_um / frame.row_um()) as usize;
     let (strip, inside) = frame.cut(sampled);
     let rival = edge.rival.map(|other| [edge.line, other]);
-    Ok(Located { frame, strip, inside, u_reference_um, rival })
+    Ok(Located { frame, strip, inside, u_reference_um, rival, clearer: edge.clearer })
 }

@@ -6,6 +6,7 @@ use super::limits::FlankLimits;
 use super::located::{KnownEdge, Located, locate};
 use super::model::{LandModel, ModelErrors};
 use super::raster::{Raster, quantile};
+use super::reference::other_side;
 use super::result::{FlankBudget, FlankMeasurement, Width};
 use super::settings::{CornerSide, FlankSettings};
 use super::zones::{Zones, largest, mean, worn_range, zones};
@@ -56,7 +57,14 @@ fn assess(
         .map(|k| Width { um: found.depth_um[k] / shortened, u_um: found.u_um[k] / shortened })
         .collect();
     let mut flags = if errors.vb_um.is_finite() { Vec::new() } else { vec!["no_uncertainty"] };
+    if flank.clearer.is_some() {
+        flags.push("side_as_stated");
+    }
     let Some(worn) = worn else {
+        // without a land nothing speaks for the stated side
+        if let Some(line) = &flank.clearer {
+            return Err(other_side(settings.side, line));
+        }
         // a land that glare hides is none that is absent
         glare(flank, found, (0, found.depth_um.len().saturating_sub(1)), settings.full_scale)?;
         flags.push("no_land");

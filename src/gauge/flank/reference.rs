@@ -26,6 +26,13 @@ pub(crate) struct EdgeLine {
     pub length_px: f64,
 }
 
+impl EdgeLine {
+    /// Its middle.
+    pub(crate) fn middle(&self) -> DVec2 {
+        self.from + 0.5 * self.length_px * self.along
+    }
+}
+
 /// The edge and, where there is one, another border that it could be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FoundEdge {
@@ -33,6 +40,8 @@ pub(crate) struct FoundEdge {
     pub line: EdgeLine,
     /// Another line of nearly the same weight.
     pub rival: Option<EdgeLine>,
+    /// A line of more weight at another side than the one that is stated.
+    pub clearer: Option<EdgeLine>,
 }
 
 struct Cells {
@@ -43,26 +52,25 @@ struct Cells {
 /// Finds the line; of a flank whose side is known among the directions that it allows.
 ///
 /// # Errors
-/// Nothing in focus; nothing long enough.
+/// Nothing in focus; nothing long enough; a side at which hardly a border lies while another stands
+/// out.
 pub(crate) fn edge_line(image: &Raster, side: FlankSide) -> Result<FoundEdge, FlankError> {
     let limits = FlankLimits::get();
     let cells = Cells::of(image)?;
-    let directions = (0..360_u16).into_par_iter().map(f64::from).filter(|deg| side.may_be(*deg));
-    let coarse: Vec<Candidate> = directions.map(|deg| cells.best_of(deg)).collect();
-    let best = |of: &[Candidate]| of.iter().copied().max_by(|a, b| a.score.total_cmp(&b.score));
-    let top = best(&coarse).map_or(0.0, |c| c.score);
-    // the border of a large flank at its side may have more texture beside it than an edge above a
-    // smooth land: the longest wins
-    let sectors = coarse.chunks(limits.sector_deg.max(1)).filter_map(best);
-    let likely: Vec<Candidate> = sectors.filter(|c| c.score > limits.likely_score * top).collect();
-    let refined = likely.into_par_iter().filter_map(|c| {
-        let fine: Vec<Candidate> = (-6..=6).map(|k| cells.best_of(c.deg + 0.25 * f64::from(k))).collect();
-        let c = best(&fine)?;
-        Some((c, cells.extent(&c)))
-    });
-    let mut refined: Vec<Border> = refined.map(|(line, extent)| Border { line, extent }).collect();
-    refined.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
-    let best = *refined.first().ok_or_else(|| FlankError::NoFlank { why: "no line".to_owned() })?;
+    let coarse: Vec<Candidate> =
+        (0..360_u16).into_par_iter().map(|deg| cells.best_of(f64::from(deg))).collect();
+    let stated: Vec<Candidate> = coarse.iter().copied().filter(|c| side.may_be(c.deg)).collect();
+    let borders = cells.borders(&stated);
+    let line = |border: &Border| border.edge_line(cells.side as f64);
+    let clearest = (side != FlankSide::Any).then(|| cells.borders(&coarse).first().copied()).flatten();
+    let Some(best) = borders.first().copied() else {
+        let none = || FlankError::NoFlank { why: "no line".to_owned() };
+        return Err(clearest.map_or_else(none, |clearest| other_side(side, &line(&clearest))));
+    };
+    let clearer = clearest.filter(|b| b.apart(&best) && b.weight() > best.weight());
+    if let Some(clearer) = clearer.filter(|b| best.weight() < limits.side_share * b.weight()) {
+        return Err(other_side(side, &line(&clearer)));
+    }
     let (from, to) = best.extent;
     if to - from < limits.least_cells {
         let why = format!(
@@ -72,10 +80,15 @@ pub(crate) fn edge_line(image: &Raster, side: FlankSide) -> Result<FoundEdge, Fl
         );
         return Err(FlankError::NoFlank { why });
     }
-    let apart = |b: &&Border| between_deg(b.line.deg, best.line.deg) > limits.apart_deg;
-    let rival = refined.iter().find(apart).filter(|b| b.weight() >= limits.rival_share * best.weight());
-    let line = |border: &Border| border.edge_line(cells.side as f64);
-    Ok(FoundEdge { line: line(&best), rival: rival.map(line) })
+    let rival = borders.iter().find(|b| b.apart(&best));
+    let rival = rival.filter(|b| b.weight() >= limits.rival_share * best.weight());
+    Ok(FoundEdge { line: line(&best), rival: rival.map(line), clearer: clearer.as_ref().map(line) })
+}
+
+/// A line stands out, and no edge of a flank at the stated side of it does.
+pub(super) fn other_side(side: FlankSide, line: &EdgeLine) -> FlankError {
+    let middle = line.middle();
+    FlankError::OtherSide { side: side.place(), row: middle.y, column: middle.x }
 }
 
 /// A line with the part of it beside which a flank lies, cells.
@@ -86,6 +99,11 @@ struct Border {
 }
 
 impl Border {
+    /// Whether it is another border, rather than another direction of the same one.
+    fn apart(&self, other: &Self) -> bool {
+        between_deg(self.line.deg, other.line.deg) > FlankLimits::get().apart_deg
+    }
+
     /// Score is a mean along the whole chord of the image; a side of the body is a short edge.
     fn weight(&self) -> f64 {
         self.line.score * (self.extent.1 - self.extent.0).max(0.0).sqrt()
@@ -140,6 +158,25 @@ impl Cells {
         let most = (1.5 * least).max(limits.enough_share as f32 * full);
         let share = |v: f32| ((v - least) / (most - least)).clamp(0.0, 1.0);
         Ok(Self { side, detail: detail.map(share) })
+    }
+
+    /// The likeliest borders among lines of neighbouring directions, the heaviest first.
+    fn borders(&self, coarse: &[Candidate]) -> Vec<Border> {
+        let limits = FlankLimits::get();
+        let best = |of: &[Candidate]| of.iter().copied().max_by(|a, b| a.score.total_cmp(&b.score));
+        let top = best(coarse).map_or(0.0, |c| c.score);
+        // the border of a large flank at its side may have more texture beside it than an edge
+        // above a smooth land: the longest wins
+        let sectors = coarse.chunks(limits.sector_deg.max(1)).filter_map(best);
+        let likely: Vec<Candidate> = sectors.filter(|c| c.score > limits.likely_score * top).collect();
+        let refined = likely.into_par_iter().filter_map(|c| {
+            let fine: Vec<Candidate> = (-6..=6).map(|k| self.best_of(c.deg + 0.25 * f64::from(k))).collect();
+            let line = best(&fine)?;
+            Some(Border { line, extent: self.extent(&line) })
+        });
+        let mut borders: Vec<Border> = refined.collect();
+        borders.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
+        borders
     }
 
     /// The best offset of a direction: sums by offset, then differences of strips.

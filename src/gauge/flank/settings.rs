@@ -43,6 +43,17 @@ impl FlankSide {
         };
         between_deg(deg, middle) <= 60.0
     }
+
+    /// In words, of a flank that lies there.
+    pub(super) fn place(self) -> &'static str {
+        match self {
+            Self::Any => "at any side of",
+            Self::Right => "to the right of",
+            Self::Below => "below",
+            Self::Left => "to the left of",
+            Self::Above => "above",
+        }
+    }
 }
 
 /// Angle between two directions, 0 to 180 degrees.

@@ -32,9 +32,13 @@ pub(crate) fn zones(worn: (usize, usize), corner_first: Option<bool>, corner_col
     }
 }
 
-/// Mean of widths, µm: u of columns whose scatter is shared over `shared` of them.
+/// Mean of widths, µm: u of columns whose scatter is shared over `shared` of them; 0 of none.
 pub(crate) fn mean(widths: &[Width], shared: f64) -> Width {
-    let n = widths.len().max(1) as f64;
+    if widths.is_empty() {
+        // a sum of no terms is -0, which would be printed
+        return Width::default();
+    }
+    let n = widths.len() as f64;
     let um = widths.iter().map(|w| w.um).sum::<f64>() / n;
     let variance = widths.iter().map(|w| w.u_um * w.u_um).sum::<f64>() / n;
     Width { um, u_um: (variance / (n / shared).max(1.0)).sqrt() }
@@ -85,6 +89,7 @@ mod tests {
         assert!((mean(&widths(&[100.0; 4]), 12.0).u_um - 2.0).abs() < 1e-12);
         assert_eq!(largest(&widths(&[3.0, 9.0, 4.0])).um, 9.0);
         assert_eq!(largest(&[]), Width::default());
+        assert!(mean(&[], 1.0).um.is_sign_positive(), "a new edge is 0.0 wide");
     }
 
     #[test]

@@ -40,6 +40,31 @@ fn a_side_of_the_body_is_not_taken_for_the_edge() {
     }
 }
 
+/// A side at which no edge lies is no edge's because it is stated: refused with the place of the
+/// one that stands out. One that could be the edge's is taken, and flagged; without a land, refused.
+#[test]
+fn a_side_that_is_stated_wrongly_is_refused() {
+    let (mut refused, mut flagged) = (0, 0);
+    for seed in [100_011, 100_012, 100_013, 100_014] {
+        let scene = FlankScene::drawn(seed, (900, 560), 2.415);
+        let (frame, _, _) = render_flank(&scene, seed).unwrap();
+        for side in [FlankSide::Right, FlankSide::Above, FlankSide::Left] {
+            let settings = FlankSettings { side, ..FlankSettings::at_scale(scene.um_per_px) };
+            match measure_flank(&frame.view(), &settings, &shipped().unwrap()) {
+                Err(FlankError::OtherSide { .. }) => refused += 1,
+                // a border of the body, or no smooth one
+                Err(_) => {}
+                Ok(found) => {
+                    assert!(found.flags.contains(&"side_as_stated"), "{seed}, {side:?}: {:?}", found.flags);
+                    assert!(!found.flags.contains(&"no_land"), "{seed}, {side:?}: {:?}", found.vbb);
+                    flagged += 1;
+                }
+            }
+        }
+    }
+    assert!(refused >= 9, "{refused} refused, {flagged} flagged");
+}
+
 #[test]
 fn a_land_that_leaves_the_field_is_refused() {
     let mut scene = FlankScene::default();
