@@ -53,8 +53,8 @@ pub(crate) use strip::normalised;
 
 /// The forest that the program brings along, trained on rendered flanks alone: `tool render-flank
 /// --random 240`, then `tool train --test` with 200 others (`--seed 5001`). Its file states its
-/// errors on those; what is measured is real, so that errors on real flanks are stated where they
-/// are larger.
+/// errors on those; errors about the limits of wear, and on real flanks, are larger and are stated
+/// instead.
 ///
 /// # Errors
 /// None but for a program whose features are no longer the forest's.
@@ -63,7 +63,7 @@ pub(crate) fn shipped() -> Result<Forest, FlankError> {
     let mut forest = read.map_err(FlankError::Model)?;
     let limits = limits::FlankLimits::get();
     let facts = &mut forest.facts;
-    facts.vb_error_um = facts.vb_error_um.max(limits.real_vb_um);
-    facts.vb_max_error_um = facts.vb_max_error_um.max(limits.real_vb_max_um);
+    facts.vb_error_um = facts.vb_error_um.max(limits.shipped_vb_um);
+    facts.vb_max_error_um = facts.vb_max_error_um.max(limits.shipped_vb_max_um);
     Ok(forest)
 }

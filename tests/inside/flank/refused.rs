@@ -41,7 +41,8 @@ fn a_side_of_the_body_is_not_taken_for_the_edge() {
 }
 
 /// A side at which no edge lies is no edge's because it is stated: refused with the place of the
-/// one that stands out. One that could be the edge's is taken, and flagged; without a land, refused.
+/// one that stands out. One that could be the edge's is taken, and flagged; without a land it is
+/// refused.
 #[test]
 fn a_side_that_is_stated_wrongly_is_refused() {
     let (mut refused, mut flagged) = (0, 0);
