@@ -448,8 +448,8 @@ impl<'a> ClosedLoop<'a> {
         if frames == 0 {
             return Ok(None);
         }
-        let (pin_frames, mut lesson) = (masters::pin_frames, ResidualAccumulator::default());
-        let (seen, _) = pin_frames(&self.job, self.cell.as_mut(), &self.gauge, (0, frames), &mut lesson)?;
+        let (pin_frames, mut residuals) = (masters::pin_frames, ResidualAccumulator::default());
+        let (seen, _) = pin_frames(&self.job, self.cell.as_mut(), &self.gauge, (0, frames), &mut residuals)?;
         let mean =
             |edges: &FrameEdges| camera.diameters(edges).mean(0..edges.columns()).value().map(|d| d.d_mm);
         let diameters: Vec<f64> = seen.iter().filter_map(mean).collect();

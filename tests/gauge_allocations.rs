@@ -46,8 +46,8 @@ fn frames() -> Vec<Frame> {
     (0..6_u32)
         .map(|k| {
             let by = 0.3 * f64::from(k % 3);
-            let matter = |c: usize| if k % 3 == 2 && (300..360).contains(&c) { 3.0 } else { 0.0 };
-            synth.frame(|c| (drifting(c).0 + by - matter(c), drifting(c).1 + by), Some(u64::from(k)))
+            let film = |c: usize| if k % 3 == 2 && (300..360).contains(&c) { 3.0 } else { 0.0 };
+            synth.frame(|c| (drifting(c).0 + by - film(c), drifting(c).1 + by), Some(u64::from(k)))
         })
         .collect()
 }
@@ -137,10 +137,10 @@ fn a_warm_stream_allocates_nothing() {
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let (requests, gaps) = pool.install(|| requests(&frames, 600));
-        assert!(gaps > 2000, "the matter is refused: {gaps} columns");
+        assert!(gaps > 2000, "the film is refused: {gaps} columns");
         assert_eq!(requests, 0, "{threads} threads");
         let (requests, gaps) = pool.install(|| requests_of_measurements(&frames, 60));
-        assert!(gaps > 200, "the matter is refused: {gaps} columns");
+        assert!(gaps > 200, "the film is refused: {gaps} columns");
         assert_eq!(requests, 0, "measurements, {threads} threads");
         for calibration in [&calibration, &Calibration::from_scale(5.0)] {
             for average in [Averaging::Off, Averaging::Median { readings: 5 }] {

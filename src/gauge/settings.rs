@@ -39,7 +39,7 @@ pub struct GaugeSettings {
     /// columns, as a share of the contrast, where noise does not explain it; beyond it the frame is
     /// refused. Above 0, at most 1.
     pub max_residual_rel: f64,
-    /// Whether columns that matter touches are refused.
+    /// Whether contaminated columns are refused.
     pub rejection: Rejection,
     /// The edge-spread function that is fitted.
     pub esf: EsfModel,

@@ -5,8 +5,8 @@
 #[path = "gauge_edges/esf.rs"]
 mod esf;
 use crate::inside::support::gauge_synth;
-#[path = "gauge_edges/matter.rs"]
-mod matter;
+#[path = "gauge_edges/contamination.rs"]
+mod contamination;
 
 use gauge_synth::{Synth, drifting};
 use shadowgauge::frame::PixelFormat;

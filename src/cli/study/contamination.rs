@@ -17,7 +17,7 @@ use crate::studies::sharding::{SceneStudy, outcomes};
 /// Arguments of `study contamination`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct StudyContaminationArgs {
-    /// Frames of each of the eight kinds of matter.
+    /// Frames of each of the eight kinds of contamination.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     frames: u32,
     /// Clean frames.
@@ -94,7 +94,7 @@ fn cells(k: &KindResult) -> Vec<String> {
 }
 
 const HEADER: [&str; 7] =
-    ["matter", "frames", "harmful", "mishandled", "misled (any frame)", "stations kept", "worst / µm"];
+    ["contamination", "frames", "harmful", "mishandled", "misled (any frame)", "stations kept", "worst / µm"];
 
 fn verdict(study: &ContaminationStudy) -> String {
     format!(
@@ -115,7 +115,7 @@ fn kept(share: Option<f64>) -> String {
 fn print(study: &ContaminationStudy) {
     say_line!(
         "{:<26} {:>7} {:>8} {:>11} {:>7} {:>14} {:>11}",
-        "matter",
+        "contamination",
         "frames",
         "harmful",
         "mishandled",
@@ -151,9 +151,9 @@ fn print_curve(title: &str, points: &[CurvePoint]) {
 }
 
 fn page(study: &ContaminationStudy) -> Result<String, Failure> {
-    let mut page = Page::new("Matter before the shaft and on it");
+    let mut page = Page::new("Contamination before the shaft and on it");
     page.text(
-        "Harmful: with nothing refused some station of 0.96 mm lies more than 5 µm from the same frame without the matter. Mishandled: a \
+        "Harmful: with nothing refused some station of 0.96 mm lies more than 5 µm from the same frame without the contamination. Mishandled: a \
          station then is neither a gap nor within 1 µm + U (k = 2) of the clean one. Frames of 512 × 1024 pixels, 15 µm, 8 bit.",
     );
     page.text(&verdict(study));

@@ -59,7 +59,7 @@ use crate::cli::failure::CommandResult;
 pub(crate) enum Study {
     /// Compliance of a held shaft over the position of a radial load.
     Deflection(StudyDeflectionArgs),
-    /// Matter before the shaft and on it: how often it misleads the gauge.
+    /// Contamination before the shaft and on it: how often it misleads the gauge.
     Contamination(StudyContaminationArgs),
     /// Every controller on the same shafts, through rendered and measured frames.
     Controllers(StudyControllersArgs),

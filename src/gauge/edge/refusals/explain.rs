@@ -198,7 +198,7 @@ pub(crate) fn too_few(edges: &FrameEdges, valid: usize, needed: usize) -> FrameR
             ": the edges fit no model at this noise: another edge than the model's (--esf learnt, or --esf FILE), a loss of focus, motion during the exposure, a ghost, or light that falls off steeply beside them"
         }
         Reason::Contaminated | Reason::Outlier => {
-            ": matter on the part, or a part that is not alike on both sides, as threads and flats are: try --rejection by_edge"
+            ": contamination on the part, or a part that is not alike on both sides, as threads and flats are: try --rejection by_edge"
         }
         Reason::Border => ": the edges lie too near the border of the field: move the part or the field",
         Reason::Steep => ": flanks steeper than 45° are not measured: turn the camera, or try --vertical",
