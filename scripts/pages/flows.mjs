@@ -82,6 +82,7 @@ async function measureFlank(page, image) {
     await page.upload("#image-file", image);
   }, "Measure");
   await shows(page, "vbb_um");
+  await page.until("document.querySelector('#image-side').offsetParent === null", "no side to state for the nose that the form asks for again");
 }
 
 // The text that is downloaded, as a person would type it in, ends where the drawn line does: each place within 1e-4 mm.

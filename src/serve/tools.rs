@@ -16,6 +16,7 @@ use super::off_thread::off_thread;
 use super::problem::{Problem, Words};
 use super::state::Shared;
 use super::workshop;
+use crate::gauge::flank::FlankSide;
 use crate::store::{EntryKind, Utc};
 use crate::tool::{ToolFile, read_nose};
 
@@ -182,37 +183,7 @@ pub(super) struct OfImage {
     /// any, below, right, above or left.
     #[serde(default)]
     #[param(inline)]
-    flank_side: StatedSide,
-}
-
-/// A side in the image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-enum StatedSide {
-    /// Not stated.
-    #[default]
-    Any,
-    /// Below the edge.
-    Below,
-    /// To its right.
-    Right,
-    /// Above it.
-    Above,
-    /// To its left.
-    Left,
-}
-
-impl StatedSide {
-    /// As `tool flank` takes it.
-    fn word(self) -> &'static str {
-        match self {
-            Self::Any => "any",
-            Self::Below => "below",
-            Self::Right => "right",
-            Self::Above => "above",
-            Self::Left => "left",
-        }
-    }
+    flank_side: FlankSide,
 }
 
 /// Measures an image of a tool (32 MiB at most) and keeps the reading.

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{csv_text, json_text};
 use crate::cli::terminal::progress;
-use crate::cli::tool::flank::{model, side::Side};
+use crate::cli::tool::flank::model;
 use crate::cli::tool::nose::scale;
 use crate::cli::tool::render_flank::size;
 use crate::files::OutputFile;
+use crate::gauge::flank::FlankSide;
 use crate::studies::flanks::{self, FlankPlan, WidthErrors};
 use crate::studies::worn_flanks;
 use crate::tool::wear::WearLimits;
@@ -33,8 +34,8 @@ pub(crate) struct StudyFlankArgs {
     #[arg(long, value_name = "S", default_value_t = 2.415, value_parser = scale)]
     um_per_px: f64,
     /// At which side of the edge the flank lies: below it in all of these scenes.
-    #[arg(long, value_enum, default_value_t = Side::Any)]
-    flank_side: Side,
+    #[arg(long, value_enum, default_value_t = FlankSide::Any)]
+    flank_side: FlankSide,
     /// A row a flank.
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
@@ -62,7 +63,7 @@ pub(crate) fn run(args: &StudyFlankArgs) -> CommandResult {
         size: args.size,
         um_per_px: args.um_per_px,
         seed: args.seed,
-        side: args.flank_side.into(),
+        side: args.flank_side,
     };
     if let Some(tools) = args.tools {
         return judged(args, &plan, (tools, csv));

@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::flank::side::Side;
 use super::nose::{frames, scale};
 use super::strips;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::files::OutputFile;
 use crate::gauge::flank::forest::file;
 use crate::gauge::flank::forest::training::Growth;
-use crate::gauge::flank::{Drawn, Forest, KnownEdge, Labelled, Raster, drawn, errors_um, locate, train};
+use crate::gauge::flank::{
+    Drawn, FlankSide, Forest, KnownEdge, Labelled, Raster, drawn, errors_um, locate, train,
+};
 use crate::measurement::flank_labels::{grey_mask, labelme_mask};
 use crate::source::{Channel, listing};
 
@@ -37,8 +38,8 @@ pub(crate) struct TrainArgs {
     #[arg(long, value_name = "S", value_parser = scale)]
     um_per_px: f64,
     /// At which side of the cutting edge the flanks lie in all images.
-    #[arg(long, value_enum, default_value_t = Side::Any)]
-    flank_side: Side,
+    #[arg(long, value_enum, default_value_t = FlankSide::Any)]
+    flank_side: FlankSide,
     /// File of the model, for `tool flank --model`.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -174,7 +175,7 @@ fn one(args: &TrainArgs, path: &Path) -> Result<Option<Labelled>, Failure> {
         }
         grey_mask(&grey, full)
     };
-    match locate(&image, args.um_per_px, KnownEdge { side: args.flank_side.into(), shape: None }) {
+    match locate(&image, args.um_per_px, KnownEdge { side: args.flank_side, shape: None }) {
         Ok(flank) => Ok(Some(Labelled::new(flank, &land))),
         Err(e) => {
             // of a flank without an edge nothing is learnt; what remains is counted

@@ -63,11 +63,11 @@ pub(crate) enum FlankError {
     },
     /// Hardly a border at the stated side, while another stands out.
     #[error(
-        "no edge {side} which the flank lies stands out as the one about row {row:.0}, column {column:.0} does: state the \
-         side of that one (--flank-side), or leave it out"
+        "no edge whose flank lies at the stated side ({side}) stands out as the one about row {row:.0}, column {column:.0} \
+         does: state the side of that one (--flank-side), or leave it out"
     )]
     OtherSide {
-        /// The side, in words.
+        /// The side, as it is stated.
         side: &'static str,
         /// Middle of the border that stands out.
         row: f64,

@@ -88,7 +88,7 @@ pub(crate) fn edge_line(image: &Raster, side: FlankSide) -> Result<FoundEdge, Fl
 /// A line stands out, and no edge of a flank at the stated side of it does.
 pub(super) fn other_side(side: FlankSide, line: &EdgeLine) -> FlankError {
     let middle = line.middle();
-    FlankError::OtherSide { side: side.place(), row: middle.y, column: middle.x }
+    FlankError::OtherSide { side: side.word(), row: middle.y, column: middle.x }
 }
 
 /// A line with the part of it beside which a flank lies, cells.

@@ -15,9 +15,12 @@ pub(crate) enum CornerSide {
 }
 
 /// At which side of the cutting edge the flank lies in the image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[cfg_attr(feature = "serve", derive(utoipa::ToSchema))]
 pub(crate) enum FlankSide {
-    /// Not known.
+    /// Not stated: refused where two borders could be the edge.
     #[default]
     Any,
     /// Below the edge.
@@ -44,14 +47,14 @@ impl FlankSide {
         between_deg(deg, middle) <= 60.0
     }
 
-    /// In words, of a flank that lies there.
-    pub(super) fn place(self) -> &'static str {
+    /// Its word, as options and queries have it.
+    pub(crate) fn word(self) -> &'static str {
         match self {
-            Self::Any => "at any side of",
-            Self::Right => "to the right of",
+            Self::Any => "any",
             Self::Below => "below",
-            Self::Left => "to the left of",
+            Self::Right => "right",
             Self::Above => "above",
+            Self::Left => "left",
         }
     }
 }

@@ -122,16 +122,20 @@ async function tools() {
   const [kind, scale, image] = [element("select", { id: "image-kind" }, ...["nose", "baseline", "flank"].map((k) => element("option", {}, k))), input("image-scale", { type: "number", step: "any", min: "0", required: "" }), file("image-file", "image/*")];
   const sides = element("select", { id: "image-side" }, ...["any", "below", "right", "above", "left"].map((k) => element("option", {}, k)));
   const flankSide = element("div", { hidden: "" }, ...field("Flank at which side of its edge (where two borders could be it)", sides));
-  kind.onchange = () => { flankSide.hidden = kind.value !== "flank"; };
+  const ofKind = () => { flankSide.hidden = kind.value !== "flank"; };
+  kind.onchange = ofKind;
   image.required = true;
   const measure = async () => {
     const name = of.value;
     await api(`tools/${name}/images?kind=${kind.value}&um_per_px=${scale.value}${kind.value === "flank" ? `&flank_side=${sides.value}` : ""}`, { method: "POST", body: image.files[0] });
     show((await api("tools")).find((tool) => tool.name === name));
   };
+  const measuring = sending(measure, load, "Measure", ...field("Tool", of), ...field("What it shows", kind), flankSide, ...field("Scale / µm per px", scale), ...field("Image (32 MiB at most)", image));
+  // once the form has its first values again
+  measuring.onreset = () => setTimeout(ofKind);
   await load();
   main.replaceChildren(element("h1", {}, "Tools"), list, place,
-    element("details", {}, element("summary", {}, "Measure an image"), sending(measure, load, "Measure", ...field("Tool", of), ...field("What it shows", kind), flankSide, ...field("Scale / µm per px", scale), ...field("Image (32 MiB at most)", image))),
+    element("details", {}, element("summary", {}, "Measure an image"), measuring),
     element("details", {}, element("summary", {}, "Add a tool"), sending(add, load, "Add tool", ...field("Name", n), ...field("Tool (TOML)", t), ...field("Its nose, where it was measured elsewhere (JSON of tool nose)", nose))));
   return () => wear?.end();
 }

@@ -66,6 +66,20 @@ fn a_side_that_is_stated_wrongly_is_refused() {
     assert!(refused >= 9, "{refused} refused, {flagged} flagged");
 }
 
+/// Of two borders the stated one may be the lighter; that it was taken for its side is flagged.
+#[test]
+fn a_border_that_is_taken_for_its_stated_side_is_flagged() {
+    let scene = FlankScene::drawn(100_143, (640, 480), 2.415);
+    let (frame, _, _) = render_flank(&scene, 100_143).unwrap();
+    let flags = |side: FlankSide| {
+        let settings = FlankSettings { side, ..FlankSettings::at_scale(scene.um_per_px) };
+        measure_flank(&frame.view(), &settings, &shipped().unwrap()).unwrap().flags
+    };
+    assert!(flags(FlankSide::Left).contains(&"side_as_stated"), "{:?}", flags(FlankSide::Left));
+    assert!(!flags(FlankSide::Below).contains(&"side_as_stated"), "{:?}", flags(FlankSide::Below));
+    assert!(!flags(FlankSide::Any).contains(&"side_as_stated"), "{:?}", flags(FlankSide::Any));
+}
+
 #[test]
 fn a_land_that_leaves_the_field_is_refused() {
     let mut scene = FlankScene::default();

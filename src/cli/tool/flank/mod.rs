@@ -2,19 +2,17 @@
 
 pub(in crate::cli) mod model;
 mod overlay;
-pub(in crate::cli) mod side;
 mod words;
 
 use std::path::PathBuf;
 
-use self::side::Side;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::json_text;
 use crate::cli::tool::nose::{frames, scale};
 use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::flank::paper::measure_paper_flank;
-use crate::gauge::flank::{CornerSide, FlankSettings, LandModel, measure_flank};
+use crate::gauge::flank::{CornerSide, FlankSettings, FlankSide, LandModel, measure_flank};
 use crate::measurement::flank::{FlankDocument, FlankImage};
 use crate::source::{Channel, listing};
 use crate::tool::wear::{WearLimits, WearRow, WearVerdict, forecast, read_history, write_history};
@@ -37,8 +35,8 @@ pub(crate) struct FlankArgs {
     model: String,
     /// At which side of the cutting edge the flank lies in the image, for images that show another
     /// border too.
-    #[arg(long, value_enum, default_value_t = Side::Any)]
-    flank_side: Side,
+    #[arg(long, value_enum, default_value_t = FlankSide::Any)]
+    flank_side: FlankSide,
     /// An image of the same edge new: the bend of its edge is that of the reference.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
@@ -203,7 +201,7 @@ impl Instrument {
             u_viewing_deg: args.u_viewing_deg.abs(),
             nose_radius_mm: args.nose_radius_mm,
             corner,
-            side: args.flank_side.into(),
+            side: args.flank_side,
             baseline: None,
             full_scale: f32::INFINITY,
         };
